@@ -22,6 +22,7 @@ CHAPTERS = {
     "fold": ("verify.poincare.iterates", "verify.bifurcation.fold"),
     "orbit": ("verify.orbit.following", "verify.orbit.proved_orbit"),
     "twist": ("verify.twist.following", "verify.twist.proved_stable_orbit"),
+    "krein": ("verify.reversor_breaking.following", "verify.krein.proved_krein"),
     "curve": ("verify.curve.piece", "verify.curve.proved_curve"),
     "periodic": ("verify.periodic.following", "verify.periodic.proved_periodic"),
     "periodic-bifurcation": (
@@ -47,6 +48,7 @@ OTHER_WORDS = {
     "fold": ("extremum",),
     "orbit": ("one-orbit", "single-orbit"),
     "twist": ("stable-orbit",),
+    "krein": ("collision", "krein-collision"),
     "curve": ("branch", "branches", "family", "families", "loop", "piece", "atlas", "libration"),
     "periodic": ("periodic-orbit",),
     "periodic-bifurcation": ("periodic-fold", "periodic-doubling", "periodic-pitchfork", "doubling", "pitchfork"),

@@ -1,4 +1,4 @@
-"""Where complete lists say that the reversor may be lost: guesses for claims about it."""
+"""Where complete lists say that the reversor may be lost, or that multipliers collide: guesses for claims about it."""
 
 from __future__ import annotations
 
@@ -7,38 +7,46 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.explore.refinement import Task
-from orbitproof.shared.formats import REVERSOR_BREAKING, Atlas, InputError, atlas_from_json, read_document
+from orbitproof.shared.formats import (
+    KREIN_COLLISION,
+    REVERSOR_BREAKING,
+    Atlas,
+    InputError,
+    atlas_from_json,
+    read_document,
+)
 from orbitproof.shared.numbers import parse_exact
 
-_LOSS = "loss of R"
-"""What the list of a certificate calls such a point."""
+LISTED = {REVERSOR_BREAKING: ("loss of R", "loss"), KREIN_COLLISION: ("Krein collision", "collision")}
+"""What the list of a certificate calls the points of a kind, and a word for ids."""
 
 
-def read_losses(path: Path, digits: int) -> list[Task]:
-    """The points of a certificate's complete list at which R may be lost, to be refined. Raises `InputError`."""
+def read_losses(path: Path, digits: int, kind: str = REVERSOR_BREAKING) -> list[Task]:
+    """The points of a certificate's complete list that may be of a kind, to be refined. Raises `InputError`."""
     document = read_document(path, "atlas-certificate")
     listed = (document["conclusion"] or {}).get("complete")
     if not listed:
         raise InputError(f"{path}: there is no complete list; make one with: orbitproof verify atlas --complete K")
     atlas = atlas_from_json(document["statement"]["atlas"], f"{path}: field statement.atlas")
     if not isinstance(atlas, Atlas) or atlas.system.normalised:
-        raise InputError(f"{path}: its orbits have no claims about a loss of R; give the list of another curve")
-    return tasks_of(atlas, listed, digits)
+        raise InputError(f"{path}: its orbits have no such claims; give the list of another curve")
+    return tasks_of(atlas, listed, digits, kind)
 
 
-def tasks_of(atlas: Atlas, listed: Mapping[str, Any], digits: int) -> list[Task]:
+def tasks_of(atlas: Atlas, listed: Mapping[str, Any], digits: int, kind: str = REVERSOR_BREAKING) -> list[Task]:
     """The same from the curve and its list."""
     pieces = {piece.id: piece for piece in atlas.curve_pieces()}
-    found = [entry for entry in listed["points"] if entry["kind"] == _LOSS]
+    called, word = LISTED[kind]
+    found = [entry for entry in listed["points"] if entry["kind"] == called]
     tasks = []
     for number, entry in enumerate(found, start=1):
         point = pieces[entry["piece"]].point(parse_exact(entry["s"]["mid"]))
         tasks.append(
             Task(
-                id=f"{atlas.id}-loss-{number}",
+                id=f"{atlas.id}-{word}-{number}",
                 system=atlas.system,
                 parameters=atlas.parameters,
-                kind=REVERSOR_BREAKING,
+                kind=kind,
                 k=1,
                 symmetry=None,
                 guess=tuple(map(float, point)),

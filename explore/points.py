@@ -10,7 +10,7 @@ from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import kind_of
 from orbitproof.explore.names import exact_parameters, label_of, short_name
 from orbitproof.explore.refinement import RefinementFailure, Task, refine_task
-from orbitproof.shared.formats import KINDS, REVERSOR_BREAKING, Candidate, InputError
+from orbitproof.shared.formats import ACROSS_KINDS, KINDS, Candidate, InputError
 from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
 
 
@@ -35,7 +35,8 @@ def refine_at(
         point: on Fix(R), all of `system.centre_coordinates` by name.
         k: multiplicity.
         parameters: the fixed parameters, exact: `Fraction`, int, or text such as "0.1", "1/3", "earth-moon".
-        kind: one of `shared.KINDS`, or "reversor_breaking"; by default the generic bifurcation at a 1:k resonance.
+        kind: one of `shared.KINDS`, "reversor_breaking" or "krein_collision"; by default the generic bifurcation at a
+            1:k resonance.
         symmetry: for symmetry breaking, the symmetry that breaks; by default the only one.
         crossings: how often the half orbit, from Fix(R) to Fix(R), meets the section, its end included.
         digits: decimal digits of the centre.
@@ -51,10 +52,10 @@ def refine_at(
         raise ValueError(f"point: {', '.join(point)}; give {', '.join(wanted)}")
     if digits < 1:
         raise ValueError(f"digits: {digits!r} is not positive")
-    known = (*KINDS, REVERSOR_BREAKING)
+    known = (*KINDS, *ACROSS_KINDS)
     if kind is not None and kind not in known:
         raise ValueError(f"kind: {kind!r} is unknown; there are {', '.join(known)}")
-    if kind == REVERSOR_BREAKING and (k != 1 or symmetry is not None):
+    if kind in ACROSS_KINDS and (k != 1 or symmetry is not None):
         raise ValueError(f"kind: {kind!r} has k = 1, and no symmetry")
     widths = None if radii is None else tuple(Fraction(float(each)) for each in radii)
     if widths is not None and (len(widths) != len(wanted) or not all(each > 0 for each in widths)):

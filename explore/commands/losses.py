@@ -1,4 +1,4 @@
-"""``orbitproof explore losses``: candidates at the points of a complete list at which R may be lost."""
+"""``orbitproof explore losses``: candidates at the points of a list at which R may be lost or multipliers collide."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.explore.commands import common
-from orbitproof.shared.formats import check_writable, write_candidates
+from orbitproof.shared.formats import ACROSS_KINDS, REVERSOR_BREAKING, check_writable, write_candidates
 
 _EXAMPLES = """\
 examples:
   orbitproof verify atlas loop.json --complete 4 -o loop-certificate.json
   orbitproof explore losses loop-certificate.json -o losses.json
+  orbitproof explore losses loop-certificate.json --kind krein_collision -o collisions.json
   orbitproof verify losses.json -o loss-certificates.json
   orbitproof verify atlas loop.json --complete 4 --bifurcations loss-certificates.json -o loop-certificate.json
 
@@ -24,9 +25,18 @@ Exit codes: 0 all refined, 1 one was not, 2 bad input.
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
     parser = common.add_command(
-        commands, "losses", "refine the points of a complete list at which R may be lost to candidates", _EXAMPLES
+        commands,
+        "losses",
+        "refine the points of a complete list at which R may be lost, or multipliers collide",
+        _EXAMPLES,
     )
     parser.add_argument("list", type=Path, metavar="CERTIFICATE", help="certificate of a curve with a complete list")
+    parser.add_argument(
+        "--kind",
+        choices=ACROSS_KINDS,
+        default=REVERSOR_BREAKING,
+        help="R is lost, or two pairs of multipliers meet on the unit circle (default: %(default)s)",
+    )
     parser.add_argument(
         "--digits", type=common.digits, default=50, metavar="N", help="decimal digits (default: %(default)s)"
     )
@@ -42,10 +52,10 @@ def run(options: argparse.Namespace) -> int:
     from orbitproof.explore.losses import read_losses
     from orbitproof.explore.refinement import refine_tasks
 
-    tasks = read_losses(options.list, options.digits)
+    tasks = read_losses(options.list, options.digits, options.kind)
     found = []
     with Reporter(options.quiet) as report:
-        report.stage("refining the points at which R may be lost")
+        report.stage(f"refining points of the kind {options.kind}")
         for _, refined in refine_tasks(tasks, 1, report.update):
             if refined.candidate is None:
                 report.error(f"{refined.task.id}: not refined: {refined.failure}")

@@ -9,8 +9,8 @@ from typing import Any
 from orbitproof.explore.commands import common
 from orbitproof.explore.names import given_parameters, label_of, place_of, short_name, system_named
 from orbitproof.shared.formats import (
+    ACROSS_KINDS,
     KINDS,
-    REVERSOR_BREAKING,
     InputError,
     check_writable,
     read_candidates,
@@ -24,6 +24,8 @@ examples:
   orbitproof explore refine --system mine.py -k 1 --kind fold --point c=1.26623 y=1.35911 -o fold.json
   orbitproof explore refine --system cr3bp --mass earth-moon -k 1 --kind reversor_breaking \\
       --point x=0.93 z=0.287 vy=0.0817 -o loss.json
+  orbitproof explore refine --system cr3bp --mass earth-moon -k 1 --kind krein_collision \\
+      --point x=0.92854 z=0.29456 vy=0.0818 -o collision.json
   orbitproof verify candidate.json -o certificate.json
 
 The point has to be good to five digits or so. Exit codes: 0 refined, 1 not, 2 bad input.
@@ -39,7 +41,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("--mass", metavar="MU", help="mass parameter of the CR3BP: a name or a number")
     parser.add_argument("-k", type=common.multiplicity, required=True, metavar="K", help="multiplicity")
     parser.add_argument(
-        "--kind", choices=(*KINDS, REVERSOR_BREAKING), help="of the bifurcation (default: the generic one of that K)"
+        "--kind", choices=(*KINDS, *ACROSS_KINDS), help="of the bifurcation (default: the generic one of that K)"
     )
     parser.add_argument(
         "--symmetry", metavar="NAME", help="for symmetry breaking: the symmetry that breaks (default: the only one)"

@@ -9,6 +9,7 @@ from .half_return import section_jets as section_jets
 from .half_return import start_jets as start_jets
 from .jets import Jet as Jet
 from .jets import JetBasis as JetBasis
+from .krein import refine_collision as refine_collision
 from .newton import RefinedPoint as RefinedPoint
 from .newton import refine as refine
 from .orbit import OrbitTask as OrbitTask

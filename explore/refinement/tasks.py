@@ -10,9 +10,12 @@ from typing import Any
 
 from orbitproof.explore.engines import Job, Lost, Progress, run_all
 from orbitproof.explore.refinement.breaking import refine_breaking
+from orbitproof.explore.refinement.krein import refine_collision
 from orbitproof.explore.refinement.newton import RefinementFailure, refine
-from orbitproof.shared.formats import REVERSOR_BREAKING, Candidate
+from orbitproof.shared.formats import KREIN_COLLISION, REVERSOR_BREAKING, Candidate
 from orbitproof.shared.systems import ReversibleSystem
+
+_ONE_POINT = {REVERSOR_BREAKING: refine_breaking, KREIN_COLLISION: refine_collision}
 
 
 @dataclass(frozen=True)
@@ -54,8 +57,8 @@ def refine_task(task: Task, progress: Progress | None = None) -> Refined:
     """Refine one point; a failure is a result, not an exception."""
     started = time.monotonic()
     try:
-        if task.kind == REVERSOR_BREAKING:
-            candidate = refine_breaking(
+        if task.kind in _ONE_POINT:
+            candidate = _ONE_POINT[task.kind](
                 task.system,
                 task.parameters,
                 task.guess,

@@ -19,6 +19,7 @@ _KINDS = {
     "touch_and_go": "$k={k}$, touch-and-go",
     "orbit": "one orbit",
     "reversor_breaking": "$R$ is lost",
+    "krein_collision": "Krein collision",
     "invariant_tori": "one orbit, tori near it",
     "stable_orbit": "one orbit, stable for ever",
 }

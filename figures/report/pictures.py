@@ -54,7 +54,7 @@ def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
         )
         figure = draw_orbit(entry.candidate, entry.certificate.orbit)
         return (_picture(f"orbit-{file_name(name)}", caption, figure), *_section_of(entry, entry.certificate.orbit))
-    if entry.candidate.loses_reversor:
+    if entry.candidate.looks_across:
         return ()
     figure = draw_certified(CertifiedCurves.of(entry.certificate.to_json(), f"certificate {name!r}"), None)
     fold = entry.candidate.is_fold

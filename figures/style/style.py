@@ -12,7 +12,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
-from orbitproof.shared.formats import FOLD, ORBIT_KINDS, REVERSOR_BREAKING
+from orbitproof.shared.formats import FOLD, KREIN_COLLISION, ORBIT_KINDS, REVERSOR_BREAKING
 from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, System
 
 INK = "#222222"
@@ -20,7 +20,7 @@ CURVE = "#3c6e91"
 SECOND_CURVE = "#a8a8a8"
 _MARKERS = {1: "^", 2: "s", 3: "D", 4: "o", 5: "p", 6: "h"}
 _COLOURS = {1: "#111111", 2: "#b2182b", 3: "#e08214", 4: "#1b7837", 5: "#762a83", 6: "#2166ac"}
-_OF_KIND = {FOLD: "v", REVERSOR_BREAKING: "X", **dict.fromkeys(ORBIT_KINDS, "P")}
+_OF_KIND = {FOLD: "v", REVERSOR_BREAKING: "X", KREIN_COLLISION: "*", **dict.fromkeys(ORBIT_KINDS, "P")}
 _TEX = {
     "vx": r"\dot{x}",
     "vy": r"\dot{y}",
@@ -46,7 +46,7 @@ def use_style() -> Any:
 
 
 def marker_of(k: int, kind: str = "") -> tuple[str, str]:
-    """Marker and colour of multiplicity k, of a fold, of a loss of R, or of an orbit that is no bifurcation.
+    """Marker and colour of multiplicity k, of a fold, a loss of R, a collision, or an orbit that is no bifurcation.
 
     The shape alone tells which, so that grey prints stay readable.
     """

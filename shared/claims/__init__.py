@@ -2,12 +2,14 @@
 
 from orbitproof.shared.claims.atlas import CLAIMS, SURFACE, Atlas, Claim, Covers
 from orbitproof.shared.claims.candidate import (
+    ACROSS_KINDS,
     BOX_KINDS,
     COORDINATE,
     FOLD,
     HALF_PERIOD,
     INVARIANT_TORI,
     KINDS,
+    KREIN_COLLISION,
     LEADING_POWERS,
     LEVEL,
     ONCE,

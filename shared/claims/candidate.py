@@ -32,7 +32,11 @@ ORBIT_KINDS = (ORBIT, STABLE_ORBIT, INVARIANT_TORI)
 """Claims about one orbit that an equation singles out."""
 REVERSOR_BREAKING = "reversor_breaking"
 """What a claim says about an orbit at which two are born that R does not map to themselves; k = 1."""
-BOX_KINDS = (*KINDS, *ORBIT_KINDS, REVERSOR_BREAKING)
+KREIN_COLLISION = "krein_collision"
+"""What a claim says about an orbit at which two pairs of multipliers meet on the unit circle and leave it; k = 1."""
+ACROSS_KINDS = (REVERSOR_BREAKING, KREIN_COLLISION)
+"""Claims about one orbit of a family whose proofs follow points beside Fix(R) too."""
+BOX_KINDS = (*KINDS, *ORBIT_KINDS, *ACROSS_KINDS)
 """All that a candidate may claim."""
 HALF_PERIOD, LEVEL, COORDINATE = "half period", "level", "coordinate"
 QUANTITIES = (HALF_PERIOD, LEVEL, COORDINATE)
@@ -62,8 +66,8 @@ class Candidate:
         id: unique name within a file.
         system: the reversible system.
         parameters: exact values of the system's fixed parameters, by name.
-        kind: one of `KINDS`, of `ORBIT_KINDS`, or `REVERSOR_BREAKING`.
-        k: multiplicity; 1 exactly for symmetry breaking, folds, orbits, and where R is lost.
+        kind: one of `BOX_KINDS`.
+        k: multiplicity; 1 exactly for symmetry breaking, folds, orbits, where R is lost, and where multipliers collide.
         symmetry: name of the symmetry that breaks, for symmetry breaking.
         centre: shape (1 + n,), in the order of `coordinates`.
         frame: shape (1 + n, 1 + n), rows; column j is the direction of p_j.
@@ -83,7 +87,7 @@ class Candidate:
     parameters: Mapping[Identifier, Rational]
     kind: Literal[
         "symmetry_breaking", "fold", "period_tupling", "touch_and_go",
-        "orbit", "stable_orbit", "invariant_tori", "reversor_breaking",
+        "orbit", "stable_orbit", "invariant_tori", "reversor_breaking", "krein_collision",
     ]  # fmt: skip
     k: Annotated[int, rules(minimum=1, maximum=1000)]
     centre: Numbers
@@ -114,7 +118,7 @@ class Candidate:
         if self.symmetry is not None and self.symmetry not in self.system.symmetries:
             known = ", ".join(self.system.symmetries) or "none"
             refuse("symmetry", f"{self.system.name} has no symmetry {self.symmetry!r}", f"known: {known}")
-        if self.loses_reversor and (self.k != 1 or self.symmetry is not None):
+        if self.looks_across and (self.k != 1 or self.symmetry is not None):
             refuse("kind", f"{self.kind} with k = {self.k} and {self.symmetry}", "give k = 1, and no symmetry")
         if self.level_sign is not None and self.system.family_parameter is not None:
             refuse("level_sign", f"{self.system.name} has the parameter {self.system.family_parameter}", "leave it out")
@@ -177,12 +181,12 @@ class Candidate:
     @property
     def has_branch(self) -> bool:
         """Whether other symmetric orbits branch off there."""
-        return not (self.is_of_orbit or self.is_fold or self.loses_reversor)
+        return not (self.is_of_orbit or self.is_fold or self.looks_across)
 
     @property
-    def loses_reversor(self) -> bool:
-        """Whether orbits that R does not map to themselves branch off there."""
-        return self.kind == REVERSOR_BREAKING
+    def looks_across(self) -> bool:
+        """Whether points beside Fix(R) count: R is lost there, or multipliers collide."""
+        return self.kind in ACROSS_KINDS
 
     @property
     def breaks_symmetry(self) -> bool:

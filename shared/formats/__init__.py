@@ -2,11 +2,13 @@
 
 from orbitproof.shared.arguments import ArgumentError, as_options, refused
 from orbitproof.shared.claims import (
+    ACROSS_KINDS,
     COORDINATE,
     FOLD,
     HALF_PERIOD,
     INVARIANT_TORI,
     KINDS,
+    KREIN_COLLISION,
     LEADING_POWERS,
     LEVEL,
     ONCE,

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 from orbitproof.shared.claims import (
+    ACROSS_KINDS,
     KINDS_IN_SECTION,
     ONCE,
     ORBIT_KINDS,
     PERIODIC,
-    REVERSOR_BREAKING,
     BoxClaim,
     Candidate,
     InSection,
@@ -142,7 +142,7 @@ def candidate_from_json(
         refuse("kind", f"{_WITHOUT_SYMMETRY}, which is not available here", "leave it out")
     system, _ = read_system(entry, source, systems)
     kind, k = entry["kind"], entry["k"]
-    once = (*ONCE, *ORBIT_KINDS, REVERSOR_BREAKING)
+    once = (*ONCE, *ORBIT_KINDS, *ACROSS_KINDS)
     if (kind in once) != (k == 1):
         refuse("k", f"{kind} with k = {k}", f"{', '.join(once)} have k = 1, the other kinds have k > 1")
     if ("parameter" in entry) != ("level_sign" in entry):

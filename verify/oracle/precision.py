@@ -26,6 +26,7 @@ from orbitproof.verify.evidence import (
     is_below,
     is_outside,
 )
+from orbitproof.verify.krein import KreinResults
 from orbitproof.verify.oracle.approximations import ORACLE
 from orbitproof.verify.orbit import OrbitResults
 from orbitproof.verify.periodic import PeriodicResults
@@ -34,7 +35,13 @@ from orbitproof.verify.poincare import Returns, box_of, default_order
 from orbitproof.verify.reversor_breaking import BreakingResults
 
 Found = (
-    BifurcationResults | OrbitResults | BreakingResults | PeriodicResults | PeriodicBifurcationResults | TorusResults
+    BifurcationResults
+    | OrbitResults
+    | BreakingResults
+    | KreinResults
+    | PeriodicResults
+    | PeriodicBifurcationResults
+    | TorusResults
 )
 Verdict = Outcome[Found]
 
@@ -120,7 +127,10 @@ def periodic_precision(claim: InSection, digits: int) -> int:
 
 
 def breaking_precision(candidate: Candidate, digits: int) -> int:
-    """Bits to begin with where R is lost: g is a derivative in q, over intervals of half as many bits as those of p."""
+    """Bits to begin with where R is lost: g is a derivative in q, over intervals of half as many bits as those of p.
+
+    The same serves where multipliers collide.
+    """
     widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in candidate.radii)
     a_return = _RESERVE_PER_RETURN * candidate.crossings
     wanted = widths // 2 + max(widths, ceil(digits * _BITS_PER_DIGIT)) + _RESERVE + 2 * a_return
@@ -153,7 +163,7 @@ def _bits_below_one(numerator: int, denominator: int) -> int:
 
 def least_known(found: Found) -> arb:
     """The parameter of a bifurcation; the number of an orbit known to the fewest digits, if that is not 0."""
-    if isinstance(found, (BifurcationResults, BreakingResults)):
+    if isinstance(found, (BifurcationResults, BreakingResults, KreinResults)):
         return found.parameter
     if isinstance(found, PeriodicResults):
         return found.period

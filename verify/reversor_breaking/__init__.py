@@ -10,7 +10,13 @@ from orbitproof.verify.reversor_breaking.following import (
 from orbitproof.verify.reversor_breaking.proved_reversor_breaking import (
     BreakingResults,
     BreakingTheorem,
+    both_points,
     check_breaking_exactly,
+    check_curve,
+    check_half_return,
+    check_sheet,
+    parameter_of,
+    period_of,
     prove_breaking,
     theorem_of,
 )

@@ -68,18 +68,21 @@ def enclose_breaking(
     settings: IntegratorSettings,
     oracle: WideOracle,
     progress: Callable[[float], None] | None = None,
+    alike: bool = False,
 ) -> BreakingEnclosures:
     """Follow the box of a candidate, and points beside it, to the other point on Fix(R).
 
+    With `alike` all variables have the weight 1, for all derivatives up to order 3 (section 31.2); else those that
+    section 27.4 asks for are enclosed well.
     `progress` is called after every step with a rough fraction of the work done; what it raises passes through.
     Raises `IntegrationFailure` if something could not be enclosed.
     """
     with guarded(settings.precision):
         order = settings.order if settings.order is not None else default_order(settings.precision)
-        width = across(candidate)
+        width = None if alike else across(candidate)
         box = box_of(candidate, settings.precision, order, True, width)
         scales, system = box.scales, candidate.system
-        check_size(box.arithmetic.grading, (min(candidate.radii) / BOX_RATIO, width / BOX_RATIO))
+        check_size(box.arithmetic.grading, (min(candidate.radii) / BOX_RATIO, scales[-1]))
         returns = HalfOrbits(system, box.arithmetic, box.point, oracle, settings.coordinates, box.level)
         iterates = []
         for number in range(candidate.crossings):

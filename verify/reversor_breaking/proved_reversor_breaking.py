@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -14,6 +14,7 @@ from orbitproof.verify.claim import check_frames, check_level, check_symmetries,
 from orbitproof.verify.evidence import (
     MAX_ORDER,
     Checklist,
+    DerivativeTable,
     NotEstablishedError,
     NotProved,
     Outcome,
@@ -114,12 +115,12 @@ def prove_breaking(
     if isinstance(theorem, Reason):
         return NotProved(theorem, tuple(checklist.hypotheses))
     try:
-        found = _checked(checklist, candidate, enclosures)
+        found = check_half_return(checklist, candidate, enclosures)
         check_half_orbit(checklist, found.iterates[:-1])
         if candidate.uses_level:
-            _check_sheet(checklist, candidate, found)
+            check_sheet(checklist, candidate, found)
         equations = equations_of(found)
-        _check_curve(checklist, candidate, equations)
+        check_curve(checklist, candidate, equations.slopes(_sides(candidate)))
         _check_kernel(checklist, candidate, equations)
         where = _check_point(checklist, candidate, equations)
         coefficients = _check_side(checklist, equations, where)
@@ -141,7 +142,9 @@ def _sides(candidate: Candidate) -> list[arb]:
     return [symmetric(radius) for radius in candidate.radii]
 
 
-def _checked(checklist: Checklist, candidate: Candidate, found: BreakingEnclosures | None) -> BreakingEnclosures:
+def check_half_return(
+    checklist: Checklist, candidate: Candidate, found: BreakingEnclosures | None
+) -> BreakingEnclosures:
     """Every enclosure that is used is there and finite, and the half period is positive."""
     m, n = candidate.crossings, len(candidate.kernel_frame)
     power = "P exists" if m == 1 else f"P, .., P^{m} exist"
@@ -166,7 +169,7 @@ def _checked(checklist: Checklist, candidate: Candidate, found: BreakingEnclosur
     return found
 
 
-def _check_sheet(checklist: Checklist, candidate: Candidate, found: BreakingEnclosures) -> None:
+def check_sheet(checklist: Checklist, candidate: Candidate, found: BreakingEnclosures) -> None:
     """The level coordinate is not 0 at the images, so that the others are coordinates of the level there."""
     name = candidate.system.level_coordinate
     statement = f"{name} has one sign at the image of the box under {_power(candidate)}"
@@ -176,15 +179,15 @@ def _check_sheet(checklist: Checklist, candidate: Candidate, found: BreakingEncl
         evidence.require(excludes_zero(value), "it may vanish", needs_precision=True)
 
 
-def _check_curve(checklist: Checklist, candidate: Candidate, equations: LossEquations) -> None:
-    """C is regular: for each value of the parameter at most one symmetric point."""
+def check_curve(checklist: Checklist, candidate: Candidate, slopes: list[list[arb]]) -> None:
+    """C is regular: for each value of the parameter at most one symmetric point; `slopes` of pi_q P^m over the box."""
     power = _power(candidate)
     statement = (
         f"C = D_(p_1, ..) pi_q {power} is regular on the box: for each p_0 at most one point has {power} in Fix(R)"
     )
     remedy = "claim a fold or a symmetry breaking where curves of symmetric orbits turn or meet, or smaller radii"
     with checklist.hypothesis("curve", "27.2", statement, remedy) as evidence:
-        matrix = [row[1:] for row in equations.slopes(_sides(candidate))]
+        matrix = [row[1:] for row in slopes]
         for row, entries in enumerate(matrix, start=1):
             for place, ball in enumerate(entries, start=1):
                 evidence.record(f"d q_{row} / d p_{place}", ball)
@@ -239,29 +242,50 @@ def _results(
     coefficients: Coefficients,
 ) -> BreakingResults:
     system = candidate.system
-    point = {
-        name: enclose(origin) + dot([enclose(value) for value in row], where)
-        for name, origin, row in zip(candidate.coordinates, candidate.centre, candidate.frame, strict=True)
-    }
-    at = [*where, *(arb(0) for _ in equations.image)]
-    first, *others = candidate.coordinates
-    image = {first: point[first]}
-    image |= {name: function.value(at) for name, function in zip(others, equations.image, strict=True)}
+    point, other_point = both_points(candidate, found, where)
     rows = inverse(candidate.kernel_frame) or []
     right = equations.kernel_over(where).right
     names = [system.state[index] for index in system.kernel_coordinates]
     return BreakingResults(
-        _on_fixed_set(candidate, point),
-        _on_fixed_set(_on_other_sheet(candidate, found), image),
-        first,
-        point[first],
+        point,
+        other_point,
+        candidate.coordinates[0],
+        parameter_of(candidate, where),
         "above" if is_positive(coefficients.opening) else "below",
-        2 * BoxFunction(found.half_period).value(at),
+        period_of(found, where),
         {name: dot([enclose(value) for value in row], right) for name, row in zip(names, rows, strict=True)},
         coefficients.opening,
         coefficients.gamma,
         coefficients.beta,
     )
+
+
+def both_points(
+    candidate: Candidate, found: BreakingEnclosures, where: Sequence[arb]
+) -> tuple[Mapping[str, arb], Mapping[str, arb]]:
+    """The points of Fix(R) with p in `where` and their images, by coordinate name."""
+    point = {
+        name: enclose(origin) + dot([enclose(value) for value in row], where)
+        for name, origin, row in zip(candidate.coordinates, candidate.centre, candidate.frame, strict=True)
+    }
+    first, *others = candidate.coordinates
+    image = {first: point[first]}
+    image |= {name: _value(table, where) for name, table in zip(others, found.image, strict=True)}
+    return _on_fixed_set(candidate, point), _on_fixed_set(_on_other_sheet(candidate, found), image)
+
+
+def parameter_of(candidate: Candidate, where: Sequence[arb]) -> arb:
+    """h at points with p in `where`, row 0 of the frame being (1, 0, .., 0)."""
+    return enclose(candidate.centre[0]) + where[0]
+
+
+def period_of(found: BreakingEnclosures, where: Sequence[arb]) -> arb:
+    """Of the orbits of these points, if they are symmetric."""
+    return 2 * _value(found.half_period, where)
+
+
+def _value(table: DerivativeTable, where: Sequence[arb]) -> arb:
+    return BoxFunction(table).value([*where, *(arb(0) for _ in where[1:])])
 
 
 def _on_fixed_set(candidate: Candidate, point: Mapping[str, arb]) -> Mapping[str, arb]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from flint import arb
 
-from orbitproof.shared.formats import FOLD, ORBIT_KINDS, REVERSOR_BREAKING, Atlas
+from orbitproof.shared.formats import FOLD, KREIN_COLLISION, ORBIT_KINDS, REVERSOR_BREAKING, Atlas
 from orbitproof.shared.systems import shown
 from orbitproof.verify.curve import Bifurcation
 from orbitproof.verify.evidence import EmptyIntersectionError, enclose, is_below
@@ -15,7 +15,7 @@ from orbitproof.verify.stability.kinds import Kind, Matter, Resonance, name_of
 from orbitproof.verify.stability.list_entries import Gap, Point
 
 _KINDS = {FOLD: Kind.FOLD, "symmetry_breaking": Kind.SYMMETRIC, REVERSOR_BREAKING: Kind.LOSS}
-"""What is found where a bifurcation of a kind is certified, for k = 1."""
+"""What is found where a bifurcation of a kind is certified, for k = 1, and a stability parameter is 1."""
 
 
 def about_the_list(atlas: Atlas, bifurcations: Sequence[Bifurcation], order: int) -> list[Bifurcation]:
@@ -39,9 +39,9 @@ def with_certificates(
         here = [
             index
             for index, point in enumerate(result)
-            if point.k == entry.k and point.piece == place.piece and point.s.overlaps(place.s)
+            if _is_of(entry, point) and point.piece == place.piece and point.s.overlaps(place.s)
         ]
-        is_open = any(_may_hide(gap, entry.k, place.piece, place.s) for gap in gaps)
+        is_open = any(_may_hide(gap, entry, place.piece, place.s) for gap in gaps)
         if len(here) == 1 and not is_open:
             found = result[here[0]]
             if found.kind is (Kind.HERE if place.other_point else Kind.THERE):
@@ -60,8 +60,19 @@ def with_certificates(
     return tuple(result)
 
 
-def _may_hide(gap: Gap, k: int, piece: str, s: arb) -> bool:
-    """Whether a resonance of order k at s may be one that is not listed."""
-    is_about = gap.subject is Matter.EVERYTHING or (isinstance(gap.subject, Resonance) and gap.subject.k == k)
+def _is_of(entry: Bifurcation, point: Point) -> bool:
+    """Whether a point of the list is a zero of the function that vanishes at a certified one."""
+    if entry.kind == KREIN_COLLISION:
+        return point.kind is Kind.COLLISION
+    return point.k == entry.k
+
+
+def _may_hide(gap: Gap, entry: Bifurcation, piece: str, s: arb) -> bool:
+    """Whether the certified point at s may be one that is not listed."""
+    if entry.kind == KREIN_COLLISION:
+        is_about = gap.subject in (Matter.EVERYTHING, Matter.COLLISION)
+    else:
+        is_resonance = isinstance(gap.subject, Resonance) and gap.subject.k == entry.k
+        is_about = gap.subject is Matter.EVERYTHING or is_resonance
     beside = is_below(s, enclose(gap.start)) or is_below(enclose(gap.end), s)
     return is_about and gap.piece == piece and not beside

@@ -23,21 +23,22 @@ def breaking_in_words(theorem: BreakingTheorem) -> str:
     power = "Poincare map" if m == 1 else f"power {m} of the Poincare map"
     return (
         "In the box there is exactly one point x of Fix(R) with P(x) in Fix(R) at which D(P^2)(x) - 1, "
-        f"{_at_fixed(candidate)}, has a kernel vector that R negates: there R is lost, and two orbits are born that R "
-        f"does not map to themselves. P is the {power} of the {where}, and the parameter is "
+        f"{at_fixed_parameter(candidate)}, has a kernel vector that R negates: there R is lost, and two orbits are "
+        f"born that R does not map to themselves. P is the {power} of the {where}, and the parameter is "
         f"{candidate.coordinates[0]}. The orbit of x is symmetric under R, has the time from x to P^2(x) as its least "
-        f"period, and {_meetings(m)}. A neighbourhood of x in the section and one of the value of the parameter at x "
+        f"period, and {meetings(m)}. A neighbourhood of x in the section and one of the value of the parameter at x "
         "are such that for every value in the second the points x' of the first at which the parameter has that value "
         "and P^2(x') = x' are these: exactly one in Fix(R), whose orbit is symmetric, and which depends smoothly on "
         "the parameter; on one side of the value at x exactly two more, not in Fix(R), which R exchanges and which "
         "tend to x as the value tends to that at x; on the other side, and at x, no more. The two lie on two different "
         "periodic orbits, whose least periods tend to that of the orbit of x. R maps each of these to the other with "
         "time reversed, and neither to itself. "
-        f"Of other symmetries nothing is said: the new orbits may have some.{_on_level(candidate)}"
+        f"Of other symmetries nothing is said: the new orbits may have some.{on_level(candidate)}"
     )
 
 
-def _at_fixed(candidate: Candidate) -> str:
+def at_fixed_parameter(candidate: Candidate) -> str:
+    """Where the maps are compared that a claim is about."""
     if candidate.level_sign is None and candidate.system.fixed_level is None:
         return "at the fixed value of the parameter"
     return (
@@ -45,13 +46,15 @@ def _at_fixed(candidate: Candidate) -> str:
     )
 
 
-def _meetings(m: int) -> str:
+def meetings(m: int) -> str:
+    """How often the symmetric orbit meets the section."""
     if m == 1:
         return "meets the section in a period at x and P(x) only"
     return f"meets the section in a period {2 * m} times, of which only x and P(x) are in Fix(R)"
 
 
-def _on_level(candidate: Candidate) -> str:
+def on_level(candidate: Candidate) -> str:
+    """The level and the sheet of the points, a sentence that begins with a space."""
     system, level = candidate.system, candidate.system.fixed_level
     if level is not None:
         side = sheet_in_words(system)

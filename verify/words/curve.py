@@ -134,6 +134,7 @@ def _bifurcation(atlas: Atlas, entry: Bifurcation) -> str:
         "symmetry_breaking": "symmetry breaking",
         "period_tupling": f"period {entry.k}-tupling",
         "touch_and_go": f"touch-and-go of order {entry.k}",
+        "krein_collision": "Krein collision",
     }.get(entry.kind, entry.kind)
     assert entry.place is not None
     # Of a first integral it is a title.

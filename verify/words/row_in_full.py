@@ -21,6 +21,7 @@ from orbitproof.verify.evidence import (
     guarded,
     symmetric,
 )
+from orbitproof.verify.krein import KreinResults, KreinTheorem
 from orbitproof.verify.orbit import OrbitResults, OrbitTheorem
 from orbitproof.verify.periodic import PeriodicResults, PeriodicTheorem
 from orbitproof.verify.periodic_bifurcation import (
@@ -35,6 +36,7 @@ from orbitproof.verify.twist import StableOrbitResults, StableOrbitTheorem
 from orbitproof.verify.words.bifurcation import Located, bifurcation_in_words, found_in_words, kind_in_words
 from orbitproof.verify.words.breaking import breaking_found, breaking_in_words
 from orbitproof.verify.words.formulas import setting
+from orbitproof.verify.words.krein import krein_found, krein_in_words
 from orbitproof.verify.words.orbit import orbit_found, orbit_in_words
 from orbitproof.verify.words.periodic import periodic_in_full, periodic_in_words
 from orbitproof.verify.words.periodic_bifurcation import (
@@ -64,6 +66,8 @@ def theorem_in_words(theorem: Theorem) -> str:
             return tori_in_words(theorem)
         case BreakingTheorem():
             return breaking_in_words(theorem)
+        case KreinTheorem():
+            return krein_in_words(theorem)
         case PeriodicTheorem():
             return periodic_in_words(theorem)
         case PeriodicBifurcationTheorem():
@@ -77,7 +81,9 @@ InSectionResults = PeriodicResults | PeriodicBifurcationResults | TorusResults
 
 
 def in_full(
-    candidate: BoxClaim, theorem: Theorem, found: Located | OrbitResults | BreakingResults | InSectionResults
+    candidate: BoxClaim,
+    theorem: Theorem,
+    found: Located | OrbitResults | BreakingResults | KreinResults | InSectionResults,
 ) -> str:
     """System, box, theorem, what its words mean, and what was found, in this order.
 
@@ -110,6 +116,8 @@ def in_full(
             lines += orbit_found(candidate, found)
         elif isinstance(found, BreakingResults):
             lines += breaking_found(candidate, found)
+        elif isinstance(found, KreinResults):
+            lines += krein_found(candidate, found)
         else:
             lines += [kind_in_words(claim), *found_in_words(found, claim, keyed_in_words(system, found.point))]
     return "\n".join(lines)
