@@ -184,6 +184,11 @@ class Candidate:
         return not (self.is_of_orbit or self.is_fold or self.looks_across)
 
     @property
+    def loses_reversor(self) -> bool:
+        """Whether orbits that R does not map to themselves branch off there."""
+        return self.kind == REVERSOR_BREAKING
+
+    @property
     def looks_across(self) -> bool:
         """Whether points beside Fix(R) count: R is lost there, or multipliers collide."""
         return self.kind in ACROSS_KINDS
