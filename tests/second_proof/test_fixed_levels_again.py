@@ -13,7 +13,7 @@ import pytest
 from flint import arb
 
 from orbitproof.explore.refinement.newton import refine
-from orbitproof.shared.formats import read_atlas
+from orbitproof.shared.formats import load_system, read_atlas
 from orbitproof.verify.certificate import Limits, certify
 from orbitproof.verify.run.second_proofs import compare
 from orbitproof.verify.second_proof import BadCertificate, NotProved, Proved, proof, second_proof
@@ -91,10 +91,19 @@ def test_a_level_that_cannot_be_read_is_named(name: str, value: Any) -> None:
         second_proof(changed(lambda statement: level(statement).update({name: value})))
 
 
-def circle(x: arb, sign: int, level: int = 1) -> Jet:
+@pytest.mark.parametrize("ends", [None, ["1"], ["1", "h"], [1, 2], {"low": "1"}])
+def test_an_interval_that_cannot_be_read_is_named(ends: Any) -> None:
+    with pytest.raises(BadCertificate, match=r"fixed_level.between"):
+        second_proof(changed(lambda statement: level(statement).update(between=ends)))
+
+
+Interval = tuple[Fraction, Fraction]
+
+
+def circle(x: arb, sign: int, level: int = 1, between: Interval | None = None) -> Jet:
     """w on x^2 + w^2 = level, over all points of a ball."""
     program = Program.from_text("v0 = x\nv1 = w\nv2 = v0 * v0\nv3 = v1 * v1\nv4 = v2 + v3\nreturn v4")
-    level_set = LevelSet(program, Fraction(level), 1, sign)
+    level_set = LevelSet(program, Fraction(level), 1, sign, between)
 
     def conserved(state: Sequence[Jet]) -> Jet:
         return program.run(dict(zip("xw", state, strict=True)), lambda value: Jet({(): arb(1) * int(value)}, 2))[0]
@@ -117,3 +126,33 @@ def test_the_coordinate_that_follows_is_enclosed_with_its_derivatives(sign: int)
 def test_where_it_is_not_shown_to_follow_nothing_is_said(x: arb, level: int) -> None:
     with pytest.raises((CannotFollow, ZeroDivisionError)):
         circle(x, 1, level)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_in_an_interval_it_is_the_same_coordinate(sign: int) -> None:
+    low, high = sorted((sign * Fraction(1, 10), sign * Fraction(3)))
+    for x in (arb("0.6"), arb("0.6", "0.1")):
+        one, other = circle(x, sign), circle(x, 0, 1, (low, high))
+        for key in ((), (0,), (0, 0)):
+            assert one[key].overlaps(other[key])
+        assert other[()].rad() < 0.3
+
+
+@pytest.mark.parametrize(
+    ("low", "high"), [("-3", "3"), ("-1/10", "3"), ("9/10", "3"), ("1/10", "7/10"), ("1/10", "4/5"), ("4/5", "3")]
+)
+def test_an_interval_with_another_point_or_none_is_refused(low: str, high: str) -> None:
+    with pytest.raises((CannotFollow, ZeroDivisionError)):
+        circle(arb("0.6"), 0, 1, (Fraction(low), Fraction(high)))
+
+
+@pytest.mark.slow
+def test_a_tupling_on_a_level_in_an_interval_is_proved_again() -> None:
+    system = load_system(Path(__file__).resolve().parents[2] / "docs" / "examples" / "relativistic.py")
+    claim = refine(system, {}, "period_tupling", 2, [0.6414622, 0.6756299], digits=40).to_candidate("two", {})
+    entry = certify(claim, Limits(max_precision=512)).to_json()
+    found = second_proof(entry)
+    assert isinstance(found, Proved), str(found)
+    assert compare(entry, found).verdict == "agrees"
+    entry["statement"]["candidate"]["system"]["fixed_level"]["between"] = ["-2", "2"]
+    assert isinstance(second_proof(entry), NotProved)

@@ -26,7 +26,7 @@ from orbitproof.shared.formats import (
     atlas_from_json,
     read_atlas,
 )
-from orbitproof.shared.systems import FixedLevel, ReversibleSystem
+from orbitproof.shared.systems import FixedLevel, ReversibleSystem, completed
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate import Certificate, certify, write_certificates
 from orbitproof.verify.curve import PieceLimits, PieceResult, ProvedInterval, enclose_other_point, prove_piece
@@ -101,6 +101,42 @@ def test_it_is_no_curve_of_another_level(level: FixedLevel) -> None:
     assert found.outcome.hypotheses[0].holds
 
 
+def between(low: F, high: F) -> FixedLevel:
+    return FixedLevel(F(0), between=(low, high))
+
+
+def ends() -> list[float]:
+    """u2 at both ends of the piece."""
+    (piece,) = atlas().curve_pieces()
+    points = (list(map(float, piece.point(s))) for s in WHOLE)
+    return sorted(completed(atlas().system, [u, 0.0, 0.0, 0.0], [p])[2] for p, u in points)
+
+
+def test_with_an_interval_for_the_sign_it_is_the_same_curve() -> None:
+    low, high = ends()
+    assert 0 < low < high
+    found = prove(on(between(F(low) / 2, F(high) + 1)))
+    assert isinstance(found.outcome, Proved), found.outcome
+    assert isinstance(prove(on(between(F(low) - F(1, 50), F(high) + F(1, 50)))).outcome, Proved)
+
+
+@pytest.mark.parametrize("case", ["both sheets", "too high", "left below", "left above", "the other sheet"])
+def test_an_interval_has_to_hold_the_whole_curve_and_no_other_sheet(case: str) -> None:
+    low, high = map(F, ends())
+    middle = (low + high) / 2
+    intervals = {
+        "both sheets": (-high - 1, high + 1),
+        "too high": (high + F(1, 100), high + 2),
+        "left below": (middle, high + 1),
+        "left above": (low / 2, middle),
+        "the other sheet": (-high - 1, -low / 2),
+    }
+    found = prove(on(between(*intervals[case])))
+    assert isinstance(found.outcome, NotProved)
+    if case != "the other sheet":
+        assert found.outcome.reason.condition == "level"
+
+
 def test_without_a_quadratic_coordinate_there_are_no_points() -> None:
     system = atlas().system
     assert system.first_integral is not None
@@ -173,6 +209,16 @@ def test_the_stability_of_orbits_found_otherwise_is_enclosed_across_two_sheets()
         (stability,) = orbit.stability
         assert abs(float(functions.characteristic[0].enclosed.value(arb(tau)).mid()) - stability) < 1e-8
         assert abs(float(functions.level.enclosed.value(arb(tau)).mid()) - parameter) < 1e-12
+
+
+def test_the_stability_is_enclosed_where_both_sheets_are_intervals() -> None:
+    low, high = map(F, ends())
+    by_sign = orbit_functions(tube(atlas().system)).stored.characteristic[0].enclosed
+    by_interval = orbit_functions(tube(on(between(low / 2, high + 1)))).stored.characteristic[0].enclosed
+    for tau in ("-0.9", "0.1", "0.7"):
+        one, other = by_sign.value(arb(tau)), by_interval.value(arb(tau))
+        assert one.overlaps(other)
+        assert max(one.rad(), other.rad()) < 1e-6
 
 
 def test_the_list_of_resonances_on_a_level_has_the_certified_one(tmp_path: Path) -> None:
