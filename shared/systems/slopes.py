@@ -7,17 +7,19 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from orbitproof.shared.systems.program import Program, record
+from orbitproof.shared.systems.program import Program, Variable, record
 
 
 def with_slope(program: Program, name: str) -> Program:
     """The program of one output with a second one: its derivative in the input `name`."""
 
-    def both(arguments: Sequence[Any]) -> Sequence[Any]:
+    def both(arguments: Sequence[Variable]) -> Sequence[Any]:
+        # Constants are recorded as such: a root of one is no number that Python could have exactly.
+        lift = arguments[0].recorder.lift
         inputs = [
             _Sloped(value, 1 if called == name else 0) for called, value in zip(program.inputs, arguments, strict=True)
         ]
-        (found,) = program.evaluate(inputs, lambda value: _Sloped(value, 0), _Sloped.power)
+        (found,) = program.evaluate(inputs, lambda value: _Sloped(lift(value), 0), _Sloped.power)
         return found.value, found.slope
 
     return record(both, program.inputs)

@@ -31,7 +31,7 @@ from orbitproof.shared.systems import (
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic
 from orbitproof.verify.certificate import Certificate, certify, digest, recheck
 from orbitproof.verify.claim import LevelEquation, check_level, is_in
-from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotEstablishedError, enclose, excludes_zero
+from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotEstablishedError, enclose, excludes_zero, power
 from orbitproof.verify.oracle import Limits
 from orbitproof.verify.poincare import at_start, initial_values, level_set, on_sheet
 from orbitproof.verify.poincare.functions import without_time
@@ -375,6 +375,24 @@ PROGRAMS: dict[str, Any] = {
     "without it": lambda s: (s[1] ** 2 / 7,),
     "alone": lambda s: (s[0],),
 }
+
+
+def test_roots_of_constants_stay_roots() -> None:
+    # In floating point the root would be 10^16.
+    large = 10**32 + 1
+    program = record(lambda s: (s[0] ** 2 + root_of(s, large) * s[0],), ("w", "u"))
+    constants = record(lambda s: (s[0] * root_of(s, large),), ("w", "u"))
+    for each in (program, constants):
+        with ctx.workprec(200):
+            value, slope = with_slope(each, "w").evaluate([arb(2), arb(3)], enclose, power)
+            rest = 4 if each is program else 0
+            assert abs(slope - rest - arb(large).sqrt()) < 1e-40
+            assert abs(value - rest - 2 * arb(large).sqrt()) < 1e-40
+
+
+def root_of(variables: Any, number: int) -> Any:
+    """The root of a constant, as a recorded operation."""
+    return variables[0].recorder.lift(number) ** F(1, 2)
 
 
 @pytest.mark.parametrize("name", PROGRAMS)
