@@ -217,6 +217,19 @@ def test_orbits_turn_as_the_twist_says(share: float, square: float, cube: float)
     assert turned == pytest.approx(twist * (small / (2 * size)) ** 2, rel=0.02)
 
 
+@pytest.mark.parametrize("square", [0.7, -1.5])
+def test_the_quadratic_map_has_no_twist_where_the_cosine_is_a_quarter_below_0(square: float) -> None:
+    """3 cot(omega/2) + cot(3 omega/2) = 0, and rotation numbers of iterates fall and grow on the two sides."""
+    below, middle, above = (kick(share, square, 0) for share in (2.4, 2.5, 2.6))
+    assert float(middle[0][0].coefficients[1, 0]) == -0.25
+    assert abs(form(middle[0]).twist) < 1e-12
+    for found, step in (below, above):
+        s, c = float(found[0].coefficients[1, 0]), float(found[1].coefficients[1, 0])
+        theta, size = form(found).twist * (1 + 2 * s), sqrt(1 - s * s)
+        assert (turning(step, c, size, 1e-2, 3000) - acos(s)) * theta > 0
+    assert form(below[0]).twist * form(above[0]).twist < 0
+
+
 # Along the Falkner-Skan family
 
 

@@ -30,7 +30,7 @@ from orbitproof.shared.formats import (
     candidate_to_json,
     read_candidates,
 )
-from orbitproof.shared.systems import FALKNER_SKAN
+from orbitproof.shared.systems import FALKNER_SKAN, FixedLevel, ParameterRange
 from orbitproof.verify.certificate import Certificate, Level, certify, digest, is_proof_of, recheck
 from orbitproof.verify.certificate.rechecking import derived
 from orbitproof.verify.evidence import Checklist, NotProved, Proved, Reason, bounds, guarded
@@ -46,6 +46,7 @@ from orbitproof.verify.twist import (
     prove_stable_orbit,
     stable_orbit_theorem,
 )
+from orbitproof.verify.words.stable_orbit import stable_orbit_in_words
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 HALO = read_candidates(DATA / "orbit-candidates.json")[0]
@@ -215,6 +216,40 @@ def test_with_a_first_integral_all_neighbouring_levels_are_meant() -> None:
     assert "on the level of the energy through x, is not 0" in theorem
     assert "from which no solution, whatever its value of the energy, leaves the first one" in theorem
     assert "the system with exactly the coordinates x, y, vx, vy:" in theorem
+
+
+@pytest.mark.parametrize("stiffness", [Fraction(2), Fraction(1, 2)])
+def test_on_a_fixed_level_the_twist_is_that_of_the_other_spring(stiffness: Fraction) -> None:
+    """x'' = - nu x - x^3 beside y'' = - k y, which returns after 2 pi k^(-1/2) at every level: 3/(8 nu) times that."""
+    k = Fraction(7, 2)
+    system = replace(
+        SPRINGS,
+        parameters={"nu": ParameterRange(None, None)},
+        vector_field=lambda s, p: (s[2], s[3], -p[0] * s[0] - s[0] ** 3, -k * s[1]),
+        first_integral=lambda s, p: (s[2] ** 2 + s[3] ** 2 + p[0] * s[0] ** 2 + s[0] ** 4 / 2 + k * s[1] ** 2,),
+        first_integral_name="energy",
+        squared_distance=None,
+        distance_name=None,
+        section="vy",
+        family_parameter="nu",
+        level_coordinate="y",
+        fixed_level=FixedLevel(Fraction(4), 1),
+    )
+    claimed = replace(
+        spring(), system=system, parameters={}, centre=(stiffness, SMALL[1] / 2),
+        equation=Equation(COORDINATE, stiffness, "nu"),
+    )  # fmt: skip
+    outcome = spring_proof(claimed, enclose_stable_orbit(claimed, IntegratorSettings(128), ORACLE))
+    assert isinstance(outcome, Proved)
+    period = 2 * math.pi / math.sqrt(k)
+    turn = math.sqrt(stiffness) * period % (2 * math.pi)
+    sign = 1 if turn < math.pi else -1
+    assert contains(outcome.results.twist, sign * 3 * period / (8 * float(stiffness)), 1e-12)
+    assert contains(outcome.results.rotation_number, (turn if sign > 0 else 2 * math.pi - turn) / (2 * math.pi), 1e-12)
+    assert (outcome.results.twist_coordinate, outcome.results.twist_momentum) == ("x", "vx")
+    words = stable_orbit_in_words(StableOrbitTheorem(claimed))
+    assert "on the level of the energy through x at the value of nu at x" in words
+    assert "in the system with exactly the coordinates x, y, vx, vy at the value of nu at x" in words
 
 
 def test_a_claimed_sign_has_to_be_that_of_the_twist() -> None:
