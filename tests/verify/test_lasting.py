@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from math import acos, sqrt
+from math import acos, cos, pi, sin, sqrt
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -228,6 +228,25 @@ def test_the_quadratic_map_has_no_twist_where_the_cosine_is_a_quarter_below_0(sq
         theta, size = form(found).twist * (1 + 2 * s), sqrt(1 - s * s)
         assert (turning(step, c, size, 1e-2, 3000) - acos(s)) * theta > 0
     assert form(below[0]).twist * form(above[0]).twist < 0
+
+
+@pytest.mark.parametrize(
+    ("square", "cube", "unstable"), [(0.99, -0.06, True), (0.67, -0.05, True), (0.52, 0.18, False), (0.27, 0.74, False)]
+)
+def test_orbits_leave_a_resonance_of_order_4_where_delta_is_positive(
+    square: float, cube: float, unstable: bool
+) -> None:
+    found, step = kick(2.0, square, cube)
+    assert (form(found).fourth > 0) is unstable
+    farthest = 0.0
+    for direction in range(8):
+        p, q = 0.04 * cos(direction * pi / 4), 0.04 * sin(direction * pi / 4)
+        for _ in range(20000):
+            p, q = step(p, q)
+            farthest = max(farthest, abs(p) + abs(q))
+            if farthest > 0.2:
+                break
+    assert (farthest > 0.2) is unstable
 
 
 # Along the Falkner-Skan family

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import cos, sin, sqrt
 from types import SimpleNamespace
@@ -10,10 +11,11 @@ from typing import Any, cast
 
 import pytest
 from flint import arb
+from scipy.special import ellipk
 from support.skew_products import energy, half_period
 
 from orbitproof.shared.claims import Piece
-from orbitproof.shared.systems import FALKNER_SKAN, ReversibleSystem
+from orbitproof.shared.systems import FALKNER_SKAN, Defined, ReversibleSystem
 from orbitproof.verify.algebra import Grading, WideArithmetic
 from orbitproof.verify.curve import PieceLimits, prove_piece
 from orbitproof.verify.evidence import Proved
@@ -51,7 +53,46 @@ SYSTEM = ReversibleSystem(
 )
 
 
-def theta(amplitude: float) -> tuple[float, float]:
+def _pendula(state: Sequence[Any], _: Sequence[Any]) -> Sequence[Any]:
+    _, v, _, w, sine, cosine, beside, other = state
+    return (v, -sine, w, -STIFFNESS * beside, cosine * v, -sine * v, other * w, -beside * w)
+
+
+PENDULA = replace(
+    SYSTEM,
+    name="pendula",
+    title="two pendula side by side",
+    state=("x", "v", "y", "w", "sine", "cosine", "beside", "other"),
+    vector_field=_pendula,
+    reversing_symmetry=(1, -1, 1, -1, 1, 1, 1, 1),
+    first_integral=lambda z, _: ((z[1] * z[1] + z[3] * z[3]) / 2 - z[5] - STIFFNESS * z[7],),
+    defined=(
+        Defined("sine", "sin", lambda z, _: (z[0],)),
+        Defined("cosine", "cos", lambda z, _: (z[0],)),
+        Defined("beside", "sin", lambda z, _: (z[2],)),
+        Defined("other", "cos", lambda z, _: (z[2],)),
+    ),
+)
+"""The sine of y is y - y^3/6 + .., a soft spring."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """Two oscillators, period and energy of the first one by its amplitude, and what makes the second one hard."""
+
+    system: ReversibleSystem
+    period: Callable[[float], float]
+    energy: Callable[[float], float]
+    hardening: float
+
+
+CASES = {
+    "springs": Case(SYSTEM, lambda a: 2 * half_period(a), energy, float(HARDENING)),
+    "pendula": Case(PENDULA, lambda a: 4 * ellipk(sin(a / 2) ** 2), lambda a: 1 - cos(a), -float(STIFFNESS) / 6),
+}
+
+
+def theta(case: Case, amplitude: float) -> tuple[float, float]:
     """Theta and Theta' in the coordinates (y, w) of the level.
 
     The section is met again after the period T(E) of x, in which y turns by Omega(I) T(E), I its action. On the level
@@ -59,10 +100,10 @@ def theta(amplitude: float) -> tuple[float, float]:
     """
     frequency = sqrt(STIFFNESS)
     step = 1e-4
-    period = 2 * half_period(amplitude)
-    rise = (half_period(amplitude + step) - half_period(amplitude - step)) / step
-    rise /= (energy(amplitude + step) - energy(amplitude - step)) / (2 * step)
-    bend = 3 * float(HARDENING) / (4 * frequency**2)
+    period = case.period(amplitude)
+    rise = case.period(amplitude + step) - case.period(amplitude - step)
+    rise /= case.energy(amplitude + step) - case.energy(amplitude - step)
+    bend = 3 * case.hardening / (4 * frequency**2)
     angle = frequency * period
     s, size = cos(angle), abs(sin(angle))
     turning = (bend * period - frequency * rise * frequency) / 2 * (1 if sin(angle) > 0 else -1)
@@ -71,24 +112,26 @@ def theta(amplitude: float) -> tuple[float, float]:
     return factor * c**3, factor * b**3
 
 
-@pytest.mark.parametrize("amplitude", [Fraction(3, 4), Fraction(3, 2)])
-def test_the_twist_on_levels_is_that_of_the_closed_form(amplitude: Fraction) -> None:
-    half_width = Fraction(1, 64)
+@pytest.mark.parametrize(
+    ("name", "amplitude"), [("springs", Fraction(3, 4)), ("springs", Fraction(3, 2)), ("pendula", Fraction(3, 2))]
+)
+def test_the_twist_on_levels_is_that_of_the_closed_form(name: str, amplitude: Fraction) -> None:
+    case, half_width = CASES[name], Fraction(1, 64)
     frame = ((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1)))
     piece = Piece(
         "line", "regular", (amplitude, Fraction(0)), frame, half_width, ((Fraction(0),),), (Fraction(1, 2**24),)
     )
-    limits = PieceLimits(64, 24, 8)
-    found = prove_piece(SYSTEM, {}, piece, (Fraction(-1), Fraction(1)), ORACLE, limits, slope_bits=STABILITY_SLOPE_BITS)
+    limits, ends = PieceLimits(64, 24, 8), (Fraction(-1), Fraction(1))
+    found = prove_piece(case.system, {}, piece, ends, ORACLE, limits, slope_bits=STABILITY_SLOPE_BITS)
     assert isinstance(found.outcome, Proved)
     known = found.outcome.results
     coordinates = str(found.computation.coordinates)
-    tube = TubeOfOrbits(SYSTEM, {}, piece, (known.start, known.end), limits, coordinates, ORACLE)
+    tube = TubeOfOrbits(case.system, {}, piece, (known.start, known.end), limits, coordinates, ORACLE)
     twist = twist_of_piece(tube, None, known.half_return)
     assert isinstance(twist, TwistFunctions)
     for s in (-0.9, -0.3, 0.4, 0.95):
         tau = arb(s) * 32 / 33
-        expected = theta(float(amplitude) + s * float(half_width))
+        expected = theta(case, float(amplitude) + s * float(half_width))
         for function, value in zip((twist.twist, twist.exchanged), expected, strict=True):
             enclosed = function.enclosed.value(tau)
             assert abs(float(enclosed.mid()) - value) < float(enclosed.rad()) + 1e-5 * abs(value)

@@ -30,7 +30,7 @@ from orbitproof.shared.formats import (
     candidate_to_json,
     read_candidates,
 )
-from orbitproof.shared.systems import FALKNER_SKAN, FixedLevel, ParameterRange
+from orbitproof.shared.systems import FALKNER_SKAN, Defined, FixedLevel, ParameterRange
 from orbitproof.verify.certificate import Certificate, Level, certify, digest, is_proof_of, recheck
 from orbitproof.verify.certificate.rechecking import derived
 from orbitproof.verify.evidence import Checklist, NotProved, Proved, Reason, bounds, guarded
@@ -288,6 +288,19 @@ def test_orbits_that_are_unstable_or_resonant_are_not_proved(beta: Fraction, y: 
     assert not certificate.proved
     assert certificate.reason is not None
     assert certificate.reason.condition == condition
+    # That s is beyond -1 no precision changes.
+    assert certificate.reason.excluded is (condition == "elliptic")
+
+
+def test_orbits_are_stable_among_states_whose_further_coordinates_are_functions_of_the_others() -> None:
+    system = replace(
+        FALKNER_SKAN,
+        state=(*FALKNER_SKAN.state, "sine"),
+        reversing_symmetry=(*FALKNER_SKAN.reversing_symmetry, 1),
+        defined=(Defined("sine", "sin", lambda state, _: (state[1],)),),
+    )
+    words = stable_orbit_in_words(StableOrbitTheorem(replace(skan(), system=system)))
+    assert "in the system with exactly the coordinates x, y, z at the value of beta" in words
 
 
 def _wider(ball: arb, factor: float) -> arb:
