@@ -289,7 +289,7 @@ def test_orbits_that_are_unstable_or_resonant_are_not_proved(beta: Fraction, y: 
     assert certificate.reason is not None
     assert certificate.reason.condition == condition
     # That s is beyond -1 no precision changes.
-    assert certificate.reason.needs_precision is (condition != "elliptic")
+    assert not certificate.reason.needs_precision
 
 
 def test_orbits_are_stable_among_states_whose_further_coordinates_are_functions_of_the_others() -> None:
