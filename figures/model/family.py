@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from orbitproof.figures.orbits import Array, parameter_values, state_on_fixed_set
+from orbitproof.figures.orbits import Array, centre_on_fixed_set, parameter_values, state_on_fixed_set
 from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, read_document
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import ReversibleSystem
@@ -226,7 +226,7 @@ def mark_candidates(
         proved[identifier] = entry["verdict"] == "proved"
     marks = []
     for candidate in candidates:
-        point = np.array([float(value) for value in candidate.centre])
+        point = np.array([float(ball.mid()) for ball in centre_on_fixed_set(candidate)])
         level = level_of(candidate.system, candidate.parameters, list(point))
         marks.append(MarkedPoint(candidate, proved.get(candidate.id, False), point, level))
     return marks

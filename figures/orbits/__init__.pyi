@@ -2,6 +2,7 @@ from .around_fixed_point import section_iterates as section_iterates
 from .beside import NewOrbits as NewOrbits
 from .beside import new_orbits as new_orbits
 from .fixed_set import Array as Array
+from .fixed_set import centre_on_fixed_set as centre_on_fixed_set
 from .fixed_set import parameter_values as parameter_values
 from .fixed_set import state_on_fixed_set as state_on_fixed_set
 from .orbit import OrbitNotClosed as OrbitNotClosed

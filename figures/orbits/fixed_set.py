@@ -6,9 +6,13 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
 import numpy as np
+from flint import arb
 from numpy.typing import NDArray
 
+from orbitproof.shared.formats import Candidate
 from orbitproof.shared.systems import ReversibleSystem, completed
+from orbitproof.verify.claim import point_on_fixed_set
+from orbitproof.verify.evidence import enclose
 
 Array = NDArray[np.float64]
 
@@ -31,3 +35,11 @@ def parameter_values(
     return [
         float(point[0]) if name == system.family_parameter else float(parameters[name]) for name in system.parameters
     ]
+
+
+def centre_on_fixed_set(candidate: Candidate) -> list[arb]:
+    """The centre of a claim in the coordinates of Fix(R), of which one follows from the level if that is its first."""
+    if candidate.level_sign is None:
+        return [enclose(value) for value in candidate.centre]
+    where = {name: enclose(value) for name, value in zip(candidate.coordinates, candidate.centre, strict=True)}
+    return list(point_on_fixed_set(candidate, where).values())

@@ -29,4 +29,5 @@ from .periodic_family import draw_periodic_family as draw_periodic_family
 from .periodic_orbit import draw_periodic_orbit as draw_periodic_orbit
 from .portraits import draw_portraits as draw_portraits
 from .resonances import draw_resonances as draw_resonances
+from .reversor_breaking import draw_reversor_breaking as draw_reversor_breaking
 from .stable_orbit import draw_section as draw_section

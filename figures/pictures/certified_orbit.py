@@ -17,6 +17,7 @@ from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of, unit_of
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.systems import completed
 from orbitproof.verify.orbit import OrbitResults
+from orbitproof.verify.reversor_breaking import BreakingResults
 
 _WIDTH = 7.2
 _SAMPLES = 4000
@@ -59,7 +60,7 @@ def draw_orbit(candidate: Candidate, found: OrbitResults) -> Figure:
     return figure
 
 
-def solution_of(candidate: Candidate, found: OrbitResults) -> PeriodicSolution:
+def solution_of(candidate: Candidate, found: OrbitResults | BreakingResults) -> PeriodicSolution:
     """The orbit through the middle of its enclosures."""
     system = candidate.system
     point = {name: float(ball.mid()) for name, ball in found.point.items()}

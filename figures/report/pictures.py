@@ -15,6 +15,7 @@ from orbitproof.figures.pictures import (
     draw_periodic_bifurcation,
     draw_periodic_orbit,
     draw_pieces,
+    draw_reversor_breaking,
     draw_section,
     draw_surface,
     surface_of,
@@ -29,6 +30,7 @@ from orbitproof.verify.atlas import AtlasCertificate
 from orbitproof.verify.orbit import OrbitResults
 from orbitproof.verify.periodic import PeriodicResults
 from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults, TorusResults
+from orbitproof.verify.reversor_breaking import BreakingResults
 from orbitproof.verify.twist import StableOrbitResults
 
 _PNG_DPI = 130
@@ -54,6 +56,14 @@ def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
         )
         figure = draw_orbit(entry.candidate, entry.certificate.orbit)
         return (_picture(f"orbit-{file_name(name)}", caption, figure), *_section_of(entry, entry.certificate.orbit))
+    if isinstance(entry.certificate.results, BreakingResults):
+        caption = (
+            f"{shown(name)}: (a) the parameter of the new orbits to leading order, between the ends of the enclosure "
+            "of kappa, and the symmetric orbits; how far from the point this holds is not said; (b) the orbit at which "
+            "R is lost, integrated in double precision from the middle of its enclosures"
+        )
+        figure = draw_reversor_breaking(entry.candidate, entry.certificate.results)
+        return (_picture(f"birth-{file_name(name)}", caption, figure),)
     if entry.candidate.looks_across:
         return ()
     figure = draw_certified(CertifiedCurves.of(entry.certificate.to_json(), f"certificate {name!r}"), None)

@@ -16,6 +16,7 @@ from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.shared.claims.fields import Matrix, Vector
 from orbitproof.shared.formats import (
     KINDS,
+    REVERSOR_BREAKING,
     SURFACE,
     Candidate,
     InSection,
@@ -117,11 +118,12 @@ def box_label(entry: CheckedRow) -> str:
 
 
 def _normal_form(entry: CheckedRow) -> Iterator[Block]:
-    balls = {name: ball for name, ball in entry.certificate.normal_form.items() if name in ("alpha", "beta")}
+    section = "27.5" if entry.certificate.kind == REVERSOR_BREAKING else "9.5"
+    balls = {name: ball for name, ball in entry.certificate.normal_form.items() if name in ("alpha", "gamma", "beta")}
     if balls:
-        runs: list[Run] = ["The coefficients of the normal form (section 9.5):"]
+        runs: list[Run] = [f"The coefficients of the normal form (section {section}):"]
         for name, ball in balls.items():
-            runs += [" ", Math(rf"\{name}"), f" in {interval_text(ball, _DIGITS)}", "," if name == "alpha" else "."]
+            runs += [" ", Math(rf"\{name}"), f" in {interval_text(ball, _DIGITS)}", "." if name == "beta" else ","]
         yield Paragraph(tuple(runs))
 
 

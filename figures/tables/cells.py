@@ -13,6 +13,7 @@ KINDS = {
     "fold": "fold",
     "period_tupling": "period tupling",
     "touch_and_go": "touch-and-go",
+    "reversor_breaking": "loss of R",
 }
 LEGEND = (
     "An enclosure such as 1.5[24,31] is the interval from 1.524 to 1.531.",

@@ -12,9 +12,11 @@ from typing import Any
 
 from flint import arb
 
+from orbitproof.figures.orbits import centre_on_fixed_set
 from orbitproof.figures.tables.intervals import Interval, parse_interval
 from orbitproof.shared.formats import (
     KINDS,
+    REVERSOR_BREAKING,
     Candidate,
     InputError,
     candidate_from_json,
@@ -26,7 +28,7 @@ from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem, with_fu
 from orbitproof.verify.certificate import read_certificates
 from orbitproof.verify.evidence import FUNCTIONS, Reason, as_said, ball_from_json, bounds, enclose, power
 
-_NUMBERED = re.compile(r"-(k[0-9]+|fold)-[0-9]+(-second)?\Z")
+_NUMBERED = re.compile(r"-(k[0-9]+|fold|loss)-[0-9]+(-second)?\Z")
 _LARGEST_EXPONENT = 150_000
 _PART = re.compile(r"-?[0-9]+(?:\.([0-9]+))?(?:e([+-]?[0-9]+))?\Z")
 
@@ -97,7 +99,7 @@ def read_rows(paths: Sequence[Path], candidates: Sequence[Path] = ()) -> list[Ce
             if name in sources:
                 raise InputError(f"{path}: id {name!r} is in {sources[name]} as well; give each certificate once")
             sources[name] = path
-            if certificate.kind not in KINDS:
+            if certificate.kind not in (*KINDS, REVERSOR_BREAKING):
                 continue
             row, claims[name] = _row(certificate.to_json(), f"{path}: field certificates[{index}]")
             rows.append(row)
@@ -118,7 +120,7 @@ def _row(certificate: Mapping[str, Any], where: str) -> tuple[CertifiedRow, Cand
             raise InputError(f"{where}.results: parameter or coordinates are not those of {system.name}; verify again")
         parameter = _enclosure(results["parameter"], f"{where}.results.parameter")
         point = {key: _enclosure(ball, f"{where}.results.point.{key}") for key, ball in results["point"].items()}
-    balls = [point[key].ball for key in system.centre_coordinates] if point else [_ball(x) for x in claim.centre]
+    balls = [point[key].ball for key in system.centre_coordinates] if point else centre_on_fixed_set(claim)
     parameter_value, crossing = _at_point(system, claim.parameters, balls)
     reason, computation = certificate["reason"], certificate["computation"]
     if not 0 <= computation["seconds"] < math.inf:

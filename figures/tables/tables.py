@@ -13,6 +13,7 @@ from fractions import Fraction
 
 from orbitproof.figures.tables.published import Comparison, PublishedList, PublishedRow, compare, match
 from orbitproof.figures.tables.rows import CertifiedRow
+from orbitproof.shared.formats import REVERSOR_BREAKING
 from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
 
 MISSING = "missing"
@@ -145,7 +146,9 @@ def _section(rows: Sequence[CertifiedRow], published: Sequence[PublishedList]) -
     same = [p for p in published if p.system is first.system and p.parameters == first.parameters]
     # A list of another name may still be about these orbits, if no list has ours: the values decide.
     named = [p for p in same if p.family == first.family]
-    found = [(p, match(rows, p.rows)) for p in named or same]
+    # No list is about orbits at which R is lost.
+    resonant = [row for row in rows if row.kind != REVERSOR_BREAKING]
+    found = [(p, match(resonant, p.rows)) for p in named or same]
     found = [(p, matched) for p, matched in found if named or matched]
     listed = {name: row for _, matched in found for name, row in matched.items()}
     complete = bool(found) and all(p.complete for p, _ in found)
@@ -161,7 +164,7 @@ def _section(rows: Sequence[CertifiedRow], published: Sequence[PublishedList]) -
 
 def _row(row: CertifiedRow, published: PublishedRow | None, complete: bool) -> TableRow:
     # Only a bifurcation that is proved can be one that the paper does not list.
-    unlisted = published is None and complete and row.proved
+    unlisted = published is None and complete and row.proved and row.kind != REVERSOR_BREAKING
     return TableRow(row, published, None if published is None else compare(row, published), unlisted)
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from flint import arb
 from scipy.integrate import solve_ivp
 from support import breaking_cases as cases
 from support.picture_texts import unreadable
@@ -17,14 +18,18 @@ from support.picture_texts import unreadable
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.branches import Branch, branch_point, follow, read_branches, task_of, write_branches
 from orbitproof.explore.periodic import refine_periodic
+from orbitproof.explore.points import refine_at
 from orbitproof.figures.orbits import loop_through
 from orbitproof.figures.pictures import draw_branch
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared import InputError
-from orbitproof.shared.formats import write_candidates
+from orbitproof.shared.formats import REVERSOR_BREAKING, PeriodicOrbit, read_claims, write_candidates
+from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.certificate import certify
 from orbitproof.verify.periodic import PeriodicResults
+from orbitproof.verify.reversor_breaking import BreakingResults
 
+DATA = Path(__file__).parents[1] / "data"
 SIGNS = np.array(cases.MODES.reversing_symmetry, dtype=float)
 
 
@@ -168,3 +173,42 @@ def test_the_halo_orbits_of_l1_lose_r_where_the_theorem_says(tmp_path: Path) -> 
         figure = draw_branch(found.record("proved", "below"), None)
         assert unreadable(figure) == []
         close(figure)
+
+
+CLAIMED = {claim.id: claim for claim in read_claims(DATA / "orbits-without-reversor.json")}
+BIRTHS = {"earth-moon-L1-loss-orbit28": "2.947009569188494", "sun-jupiter-L1-loss-orbit70": "2.995335576627487"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CLAIMED)
+def test_orbits_born_on_the_halo_loops_are_proved_below_the_births_and_are_no_images_of_themselves(name: str) -> None:
+    claim = CLAIMED[name]
+    assert isinstance(claim, PeriodicOrbit)
+    proof = certify(claim)
+    assert proof.proved, proof.reason
+    found = proof.results
+    assert isinstance(found, PeriodicResults)
+    assert claim.crossings == 1
+    assert claim.level is not None
+    assert claim.level < Fraction(BIRTHS[name])
+    for coordinate in ("vx", "vz"):
+        assert not found.point[coordinate].contains(0)
+    assert not certify(replace(claim, level=claim.level + Fraction(1, 10**12))).proved
+
+
+@pytest.mark.slow
+def test_planar_orbits_lose_r_where_the_axial_ones_are_born() -> None:
+    point = {"x": 0.781573938, "z": 0.0, "vy": 0.443197786}
+    claim = refine_at(CR3BP, point, 1, parameters={"mu": "earth-moon"}, kind=REVERSOR_BREAKING, digits=30, quiet=True)
+    proof = certify(claim)
+    assert proof.proved, proof.reason
+    assert isinstance(proof.results, BreakingResults)
+    # The value of the table of births of axial families.
+    assert proof.results.parameter.overlaps(arb("3.02139212923076323216679724 +/- 1e-26"))
+    branch = follow(branch_point(claim), length=0.1, orbits=8)
+    assert branch.birth is not None
+    assert branch.birth.side == proof.results.side == "below"
+    # The new orbits are images of themselves under S R, the half turn about the x axis.
+    _, y, z, vx, _, vz = branch.sides[1].orbits[-1].crossings[0]
+    assert [y, z, vx] == pytest.approx([0, 0, 0], abs=1e-9)
+    assert abs(vz) > 1e-2
