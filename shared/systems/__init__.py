@@ -9,7 +9,7 @@ from orbitproof.shared.systems.hill import HILL
 from orbitproof.shared.systems.known import FALKNER_SKAN, MASS_PARAMETERS, SYSTEMS
 from orbitproof.shared.systems.libration import AROUND, BRANCH_SYSTEMS, OVER_MASSES, SIDES, mass_of_distance
 from orbitproof.shared.systems.names import ID, ID_IN_WORDS, IDENTIFIER, LINE, PIECE, PIECE_IN_WORDS, fits
-from orbitproof.shared.systems.parity import parities, signs_with_functions
+from orbitproof.shared.systems.parity import has_parities, parities, signs_with_functions
 from orbitproof.shared.systems.program import Program, Variable, record
 from orbitproof.shared.systems.program_text import program_from_text
 from orbitproof.shared.systems.regularised import REGULARISATIONS, Regularisation

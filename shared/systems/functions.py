@@ -109,13 +109,13 @@ def rates_of(
         value = values[call.name]
         match call.function:
             case "sin":
-                rate = _partner(calls, call, values) * argument.rate
+                rate = _times(argument.rate, _partner(calls, call, values))
             case "cos":
-                rate = -(_partner(calls, call, values) * argument.rate)
+                rate = _times(argument.rate, -_partner(calls, call, values))
             case "exp":
-                rate = value * argument.rate
+                rate = _times(argument.rate, value)
             case _:
-                rate = argument.rate / argument.value
+                rate = _over(argument.rate, argument.value)
         known[call.name] = WithRate(value, rate)
         further.discard(call.name)
         result.append(rate)
@@ -141,34 +141,38 @@ def _partner(calls: Sequence[Call], call: Call, values: Mapping[str, Any]) -> An
 
 @dataclass(frozen=True)
 class WithRate:
-    """A number and its derivative by time, with the arithmetic of formulas."""
+    """A number and its derivative by time, with the arithmetic of formulas; what does not move has the exact rate 0.
+
+    Terms with that rate are left out: 0 plus something odd is not seen to be odd.
+    """
 
     value: Any
     rate: Any
 
     def __add__(self, other: Any) -> WithRate:
         right = _with_rate(other)
-        return WithRate(self.value + right.value, self.rate + right.rate)
+        return WithRate(self.value + right.value, _plus(self.rate, right.rate))
 
     __radd__ = __add__
 
     def __sub__(self, other: Any) -> WithRate:
         right = _with_rate(other)
-        return WithRate(self.value - right.value, self.rate - right.rate)
+        return WithRate(self.value - right.value, _plus(self.rate, -right.rate))
 
     def __rsub__(self, other: Any) -> WithRate:
         return _with_rate(other) - self
 
     def __mul__(self, other: Any) -> WithRate:
         right = _with_rate(other)
-        return WithRate(self.value * right.value, self.rate * right.value + self.value * right.rate)
+        rate = _plus(_times(self.rate, right.value), _times(right.rate, self.value))
+        return WithRate(self.value * right.value, rate)
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Any) -> WithRate:
         right = _with_rate(other)
         value = self.value / right.value
-        return WithRate(value, (self.rate - value * right.rate) / right.value)
+        return WithRate(value, _over(_plus(self.rate, _times(-right.rate, value)), right.value))
 
     def __rtruediv__(self, other: Any) -> WithRate:
         return _with_rate(other) / self
@@ -177,8 +181,24 @@ class WithRate:
         return WithRate(-self.value, -self.rate)
 
     def __pow__(self, exponent: Fraction) -> WithRate:
-        return WithRate(self.value**exponent, exponent * self.value ** (exponent - 1) * self.rate)
+        return WithRate(self.value**exponent, _times(self.rate, exponent * self.value ** (exponent - 1)))
 
 
 def _with_rate(value: Any) -> WithRate:
     return value if isinstance(value, WithRate) else WithRate(value, Fraction(0))
+
+
+def _is_still(rate: Any) -> bool:
+    return isinstance(rate, Fraction) and not rate
+
+
+def _plus(rate: Any, other: Any) -> Any:
+    return other if _is_still(rate) else rate if _is_still(other) else rate + other
+
+
+def _times(rate: Any, value: Any) -> Any:
+    return rate if _is_still(rate) else value * rate
+
+
+def _over(rate: Any, value: Any) -> Any:
+    return rate if _is_still(rate) else rate / value

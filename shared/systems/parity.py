@@ -42,6 +42,15 @@ def parities(program: Program, signs: Sequence[int]) -> list[int]:
     return [value.sign for value in program.evaluate(arguments, lambda _: even, _Parity.power)]
 
 
+def has_parities(program: Program, signs: Sequence[int], wanted: Sequence[int]) -> bool:
+    """Whether every output is even or odd as wanted, for 1 and -1, under the signs of the inputs; 0 is both."""
+    found, steps = parities(program, signs), [program.instructions[index] for index in program.outputs]
+    is_zero = [step.operation == "constant" and not step.value for step in steps]
+    return len(found) == len(wanted) and all(
+        zero or sign == other for sign, other, zero in zip(found, wanted, is_zero, strict=True)
+    )
+
+
 def function_parity(function: str, argument: int) -> int:
     """The parity of sin, cos, exp or log of something of parity `argument`; 0 if it is not decided."""
     match function:

@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
-from flint import arb
+from flint import acb, arb
 from polynomial_returns import BEND, BITS, bifurcation, claimed, jets, legs, returning, synthetic, torus
 from support.normal_form_maps import KnownBifurcation, KnownTorus, known_bifurcation, known_torus
 
@@ -264,8 +264,14 @@ def test_on_a_level_no_criticality_is_said(monkeypatch: pytest.MonkeyPatch) -> N
     known = known_bifurcation(-1, 2, random.Random(7), others=(Fraction(1, 2),))
     attempt = attempt_of(known, "periodic-doubling", 1)
     monkeypatch.setattr(attempt, "check_orbit", lambda found, zero: ([], arb(1)))
-    monkeypatch.setattr(attempt, "multipliers", lambda found, trivial, is_fixed: (-1, []))
+    given = list[int]()
+    balls = [acb(arb(1, 0.5)), acb(0.25)]
+    monkeypatch.setattr(
+        attempt, "multipliers", lambda found, trivial, is_fixed: (given.append(trivial), (-1, balls))[1]
+    )
     found = concluded(attempt)
+    assert given == [2]
+    assert (found.inside, found.on, found.outside) == (1, 0, 0)
     assert (found.criticality, float(found.level)) == (None, 1.0)
 
 

@@ -108,6 +108,17 @@ def test_criticality_is_confirmed_or_not(certificate: dict[str, Any], proof: Pro
 def test_what_is_not_enclosed_is_not_confirmed(certificate: dict[str, Any], proof: ProvedPeriodicBifurcation) -> None:
     for nothing in ({"parameter": arb("nan")}, {"opening": arb(0, 100)}, {"period": arb("nan")}):
         assert compare(certificate, replace(proof, **nothing)).verdict == "cannot follow"
+    for wide in ({"parameter": arb(0, 2.0**-40)}, {"point": proof.point | {"x": arb(1, 2.0**-40)}}):
+        found = compare(certificate, replace(proof, **wide))
+        assert (found.verdict, "too wide to tell" in found.reason) == ("cannot follow", True)
+
+
+def test_the_level_of_a_bifurcation_is_compared(certificate: dict[str, Any], proof: ProvedPeriodicBifurcation) -> None:
+    """On a certificate and a proof that agree otherwise."""
+    one = {"mid": format_exact(Fraction(1)), "rad": "0x0"}
+    stated = changed(certificate, lambda c: c["results"].update(level=one))
+    for level, verdict in ((arb(1), "agrees"), (arb(2), "disagrees"), (arb("nan"), "cannot follow")):
+        assert compare(stated, replace(proof, level=level)).verdict == verdict
 
 
 def test_kinds_without_a_second_proof_cannot_be_followed(certificate: dict[str, Any]) -> None:
@@ -118,9 +129,10 @@ def test_kinds_without_a_second_proof_cannot_be_followed(certificate: dict[str, 
     assert compare(other, found).verdict == "cannot follow"
 
 
+PARAMETERS = {name: format_exact(value) for name, value in cases.folding(1, 2).parameters.items()}
 BAD: dict[str, Callable[[dict[str, Any]], object]] = {
     "kernel": lambda c: c["statement"]["candidate"].update(kernel=[["0x0"]]),
-    "parameter": lambda c: c["statement"]["candidate"].update(parameter="x"),
+    "parameter": lambda c: c["statement"]["candidate"].update(parameter="x", parameters={**PARAMETERS, "x": "0x1"}),
 }
 
 

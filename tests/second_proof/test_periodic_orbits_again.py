@@ -168,6 +168,37 @@ def test_counts_that_are_not_shown_here_are_not_confirmed(
     assert compare(certificates[name], nothing).verdict != "agrees"
 
 
+def test_stored_balls_have_one_multiplier_each(
+    certificates: dict[str, dict[str, Any]], proofs: dict[str, ProvedPeriodic]
+) -> None:
+    def ball(middle: int, radius: int) -> dict[str, dict[str, str]]:
+        real = {"mid": format_exact(Fraction(middle)), "rad": format_exact(Fraction(radius))}
+        return {"real": real, "imaginary": {"mid": "0x0", "rad": "0x1"}}
+
+    proof = replace(proofs["on a level"], multipliers=(acb(1), acb(3)))
+    for values, verdict, words in (
+        ((ball(1, 1), ball(4, 1)), "agrees", ""),
+        ((ball(2, 2), ball(9, 1)), "disagrees", "another number"),
+        ((ball(2, 2), ball(2, 3)), "cannot follow", "either of two"),
+        ((ball(2, 2), ball(2, 2)), "agrees", ""),
+    ):
+        stated = changed(
+            certificates["on a level"],
+            lambda c: c["results"]["multipliers"].update(values=list(values)),  # noqa: B023
+        )
+        found = compare(stated, proof)
+        assert (found.verdict, words in found.reason) == (verdict, True), found.reason
+
+
+def test_a_point_that_may_be_outside_of_the_box_is_not_confirmed(
+    certificates: dict[str, dict[str, Any]], proofs: dict[str, ProvedPeriodic]
+) -> None:
+    name = "on a slanted section"
+    wide = {key: arb(value.mid(), 2.0**-60) for key, value in proofs[name].point.items()}
+    found = compare(certificates[name], replace(proofs[name], point=wide))
+    assert (found.verdict, "too wide to tell" in found.reason) == ("cannot follow", True)
+
+
 REFUSED: dict[str, tuple[str, Callable[[dict[str, Any]], object]]] = {
     "the other direction": ("", lambda c: c["statement"]["candidate"].update(direction=1)),
     "a box off the section": ("section", lambda c: c["statement"]["candidate"].update(offset="0x1p-90")),

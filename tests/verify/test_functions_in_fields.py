@@ -30,6 +30,7 @@ from orbitproof.shared.systems import (
     describe,
     described,
     evaluate_formula,
+    has_parities,
     record,
     signs_with_functions,
 )
@@ -141,6 +142,29 @@ def test_orbits_of_a_pendulum_are_those_of_the_elliptic_functions(name: str) -> 
     assert holds(orbit.level, a**2 / 2 + vy**2 / 2 - 1)
     (parameter,) = orbit.stability.parameters
     assert holds(parameter.real, mpmath.cos(time * mpmath.sqrt(2)) if name == "pendulum" else mpmath.mpf(1))
+
+
+def test_the_twist_of_a_pendulum_beside_a_spring_is_that_of_the_elliptic_functions() -> None:
+    """The spring turns by 2 T w^(1/2) in a period 2 T of the pendulum, which has the energy that the spring has not."""
+    a, w = mpmath.mpf(3) / 2, mpmath.mpf(1) / 2
+    claim = swing({"vx": Fraction(3, 2), "vy": Fraction(0)}, Equation(COORDINATE, Fraction(3, 2), "vx"))
+    found = certify(replace(claim, kind="stable_orbit"), Limits(digits=8))
+    assert found.proved, found.reason
+    results = found.to_json()["results"]
+    assert holds(ball_from_json(results["rotation_number"]), 1 - mpmath.sqrt(w) * half(a) / mpmath.pi)
+    assert holds(ball_from_json(results["twist"]), w * mpmath.diff(half, a) / a)
+    assert "system with exactly the coordinates x, y, vx, vy:" in found.to_json()["statement"]["theorem"]
+
+
+def test_distances_go_through_the_functions() -> None:
+    """The square of a chord, 2 - 2 cos x, and 1: from x = 0 up to cos x = 1 - a^2/2."""
+    system = described(entry(squared_distance="3 - 2*cos(x)", distance_name="the pivot"))
+    claim = swing({"vx": Fraction(3, 2), "vy": Fraction(0)}, Equation(COORDINATE, Fraction(3, 2), "vx"))
+    found = certify(replace(claim, system=system, radii=(Fraction(1, 10**15),) * 2), Limits(digits=12))
+    assert found.proved, found.reason
+    results = found.to_json()["results"]
+    assert holds(ball_from_json(results["least_distance"]["distance"]), mpmath.mpf(1))
+    assert holds(ball_from_json(results["greatest_distance"]["distance"]), mpmath.sqrt(mpmath.mpf(13)) / 2)
 
 
 def test_a_wrong_period_of_a_pendulum_is_not_proved() -> None:
@@ -392,6 +416,31 @@ def test_rates_of_functions_are_shown_for_all_kinds_of_arguments(argument: str, 
     call = function.format(f"({argument})")
     field = {**SWING["field"], "vx": f"-x*{call}" if function[:3] != "sin" else f"-{call}"}
     assert keeps_its_functions(described(entry(field=field)))
+
+
+ODD = ("2*x", "x/3", "x*w", "x/w", "x*(1 + vx)", "x/(2 + vx)", "sqrt(2 + vx)*x", "3*x - 2*y", "x*exp(vx) + w*y")
+EVEN = ("2*vx", "5 + vx", "5 - vx", "1/vx", "w", "2 - w*x**2", "1 + x*sin(x)", "2*cos(x)", "sqrt(1 + x**2)", "x*y")
+
+
+@pytest.mark.parametrize("call", [*(f"sin({e})" for e in ODD), *(f"x*exp({e})" for e in EVEN), "x*log(w)", "x*cos(w)"])
+def test_r_is_seen_to_reverse_fields_with_functions_of_numbers_and_parameters(call: str) -> None:
+    """What does not move adds no 0 to rates, of which no parity is known."""
+    system = described({
+        "name": "turned", "state": "x y vx", "parameters": "w", "R": {"x": -1, "y": -1}, "section": "x",
+        "field": {"x": "vx", "y": "vx + cos(x)", "vx": f"-{call}"}, "family_parameter": "w",
+    })  # fmt: skip
+    check_symmetries(Checklist(), system)
+
+
+def test_mixed_has_its_symmetry() -> None:
+    check_symmetries(Checklist(), described(MIXED))
+
+
+def test_only_what_is_zero_is_both_even_and_odd() -> None:
+    program = record(lambda s: (Fraction(0), Fraction(2), s[0], 0 * s[0], s[0] * s[0]), ("x",))
+    for wanted, holds in (((1, 1, -1, -1, 1), True), ((-1, 1, -1, -1, 1), True), ((1, -1, -1, -1, 1), False),
+                          ((1, 1, 1, -1, 1), False), ((1, 1, -1, 1, 1), False), ((1, 1, -1, -1), False)):  # fmt: skip
+        assert has_parities(program, (-1,), wanted) == holds
 
 
 def test_other_functions_than_four_are_refused() -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from orbitproof.shared.systems import Program, ReversibleSystem, parities, signs_with_functions
+from orbitproof.shared.systems import Program, ReversibleSystem, has_parities, parities, signs_with_functions
 from orbitproof.verify.claim.first_integral import is_first_integral
 from orbitproof.verify.claim.functions import keeps_its_functions
 from orbitproof.verify.evidence import Checklist
@@ -54,7 +54,7 @@ def check_symmetries(checklist: Checklist, system: ReversibleSystem, symmetry: s
             evidence.require(symmetry in system.symmetries, f"{system.name} has no symmetry {symmetry}")
             involutions.append((symmetry, system.symmetries.get(symmetry, ()), 1))
         for name, signs, orientation in involutions:
-            shown = parities(system.program, signs) == [orientation * sign for sign in signs]
+            shown = has_parities(system.program, signs, [orientation * sign for sign in signs])
             message = f"of {system.name} was not shown to have the symmetry {name}"
             evidence.require(
                 keeps_functions(system, signs), f"what coordinates are functions of others in the field {message}"
