@@ -288,8 +288,8 @@ def test_orbits_that_are_unstable_or_resonant_are_not_proved(beta: Fraction, y: 
     assert not certificate.proved
     assert certificate.reason is not None
     assert certificate.reason.condition == condition
-    # That s is beyond -1 no precision changes.
-    assert not certificate.reason.needs_precision
+    # That s is beyond -1 no precision changes, so no more of it is tried.
+    assert certificate.computation.attempts == (1 if condition == "elliptic" else 2)
 
 
 def test_orbits_are_stable_among_states_whose_further_coordinates_are_functions_of_the_others() -> None:
