@@ -15,6 +15,7 @@ from scipy.integrate import solve_ivp
 from support import breaking_cases as cases
 from support.picture_texts import unreadable
 
+from orbitproof import explore
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.branches import Branch, branch_point, follow, read_branches, task_of, write_branches
 from orbitproof.explore.periodic import refine_periodic
@@ -110,6 +111,19 @@ def test_a_new_orbit_is_proved_and_r_does_not_map_it_to_itself(branch: Branch) -
     # One crossing in this direction: were the orbit its own image, this point would be in Fix(R).
     assert not found.point["vx"].contains(0)
     assert not certify(replace(refine_periodic(task), level=task.level + 1)).proved  # type: ignore[operator]
+
+
+def test_python_does_what_the_commands_do(branch: Branch) -> None:
+    record = explore.follow_branch(cases.modes(), length=0.24, orbits=12, side="below", quiet=True)
+    assert record.contradicts
+    assert [len(side.orbits) for side in record.sides] == [len(side.orbits) for side in branch.sides]
+    claim = explore.refine_new_orbit(record, 5, digits=20, quiet=True)
+    assert claim.id == "modes-orbit5"
+    assert claim == replace(
+        refine_periodic(task_of(branch.record(None, None), 5, digits=20)), provenance=claim.provenance
+    )
+    with pytest.raises(ValueError, match="length"):
+        explore.follow_branch(cases.modes(), length=-1, quiet=True)
 
 
 def test_there_are_claims_of_such_orbits_only(branch: Branch) -> None:
