@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from orbitproof.shared.formats import REVERSOR_BREAKING, Candidate, candidate_from_json
-from orbitproof.shared.systems import FixedLevel, ParameterRange, ReversibleSystem
+from orbitproof.shared.systems import Defined, FixedLevel, ParameterRange, ReversibleSystem
 
 DATA = Path(__file__).parents[1] / "data"
 A = Fraction(9, 10)
@@ -81,15 +81,44 @@ def on_level(sign: int = 1) -> Candidate:
     return modes(system=system, parameters={}, level_sign=None, centre=(A, Fraction(0)))
 
 
+def later() -> Candidate:
+    """Of a family whose half orbits meet the section twice: where P_q and B of P^2 vanish, found by Newton's method."""
+    centre = (
+        Fraction(0xE86975A602420AFEF16E09D0F57245DDD, 2**129),
+        Fraction(0x2D7F763AC46FAE84C596AF0E1DFF45073, 2**130),
+    )
+    return modes(crossings=2, centre=centre)
+
+
+ANGLE = ReversibleSystem(
+    name="modes-of-angle",
+    title="pendulum beside an oscillator",
+    state=("x", "y", "vx", "vy", "s", "c"),
+    parameters={"a": ParameterRange(None, None)},
+    vector_field=lambda s, p: (
+        s[2], s[3], -(p[0] + s[1] ** 2) * s[4], -s[1] - 2 * s[1] * (1 - s[5]), s[5] * s[2], -s[4] * s[2]
+    ),
+    reversing_symmetry=(1, -1, -1, 1, 1, 1),
+    section="y",
+    first_integral=lambda s, p: (s[2] ** 2 + s[3] ** 2 + 2 * (p[0] + s[1] ** 2) * (1 - s[5]) + s[1] ** 2,),
+    first_integral_name="twice the energy",
+    level_coordinate="vy",
+    defined=(Defined("s", "sin", lambda s, p: (s[0],)), Defined("c", "cos", lambda s, p: (s[0],))),
+)  # fmt: skip
+"""With sin x and cos x in place of x and 1 - x^2/2: the same equation of Mathieu beside x = 0, other orbits off it."""
+
+
 def halo() -> Candidate:
     """The claim about the halo orbits of L1 in the Earth-Moon system."""
     return candidate_from_json(json.loads((DATA / "loss-of-r.json").read_text(encoding="utf-8")), "loss-of-r.json")
 
 
-def flow(state: Any, end: Any) -> Any:
-    """A state of `MODES` at the next crossing of the section, or at a time, by DOP853."""
+def flow(state: Any, end: Any, angle: bool = False) -> Any:
+    """A state of `MODES`, or `ANGLE`, at the next crossing of the section, or at a time, by DOP853."""
 
     def rates(_t: float, s: Any) -> list[Any]:
+        if angle:
+            return [s[2], s[3], -(float(A) + s[1] ** 2) * np.sin(s[0]), -s[1] - 2 * s[1] * (1 - np.cos(s[0]))]
         return [s[2], s[3], -float(A) * s[0] - s[0] * s[1] ** 2, -s[1] - s[0] ** 2 * s[1]]
 
     def crossed(t: float, s: Any) -> Any:
@@ -127,11 +156,11 @@ def halo_crossing(found: Any, along: tuple[float, float], size: float = 1e-4) ->
     return [float((ends[0][place] - ends[1][place]) / (2 * size)) for place in (0, 2)]
 
 
-def level_beside(y: float) -> float:
+def level_beside(y: float, angle: bool = False) -> float:
     """The level of the orbit through x = y = 0 with vx = y that passes there again, which is not symmetric under R."""
 
     def miss(h: float) -> float:
-        return float(flow([0.0, 0.0, y, np.sqrt(h - y * y)], 10.0)[0])
+        return float(flow([0.0, 0.0, y, np.sqrt(h - y * y)], 10.0, angle)[0])
 
     h = float(level_of(odd=True))
     return float(brentq(miss, 0.5 * h, 2.0 * h, xtol=1e-15))

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
+from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 import test_lists_of_three_bodies as three_bodies
-from flint import ctx
+from flint import arb, arb_poly, ctx
 from support.closed_form_lists import curve_of, ellipse, line, results
 from support.conclusions import with_complete_list
 from support.forgeries import checked, forged
@@ -21,7 +23,13 @@ from orbitproof.shared.errors import InputError
 from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.atlas.recheck import lists_combinations
 from orbitproof.verify.curve import conclude
+from orbitproof.verify.functions import BoundedFunction
 from orbitproof.verify.run.branches import limits_of
+from orbitproof.verify.stability import Gap, Matter, Segment
+from orbitproof.verify.stability.complete_list import Finder
+from orbitproof.verify.stability.kinds import may_change_stability
+from orbitproof.verify.stability.list_entries import Combinations
+from orbitproof.verify.words.complete_list import _combinations
 
 SYSTEMS = {
     "two, symplectic": lambda seed: line(seed, 2, True),
@@ -215,3 +223,29 @@ def test_kinds_are_told_in_their_words(all_lists: Any) -> None:
         told = text[text.index(about) + len(about) :].splitlines()[: len(said["combinations"])]
         for line_, entry in zip(told, said["combinations"], strict=True):
             assert line_.startswith(f"- {words[entry['kind']]}: ")
+
+
+def test_where_stability_is_not_decided_a_place_is_named() -> None:
+    """s_1 + s_2 = tau and s_1 s_2 about -1: where s_1 = -s_2 both may be beyond 1 or not."""
+    flat, one = BoundedFunction(arb_poly([0]), arb(0)), Fraction(1)
+    product = BoundedFunction(arb_poly([-1]), arb("0.1"))
+    segment = Segment(
+        0, -one, -one, one, Fraction(0), one, (BoundedFunction(arb_poly([0, 1]), arb(0)), product), flat, flat, flat
+    )
+    stretch = SimpleNamespace(tube=SimpleNamespace(piece=SimpleNamespace(id="p"), is_symmetric=False))
+    finder = Finder(None, stretch, segment)  # type: ignore[arg-type]
+    finder.combinations()
+    assert not finder.points
+    assert any("stable there is not decided" in gap.reason and gap.start < 0 < gap.end for gap in finder.gaps)
+    assert all(gap.subject is Matter.COMBINATIONS for gap in finder.gaps)
+
+
+def test_that_places_are_open_is_said_with_the_list() -> None:
+    gap = Gap(0, "p", Fraction(0), Fraction(1), Matter.COMBINATIONS, "bounds too wide")
+    atlas: Any = SYSTEMS["two"](2).atlas(6)
+    for open_, but in (((gap,), True), ((), False)):
+        found: Any = SimpleNamespace(combinations=Combinations((), open_), gaps=(), parameters=2)
+        text = "\n".join(_combinations(atlas, found))
+        assert (", but for the places named below," in text) == but
+        assert ("Whether there are more of these is not decided:" in text) == but
+    assert not may_change_stability(Matter.COMBINATIONS)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
 from flint import arb
+from scipy.optimize import fsolve
 from support import breaking_cases as cases
 
 from orbitproof.verify.certificate import Certificate, certify
@@ -89,3 +92,41 @@ def test_the_theorem_about_later_crossings() -> None:
     assert "P is the power 2 of the Poincare map" in words
     assert "meets the section in a period 4 times, of which only x and P(x) are in Fix(R)" in words
     assert "P is the Poincare map" in breaking_in_words(BreakingTheorem(cases.modes()))
+
+
+def test_fields_with_functions_have_their_own_orbits(modes: Certificate) -> None:
+    found, h = results_of(certify(cases.modes(system=cases.ANGLE))), float(cases.level_of(odd=True))
+    assert found.parameter.overlaps(results_of(modes).parameter)
+    slopes = [(cases.level_beside(y, angle=True) - h) / y**2 for y in (0.02, 0.04)]
+    assert abs(float(found.opening.mid()) - (4 * slopes[0] - slopes[1]) / 3) < 2e-6
+    assert not found.opening.overlaps(results_of(modes).opening)
+
+
+def test_half_orbits_may_meet_the_section_twice() -> None:
+    claim = cases.later()
+    found = results_of(certify(claim))
+    h, x, kappa = (float(ball.mid()) for ball in (found.parameter, found.point["x"], found.opening))
+    assert found.side == "above"
+
+    def returned(level: float, start: float, across: float) -> tuple[float, float]:
+        """(x, vx) after two crossings; y -> -y, vy -> -vy leaves the field alone."""
+        rest = level - across**2 - float(cases.A) * start**2
+        first = cases.flow([start, 0.0, across, np.sqrt(rest)], 10.0)
+        second = cases.flow([first[0], 0.0, first[2], -first[3]], 10.0)
+        return float(second[0]), float(second[2])
+
+    def slope(y: float) -> float:
+        """(level - h)/y^2 of the orbit beside it with vx = y that two half returns bring back."""
+
+        def misses(at: Any) -> list[float]:
+            there, mirrored = returned(at[0], at[1], y), returned(at[0], at[1], -y)
+            return [(there[0] - mirrored[0]) / y, there[1] + mirrored[1]]
+
+        return float((fsolve(misses, [h + kappa * y * y, x], xtol=1e-12)[0] - h) / y**2)
+
+    slopes = [slope(y) for y in (0.01, 0.02)]
+    assert abs((4 * slopes[0] - slopes[1]) / 3 - kappa) < 2e-3 * kappa
+    for crossings, condition in ((1, "point"), (4, "half-orbit")):
+        reason = certify(replace(claim, crossings=crossings)).reason
+        assert reason is not None
+        assert reason.condition == condition
