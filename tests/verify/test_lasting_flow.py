@@ -14,18 +14,20 @@ from flint import arb
 from scipy.special import ellipk
 from support.skew_products import energy, half_period
 
-from orbitproof.shared.claims import Piece
+from orbitproof.shared.claims import Atlas, Claim, Piece
 from orbitproof.shared.systems import FALKNER_SKAN, Defined, ReversibleSystem
 from orbitproof.verify.algebra import Grading, WideArithmetic
+from orbitproof.verify.atlas.conclusion import conclusion_of
 from orbitproof.verify.curve import PieceLimits, prove_piece
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.functions import error_of, known_part
-from orbitproof.verify.lasting import TwistFunctions, twist_of_piece
+from orbitproof.verify.lasting import LastingResult, TwistFunctions, twist_of_piece
 from orbitproof.verify.lasting.half_map import _around, _jet
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import STABILITY_SLOPE_BITS, TubeOfOrbits
+from orbitproof.verify.stability import STABILITY_SLOPE_BITS, TubeOfOrbits, stability_of_piece
 
 STIFFNESS, HARDENING = Fraction(7, 2), Fraction(3, 2)
+HALF_WIDTH = Fraction(1, 64)
 
 
 def _field(state: Sequence[Any], _: Sequence[Any]) -> Sequence[Any]:
@@ -112,14 +114,11 @@ def theta(case: Case, amplitude: float) -> tuple[float, float]:
     return factor * c**3, factor * b**3
 
 
-@pytest.mark.parametrize(
-    ("name", "amplitude"), [("springs", Fraction(3, 4)), ("springs", Fraction(3, 2)), ("pendula", Fraction(3, 2))]
-)
-def test_the_twist_on_levels_is_that_of_the_closed_form(name: str, amplitude: Fraction) -> None:
-    case, half_width = CASES[name], Fraction(1, 64)
+def along(case: Case, amplitude: Fraction) -> tuple[Piece, LastingResult]:
+    """The orbits about this amplitude with the second oscillator at rest, with what is proved of them."""
     frame = ((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1)))
     piece = Piece(
-        "line", "regular", (amplitude, Fraction(0)), frame, half_width, ((Fraction(0),),), (Fraction(1, 2**24),)
+        "line", "regular", (amplitude, Fraction(0)), frame, HALF_WIDTH, ((Fraction(0),),), (Fraction(1, 2**24),)
     )
     limits, ends = PieceLimits(64, 24, 8), (Fraction(-1), Fraction(1))
     found = prove_piece(case.system, {}, piece, ends, ORACLE, limits, slope_bits=STABILITY_SLOPE_BITS)
@@ -127,15 +126,40 @@ def test_the_twist_on_levels_is_that_of_the_closed_form(name: str, amplitude: Fr
     known = found.outcome.results
     coordinates = str(found.computation.coordinates)
     tube = TubeOfOrbits(case.system, {}, piece, (known.start, known.end), limits, coordinates, ORACLE)
-    twist = twist_of_piece(tube, None, known.half_return)
+    more = {"stability": stability_of_piece(tube, None, known.half_return)}
+    more |= {"twist": twist_of_piece(tube, None, known.half_return)}
+    return piece, LastingResult(**{**vars(found.stored), **more})
+
+
+@pytest.mark.parametrize(
+    ("name", "amplitude"), [("springs", Fraction(3, 4)), ("springs", Fraction(3, 2)), ("pendula", Fraction(3, 2))]
+)
+def test_the_twist_on_levels_is_that_of_the_closed_form(name: str, amplitude: Fraction) -> None:
+    case = CASES[name]
+    twist = along(case, amplitude)[1].twist
     assert isinstance(twist, TwistFunctions)
     for s in (-0.9, -0.3, 0.4, 0.95):
         tau = arb(s) * 32 / 33
-        expected = theta(case, float(amplitude) + s * float(half_width))
+        expected = theta(case, float(amplitude) + s * float(HALF_WIDTH))
         for function, value in zip((twist.twist, twist.exchanged), expected, strict=True):
             enclosed = function.enclosed.value(tau)
             assert abs(float(enclosed.mid()) - value) < float(enclosed.rad()) + 1e-5 * abs(value)
             assert float(enclosed.rad()) < 1e-2 * abs(value)
+
+
+def test_at_1_3_without_a_quadratic_term_nothing_is_said_of_the_twist() -> None:
+    """y -> -y makes the return map odd: Theta is 1 + 2 c_1 times a function that has no zero at c_1 = -1/2."""
+    case, amplitude = CASES["springs"], Fraction(303, 512)
+    ends = [cos(sqrt(STIFFNESS) * case.period(float(amplitude) + s * float(HALF_WIDTH))) for s in (-1, 1)]
+    assert ends[0] < -0.5 < ends[1] or ends[1] < -0.5 < ends[0]
+    piece, result = along(case, amplitude)
+    atlas = Atlas("modes", "normal modes", case.system, {}, Claim("arc"), (piece,))
+    conclusion = conclusion_of(atlas, [result], (), lambda _: (), 4)
+    assert conclusion["verdict"] == "proved"
+    lasting = conclusion["complete"]["lasting"]
+    assert [(entry["kind"], entry["k"], entry["fate"]) for entry in lasting["exceptions"]] == [("resonance", 3, "open")]
+    assert [entry["twist"] for entry in lasting["stable"]] == ["negative", "negative"]
+    assert len(lasting["undecided"]) == len(lasting["gaps"]) == 1
 
 
 def test_what_is_unknown_of_a_grade_is_unknown_of_its_coefficients() -> None:
