@@ -53,6 +53,15 @@ def test_period_doubling_is_proved_and_agrees(proved: Proved) -> None:
     assert unsaid == "that the candidate's box holds no other orbits"
 
 
+def test_coordinates_that_are_functions_of_others_are_not_followed() -> None:
+    functions = [{"coordinate": "z", "function": "sin", "argument": "v0 = x\nreturn v0"}]
+    certificate = changed(DOUBLING, lambda c: c["statement"].update(functions=functions))
+    result = second_proof(certificate)
+    assert isinstance(result, NotProved)
+    assert "functions of others are not followed" in result.reason
+    assert compare(certificate, result).verdict == "cannot follow"
+
+
 def shift(number: str, by: Fraction) -> str:
     value = exact(number) + by
     bits = value.denominator.bit_length() - 1
