@@ -9,13 +9,14 @@ from typing import Any
 
 import pytest
 from support import breaking_cases as cases
+from support import krein_cases
 
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.losses import tasks_of
 from orbitproof.explore.points import refine_at
 from orbitproof.explore.refinement import RefinementFailure, refine_task
 from orbitproof.shared.claims import Atlas, Claim, Piece
-from orbitproof.shared.formats import REVERSOR_BREAKING
+from orbitproof.shared.formats import KREIN_COLLISION, REVERSOR_BREAKING
 from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.certificate import certify
 
@@ -66,6 +67,49 @@ def test_points_of_a_list_become_claims() -> None:
     assert certify(found.candidate).proved
 
 
+def collision(point: dict[str, float], **more: Any) -> Any:
+    parameters = {"omega": "3/10", "a": "1", "b": "-1/2", **more}
+    return refine_at(krein_cases.CLOCK, point, 1, parameters=parameters, kind=KREIN_COLLISION, quiet=True, digits=30)
+
+
+def test_a_guess_becomes_a_claim_of_a_collision_that_is_proved() -> None:
+    claim = collision({"x": -1.5001, "x1": 1e-5, "x2": -1e-5})
+    assert abs(claim.centre[0] - krein_cases.LEVEL) < Fraction(1, 10**30)
+    assert claim.level_sign == -1
+    certificate = certify(claim)
+    assert certificate.proved
+    assert certificate.side == "below"
+
+
+def test_what_is_no_collision_is_not_refined() -> None:
+    with pytest.raises(RefinementFailure):
+        collision({"x": 1.7, "x1": 0.0, "x2": 0.0})
+    with pytest.raises(RefinementFailure, match="two pairs"):
+        point = {"x": 0.0, "vy": ROOT}
+        refine_at(cases.MODES, point, 1, parameters={"a": cases.A}, kind=KREIN_COLLISION, quiet=True)
+
+
+def test_collisions_of_a_list_become_claims() -> None:
+    piece = Piece(
+        id="clock",
+        kind="regular",
+        centre=(Fraction(3, 2), Fraction(0), Fraction(0)),
+        frame=tuple(tuple(Fraction(int(i == j)) for j in range(3)) for i in range(3)),
+        half_width=Fraction(1, 100),
+        polynomial=((Fraction(0),), (Fraction(0),)),
+        tube=(Fraction(1, 10**6),) * 2,
+    )
+    system, parameters = krein_cases.CLOCK, krein_cases.clock().parameters
+    atlas = Atlas("clock", "rest", system, parameters, Claim(kind="arc"), (piece,))
+    places = [("loss of R", "0x0"), ("Krein collision", "0x1p-8")]
+    listed = {"points": [{"kind": kind, "piece": "clock", "s": {"mid": s, "rad": "0x0"}} for kind, s in places]}
+    (task,) = tasks_of(atlas, listed, 30, KREIN_COLLISION)
+    assert (task.id, task.kind) == ("clock-collision-1", KREIN_COLLISION)
+    found = refine_task(task)
+    assert found.candidate is not None
+    assert certify(found.candidate).proved
+
+
 def test_what_is_no_certificate_of_a_curve_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "list.json"
     path.write_text("{}", encoding="utf-8")
@@ -88,3 +132,21 @@ def test_the_halo_orbits_of_the_chapter_lose_r(mass: str, point: tuple[float, ..
     assert certificate.proved
     assert certificate.side == "below"
     assert level in str(certificate)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("mass", "point", "level", "sign"),
+    [
+        ("earth-moon", (0.92854, 0.29456, 0.0818), "2.94067371706073951", -1),
+        ("sun-jupiter", (0.98817185, 0.12908558, 0.014858515), "2.9940629819630", 1),
+    ],
+)
+def test_the_halo_orbits_of_the_chapter_collide(mass: str, point: tuple[float, ...], level: str, sign: int) -> None:
+    guess = dict(zip(("x", "z", "vy"), point, strict=True))
+    claim = refine_at(CR3BP, guess, 1, parameters={"mu": mass}, kind=KREIN_COLLISION, quiet=True)
+    certificate = certify(claim)
+    assert certificate.proved
+    assert certificate.side == "above"
+    assert level in str(certificate)
+    assert certificate.normal_form["b"] * sign > 0

@@ -26,6 +26,8 @@ from orbitproof.verify.evidence import EmptyIntersectionError, Proved
 from orbitproof.verify.functions import REACH, BoundedFunction
 from orbitproof.verify.stability import Kind, Point, Segment, extrema_on, is_stable, open_on
 from orbitproof.verify.stability.complete_list import complete_list, orders
+from orbitproof.verify.stability.kinds import Matter, Resonance
+from orbitproof.verify.stability.list_entries import Gap
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
 
 DATA = Path(__file__).parents[1] / "data"
@@ -302,6 +304,34 @@ def test_folds_symmetry_breakings_and_losses_of_r_are_matched_by_kind(kind: str,
             with_certificates([point], [], [entry])
     with pytest.raises(EmptyIntersectionError):
         with_certificates([replace(point, piece="p002")], [], [entry])
+
+
+def test_krein_collisions_are_matched_with_listed_ones() -> None:
+    """At either point of the orbit; a resonance at the same place is another point, and an open place may hide one."""
+    at = ball(Fraction(1, 3))
+    collision = Point(0, "p001", 0, 0, Kind.COLLISION, at, at, at, {})
+    others = [replace(collision, k=1, kind=Kind.LOSS), replace(collision, kind=Kind.OPPOSITE)]
+    entries = [
+        Bifurcation(name, "krein_collision", 1, Place("p001", at, False, other), "", {})
+        for name, other in (("row", False), ("row-second", True))
+    ]
+    found = with_certificates([*others, collision], [], entries)
+    assert [point.certificates for point in found] == [(), (), ("row", "row-second")]
+    with pytest.raises(EmptyIntersectionError):
+        with_certificates(others, [], entries)
+    with pytest.raises(EmptyIntersectionError):
+        with_certificates([collision], [], [replace(entries[0], kind="reversor_breaking")])
+    for matter, hides in ((Matter.COLLISION, True), (Matter.EVERYTHING, True), (Matter.EXTREMA, False)):
+        gap = Gap(0, "p001", Fraction(0), Fraction(1), matter, "")
+        if hides:
+            assert with_certificates(others, [gap], entries) == tuple(others)
+            assert not with_certificates([collision], [gap], entries)[0].certificates
+        else:
+            assert with_certificates([collision], [gap], entries)[0].certificates
+            with pytest.raises(EmptyIntersectionError):
+                with_certificates(others, [gap], entries)
+    resonance = Gap(0, "p001", Fraction(0), Fraction(1), Resonance(1, 0), "")
+    assert with_certificates([collision], [resonance], entries)[0].certificates
 
 
 @pytest.mark.parametrize("other_point", [True, False])
