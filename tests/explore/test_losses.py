@@ -84,8 +84,8 @@ def test_a_guess_becomes_a_claim_of_a_collision_that_is_proved() -> None:
 def test_what_is_no_collision_is_not_refined() -> None:
     with pytest.raises(RefinementFailure):
         collision({"x": 1.7, "x1": 0.0, "x2": 0.0})
+    point = {"x": 0.0, "vy": ROOT}
     with pytest.raises(RefinementFailure, match="two pairs"):
-        point = {"x": 0.0, "vy": ROOT}
         refine_at(cases.MODES, point, 1, parameters={"a": cases.A}, kind=KREIN_COLLISION, quiet=True)
 
 
