@@ -204,14 +204,14 @@ def _check_resonances(checklist: Checklist, cosine: arb) -> None:
     statement = "lambda^3 and lambda^4 are not 1: s is neither -1/2 nor 0"
     remedy = "nothing: the theorem is about other collisions"
     with checklist.hypothesis("non-resonance", "31.3", statement, remedy) as evidence:
-        evidence.require(excludes_zero(2 * cosine + 1), "s may be -1/2", needs_precision=True)
-        evidence.require(excludes_zero(cosine), "s may be 0", needs_precision=True)
+        evidence.require(excludes_zero(evidence.record("2 s + 1", 2 * cosine + 1)), "s may be -1/2", True)
+        evidence.require(excludes_zero(evidence.record("s", cosine)), "s may be 0", True)
 
 
 def _check_side(checklist: Checklist, equations: CollisionEquations, where: list[arb]) -> arb:
     """The derivative of the discriminant along the curve of symmetric orbits is not 0."""
     statement = "the discriminant of Sigma has a derivative other than 0 along the curve of symmetric orbits"
-    with checklist.hypothesis("side", "31.3", statement, "more precision") as evidence:
+    with checklist.hypothesis("side", "31.2", statement, "more precision") as evidence:
         *rows, last = equations.matrix(where)
         along = [arb(1), *newton_image([row[1:] for row in rows], [row[0] for row in rows])]
         speed = evidence.record("its derivative", dot(last, along))
@@ -223,7 +223,7 @@ def _check_type(checklist: Checklist, jets: Sequence[Jet], cosine: arb) -> arb:
     """b is not 0; that it is real, as reversibility says, is not contradicted."""
     statement = "the coefficient b of the normal form of order 3 is not 0"
     remedy = "more precision or smaller radii, or nothing where it degenerates"
-    with checklist.hypothesis("type", "31.4", statement, remedy) as evidence:
+    with checklist.hypothesis("type", "31.3", statement, remedy) as evidence:
         found = cubic_coefficient(jets, cosine)
         evidence.record("b", found.real)
         evidence.record("imaginary part that vanishes", found.imag)

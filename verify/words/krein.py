@@ -49,7 +49,7 @@ def krein_found(candidate: Candidate, found: KreinResults) -> Iterator[str]:
         f"their multipliers have left the unit circle for values {other} than that."
     )
     yield (
-        f"cos omega lies in {interval_text(found.cosine, _DIGITS)}, omega/(2 pi) in "
+        f"The cosine of omega lies in {interval_text(found.cosine, _DIGITS)}, omega/(2 pi) in "
         f"{interval_text(found.rotation_number, _DIGITS)}. The discriminant of the stability parameters, "
         f"(s_1 - s_2)^2, has the derivative {interval_text(found.speed, _DIGITS)} by the parameter."
     )
