@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import json
 import random
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction as F
 from functools import cache
+from math import sqrt
 from pathlib import Path
 from typing import Any
 
 import pytest
 from flint import arb, ctx
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
+from orbitproof.explore.points import refine_at
 from orbitproof.explore.refinement import OrbitTask, refine, refine_orbit
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, Candidate, Equation, candidate_from_json, load_system
@@ -32,10 +36,10 @@ from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmeti
 from orbitproof.verify.certificate import Certificate, certify, digest, recheck
 from orbitproof.verify.claim import LevelEquation, check_level, is_in
 from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotEstablishedError, enclose, excludes_zero, power
-from orbitproof.verify.oracle import Limits
-from orbitproof.verify.poincare import at_start, initial_values, level_set, on_sheet
+from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.poincare import IntegratorSettings, at_start, initial_values, level_set, on_sheet
 from orbitproof.verify.poincare.functions import without_time
-from orbitproof.verify.reversor_breaking import theorem_of
+from orbitproof.verify.reversor_breaking import check_sheet, enclose_breaking
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"
 LIMITS = Limits(max_precision=256)
@@ -308,9 +312,65 @@ def test_orbits_are_proved_whose_level_is_that_of_a_potential() -> None:
     assert half.equation.quantity == HALF_PERIOD
 
 
-def test_losses_of_the_reversor_are_refused() -> None:
-    reason = theorem_of(replace(claimed(), kind="reversor_breaking", k=1))
-    assert "interval" in getattr(reason, "message", "")
+MODES = {
+    **CUBIC,
+    "name": "relativistic-modes",
+    "state": ["x", "y", "px", "py"],
+    "where": {"energy": "sqrt(1 + px**2 + py**2)"},
+    "field": {"x": "px/energy", "y": "py/energy", "px": "-a*x - x*y**2", "py": "-y - x**2*y"},
+    "R": {"y": -1, "px": -1},
+    "section": "y",
+    "first_integral": "energy + (a*x**2 + y**2 + x**2*y**2)/2",
+    "level_coordinate": "py",
+    "fixed_level": {"value": "3/2", "between": ["1/4", "2"]},
+}
+"""Two oscillators that stiffen each other; on x = 0 the orbit is known but for one quadrature."""
+
+
+@cache
+def loss() -> Candidate:
+    place = {"a": 0.2609736537, "x": 0.0}
+    return refine_at(described(MODES), place, 1, kind="reversor_breaking", digits=40, id="loss", quiet=True)
+
+
+def test_a_loss_of_the_reversor_is_where_a_linear_equation_has_an_odd_solution() -> None:
+    def end(a: float) -> float:
+        def slopes(_t: float, s: Sequence[float]) -> list[float]:
+            energy = sqrt(1 + s[1] ** 2)
+            return [s[1] / energy, -s[0], s[3] / energy, -(a + s[0] ** 2) * s[2]]
+
+        def height(_t: float, s: Sequence[float]) -> float:
+            return s[0]
+
+        height.terminal, height.direction = True, -1  # type: ignore[attr-defined]
+        run = solve_ivp(slopes, [0, 20], [0.0, sqrt(1.25), 0.0, 1.0], rtol=1e-11, atol=1e-12, events=height)
+        return float(run.y[2, -1])
+
+    proof = certify(loss(), LIMITS)
+    assert proof.proved, proof.reason
+    assert proof.parameter is not None
+    assert abs(float(proof.parameter.mid()) - brentq(end, 0.25, 0.27, xtol=1e-13)) < 1e-10
+    (sheet,) = (hypothesis for hypothesis in proof.hypotheses if hypothesis.name == "sheet")
+    assert "the derivative of the first integral in py is not 0" in sheet.statement
+    assert recheck(proof).stands
+
+
+def test_at_the_image_the_derivative_counts_and_not_the_sign() -> None:
+    found = enclose_breaking(loss(), IntegratorSettings(128), ORACLE)
+    with ctx.workprec(128):
+        check_sheet(Checklist(), loss(), found)
+        with pytest.raises(NotEstablishedError, match="may vanish"):
+            check_sheet(Checklist(), loss(), replace(found, sheet=(arb(0, "1e-3"),)))
+        # The same coordinates in the cubic, whose derivative at x = 0 is y - y^2.
+        other = replace(loss(), system=described(CUBIC))
+        check_sheet(Checklist(), other, replace(found, sheet=(arb("0.5"),)))
+        for y in (arb(1), arb("1.01", "0.02"), arb(0)):
+            with pytest.raises(NotEstablishedError, match="may vanish"):
+                check_sheet(Checklist(), other, replace(found, sheet=(y,)))
+        (table,) = found.image
+        zero = (0,) * len(next(iter(table.box)))
+        far = replace(found, sheet=(arb(1),), image=(replace(table, box={**table.box, zero: arb(2)}),))
+        check_sheet(Checklist(), other, far)
 
 
 def test_the_other_points_get_an_interval_of_their_own() -> None:

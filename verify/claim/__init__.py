@@ -8,6 +8,7 @@ from orbitproof.verify.claim.level import (
     check_level,
     is_in,
     level_program,
+    on_box,
     point_on_fixed_set,
     quadratic_coefficient,
 )

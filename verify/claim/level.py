@@ -154,7 +154,7 @@ def _check_interval(checklist: Checklist, candidate: Candidate, level: FixedLeve
         except ValueError as error:
             evidence.require(False, str(error))
             return
-        arguments = _on_box(candidate)
+        arguments = on_box(candidate)
         ends = [equation.at(arguments, enclose(end))[0] for end in level.ends if end is not None]
         for which, ball in zip(("lower", "upper"), ends, strict=True):
             evidence.record(f"H - h at the {which} end", ball)
@@ -168,13 +168,18 @@ def _check_interval(checklist: Checklist, candidate: Candidate, level: FixedLeve
         )
 
 
-def _on_box(candidate: Candidate) -> list[arb]:
-    """Balls of the state, whose level coordinate is not used, and of the parameters on the box of a claim."""
+def on_box(candidate: Candidate, moved: Mapping[str, arb] | None = None) -> list[arb]:
+    """Balls of the state, whose level coordinate is not used, and of the parameters on the box of a claim.
+
+    Args:
+        moved: state coordinates that have other values.
+    """
     system = candidate.system
     named = {name: enclose(value) for name, value in candidate.parameters.items()}
     for name, origin, row in zip(candidate.coordinates, candidate.centre, candidate.frame, strict=True):
         spread = sum((abs(a) * radius for a, radius in zip(row, candidate.radii, strict=True)), Fraction(0))
         named[name] = enclose(origin) + symmetric(spread)
+    named |= moved or {}
     parameters = [named[name] for name in system.parameters]
     state = [named.get(name, enclose(system.normalised.get(name, Fraction(0)))) for name in system.state]
     return [*with_functions(system, state, parameters, FUNCTIONS, enclose, power), *parameters]

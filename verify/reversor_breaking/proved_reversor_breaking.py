@@ -10,7 +10,15 @@ from flint import arb
 
 from orbitproof.shared.claims.fields import Title
 from orbitproof.shared.formats import REVERSOR_BREAKING, Candidate
-from orbitproof.verify.claim import check_frames, check_level, check_symmetries, inverse, point_on_fixed_set
+from orbitproof.verify.claim import (
+    LevelEquation,
+    check_frames,
+    check_level,
+    check_symmetries,
+    inverse,
+    on_box,
+    point_on_fixed_set,
+)
 from orbitproof.verify.evidence import (
     MAX_ORDER,
     Checklist,
@@ -87,9 +95,6 @@ def theorem_of(candidate: Candidate) -> BreakingTheorem | Reason:
         return Reason("theorem", message, "claim it with the first integral as parameter (section 27.1)")
     if system.normalised:
         return Reason("theorem", f"{system.name} is a form of other orbits", "claim it in the original coordinates")
-    if system.fixed_level is not None and system.fixed_level.between is not None:
-        message = "the level coordinate is given by an interval, and what it is at images is not shown (section 27.1)"
-        return Reason("theorem", message, "claim it where the first integral is A + b w^2")
     return BreakingTheorem(candidate)
 
 
@@ -169,9 +174,28 @@ def check_half_return(
     return found
 
 
+def _slope_at_images(candidate: Candidate, found: BreakingEnclosures) -> arb:
+    """The derivative of H in the level coordinate w, by w, p' and q of all images."""
+    system, zero = candidate.system, (0,) * variables_of(candidate)
+    along = [table.box[zero] for table in found.image]
+    across = [table.box[zero] for table in found.iterates[-1]]
+    kernel = [dot([enclose(value) for value in row], across) for row in inverse(candidate.kernel_frame) or ()]
+    named = dict(zip(candidate.coordinates[1:], along, strict=True))
+    named |= {system.state[i]: ball for i, ball in zip(system.kernel_coordinates, kernel, strict=True)}
+    return LevelEquation.of(system).at(on_box(candidate, named), found.sheet[0])[1]
+
+
 def check_sheet(checklist: Checklist, candidate: Candidate, found: BreakingEnclosures) -> None:
-    """The level coordinate is not 0 at the images, so that the others are coordinates of the level there."""
-    name = candidate.system.level_coordinate
+    """The level coordinate follows from the level at the images too: the others are coordinates of the level there."""
+    name, level = candidate.system.level_coordinate, candidate.system.fixed_level
+    if level is not None and level.between is not None:
+        statement = f"the derivative of the first integral in {name} is not 0 at the image of the box under "
+        statement += _power(candidate)
+        with checklist.hypothesis("sheet", "27.1", statement, "claim the other point of the orbit") as evidence:
+            slope = _slope_at_images(candidate, found)
+            evidence.record(f"dH/d{name}", slope)
+            evidence.require(excludes_zero(slope), "it may vanish", needs_precision=True)
+        return
     statement = f"{name} has one sign at the image of the box under {_power(candidate)}"
     with checklist.hypothesis("sheet", "27.1", statement, "claim the other point of the orbit") as evidence:
         (value,) = found.sheet
