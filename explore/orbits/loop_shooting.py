@@ -16,7 +16,7 @@ import numpy as np
 from orbitproof.explore.flow import Matrix, Vector, flow_of
 from orbitproof.explore.orbits.along_level import level_gradient
 from orbitproof.explore.orbits.multiple_shooting import Evaluation, MultipleShooting, SegmentedOrbit
-from orbitproof.shared.systems import completed
+from orbitproof.shared.systems import functions_in_floats
 
 _SHORTEST = 1e-3
 """A leg that takes a smaller part of the period: the orbit is about to leave the section, where it is tangent to it."""
@@ -49,7 +49,7 @@ class LoopShooting(MultipleShooting):
         """The state on the section that belongs to a point, shape (m,)."""
         state = np.zeros(len(self.system.state))
         state[list(self.section_coordinates)] = point[self.lead : self.point_size]
-        return np.array(completed(self.system, state.tolist(), self.parameter_values(point)))
+        return np.array(functions_in_floats(self.system, state, self.parameter_values(point)))
 
     def states(self, unknowns: Vector) -> Matrix:
         """States at all crossings, shape (k, m)."""

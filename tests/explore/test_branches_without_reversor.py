@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from flint import arb
 from scipy.integrate import solve_ivp
+from scipy.special import mathieu_b
 from support import breaking_cases as cases
 from support.picture_texts import unreadable
 
@@ -25,7 +26,7 @@ from orbitproof.figures.pictures import draw_branch
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared import InputError
 from orbitproof.shared.formats import REVERSOR_BREAKING, PeriodicOrbit, read_claims, write_candidates
-from orbitproof.shared.systems import CR3BP
+from orbitproof.shared.systems import CR3BP, FixedLevel
 from orbitproof.verify.certificate import certify
 from orbitproof.verify.periodic import PeriodicResults
 from orbitproof.verify.reversor_breaking import BreakingResults
@@ -111,6 +112,26 @@ def test_a_new_orbit_is_proved_and_r_does_not_map_it_to_itself(branch: Branch) -
     # One crossing in this direction: were the orbit its own image, this point would be in Fix(R).
     assert not found.point["vx"].contains(0)
     assert not certify(replace(refine_periodic(task), level=task.level + 1)).proved  # type: ignore[operator]
+
+
+def test_with_a_parameter_on_a_level_the_parameter_follows_the_normal_form() -> None:
+    h = Fraction(1, 5)
+    system = replace(cases.MODES, name="modes-level", family_parameter="a", fixed_level=FixedLevel(h, 1))
+    a = float(mathieu_b(1, float(h) / 4)) - float(h) / 2
+    claim = refine_at(system, {"a": a, "x": 0.0}, 1, kind=REVERSOR_BREAKING, digits=30, quiet=True)
+    proof = certify(claim)
+    assert isinstance(proof.results, BreakingResults)
+    branch = follow(branch_point(claim), length=0.1, orbits=5)
+    assert branch.birth is not None
+    assert branch.birth.side == proof.results.side
+    assert branch.birth.curvature == pytest.approx(float(proof.results.opening.mid()), rel=1e-4)
+    last = branch.sides[1].orbits[-1]
+    for state in last.crossings:
+        assert cases.MODES.first_integral is not None
+        assert cases.MODES.first_integral(state, [last.level])[0] == pytest.approx(float(h), abs=1e-11)
+    # It comes to the section with vy of either sign.
+    assert last.crossings[0][3] > 0 > last.crossings[1][3]
+    assert task_of(branch.record(None, None), 5).level == h
 
 
 def test_python_does_what_the_commands_do(branch: Branch) -> None:
