@@ -135,6 +135,7 @@ def _bifurcation(atlas: Atlas, entry: Bifurcation) -> str:
         "period_tupling": f"period {entry.k}-tupling",
         "touch_and_go": f"touch-and-go of order {entry.k}",
         "krein_collision": "Krein collision",
+        "reversor_breaking": "loss of R",
     }.get(entry.kind, entry.kind)
     assert entry.place is not None
     # Of a first integral it is a title.
