@@ -138,8 +138,8 @@ def test_the_halo_orbits_of_the_chapter_lose_r(mass: str, point: tuple[float, ..
 @pytest.mark.parametrize(
     ("mass", "point", "level", "sign"),
     [
-        ("earth-moon", (0.92854, 0.29456, 0.0818), "2.94067371706073951", -1),
-        ("sun-jupiter", (0.98817185, 0.12908558, 0.014858515), "2.9940629819630", 1),
+        ("earth-moon", (0.92854, 0.29456, 0.0818), "2.94067371706073966745762740204", -1),
+        ("sun-jupiter", (0.98817185, 0.12908558, 0.014858515), "2.99406298196303494248411865529", 1),
     ],
 )
 def test_the_halo_orbits_of_the_chapter_collide(mass: str, point: tuple[float, ...], level: str, sign: int) -> None:

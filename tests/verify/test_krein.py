@@ -317,6 +317,6 @@ def test_halo_orbits_collide_supercritically(halo: Certificate) -> None:
     found = halo.results
     assert isinstance(found, KreinResults)
     assert (found.side, found.type) == ("above", "supercritical")
-    assert found.parameter.overlaps(arb("2.94067371706073951 +/- 1e-15"))
+    assert found.parameter.overlaps(arb("2.94067371706073966745762740204 +/- 1e-29"))
     assert found.parameter.rad() < arb(10) ** -25
     assert found.coefficient.overlaps(arb("-2575.30 +/- 0.01"))
