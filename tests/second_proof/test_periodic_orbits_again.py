@@ -28,6 +28,7 @@ bifurcation = import_module(f"{package.__name__}.periodic_bifurcation")
 periodic = import_module(f"{package.__name__}.periodic")
 stating = import_module(f"{package.__name__}.periodic_statement")
 legs = import_module(f"{package.__name__}.legs")
+newton = import_module(f"{package.__name__}.newton")
 isolation = import_module(f"{package.__name__}.multipliers")
 statement = import_module(f"{package.__name__}.statement")
 
@@ -303,7 +304,7 @@ def recorded(certificates: dict[str, dict[str, Any]]) -> tuple[Any, Any, int, li
         patch.setattr(legs, "LEG", 6)
         start = periodic.PeriodicProof(stated, 160).guess()
     assert len(start.shares) > 2
-    bits, found = 2 * start.lost + legs.KNOWN, list[Any]()
+    bits, found = 2 * start.lost + newton.KNOWN, list[Any]()
 
     class Recording(periodic.PeriodicProof):  # type: ignore[name-defined, misc]
         def followed(self, *arguments: Any) -> Any:

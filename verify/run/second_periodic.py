@@ -94,8 +94,11 @@ def compare_multipliers(
 
 
 def is_in_the_box(claim: Mapping[str, Any], point: Sequence[arb]) -> bool | None:
-    """Whether a point of the section certainly lies in the box, certainly does not, or None: neither is certain."""
-    rows = [[*map(_exact, row), _exact(a)] for row, a in zip(claim["frame"], claim["normal"], strict=True)]
+    """Whether a point certainly lies in the box of a claim, certainly does not, or None: neither is certain."""
+    rows = [[*map(_exact, row)] for row in claim["frame"]]
+    if "normal" in claim:
+        # The frame spans a section, which is less than the state.
+        rows = [[*row, _exact(a)] for row, a in zip(rows, claim["normal"], strict=True)]
     right = [[x - _exact(c)] for x, c in zip(point, claim["centre"], strict=True)]
     moved = arb_mat(rows).solve(arb_mat(right))
     sizes = [(abs(moved[i, 0]), _exact(radius)) for i, radius in enumerate(claim["radii"])]

@@ -10,15 +10,14 @@ import argparse
 import hashlib
 import json
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from flint import arb, arb_mat, fmpq
+from flint import arb
 
 from orbitproof.shared.formats import InputError, check_writable, read_document, refused, select_ids, write_text
-from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.processes import Answer, Failure, Report, Task
 from orbitproof.shared.systems import shown
 from orbitproof.verify import second_proof as folder
@@ -37,14 +36,18 @@ from orbitproof.verify.run import (
 )
 from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, relation
 from orbitproof.verify.run.second_bifurcation import compare_bifurcation, compare_torus
-from orbitproof.verify.run.second_periodic import compare_periodic
+from orbitproof.verify.run.second_periodic import compare_periodic, is_in_the_box
+from orbitproof.verify.run.second_symmetric import compare_birth, compare_symmetric
 from orbitproof.verify.second_proof import (
     BadCertificate,
     CannotFollow,
     NotProved,
+    Outcome,
     Proved,
+    ProvedBirth,
     ProvedPeriodic,
     ProvedPeriodicBifurcation,
+    ProvedSymmetric,
     ProvedTorus,
     read_claim,
     second_proof,
@@ -54,8 +57,8 @@ FORMAT = "orbitproof-second-proofs"
 Row = dict[str, Any]
 
 _DESCRIPTION = """\
-Prove certified bifurcations, and periodic orbits without symmetry with their bifurcations, once more, by code that
-shares nothing with the first proof, and compare the results.
+Prove certified bifurcations, losses of R, symmetric orbits and their stability, and periodic orbits without symmetry
+with their bifurcations once more, by code that shares nothing with the first proof, and compare the results.
 """
 
 _EXAMPLES = """\
@@ -86,10 +89,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return refused(error)
 
 
-def compare(
-    certificate: Mapping[str, Any],
-    result: Proved | ProvedPeriodic | ProvedPeriodicBifurcation | ProvedTorus | NotProved,
-) -> Comparison:
+COMPARED: tuple[tuple[type[Any], Callable[[Mapping[str, Any], Any], Comparison]], ...] = (
+    (ProvedPeriodic, compare_periodic),
+    (ProvedPeriodicBifurcation, compare_bifurcation),
+    (ProvedTorus, compare_torus),
+    (ProvedBirth, compare_birth),
+    (ProvedSymmetric, compare_symmetric),
+)
+"""How what is proved of each kind is compared."""
+
+
+def compare(certificate: Mapping[str, Any], result: Outcome) -> Comparison:
     """Whether a second proof says the same as the certificate, value by value. Section 7 of its chapter.
 
     Of bifurcations kind, k, side; the point, the parameter and the normal form; the point in the box of the candidate.
@@ -99,15 +109,10 @@ def compare(
         return Comparison("cannot follow", result.reason)
     if certificate["verdict"] != "proved":
         return Comparison("cannot follow", "the certificate proves nothing to compare with")
-    if isinstance(result, ProvedPeriodic):
+    if not isinstance(result, Proved):
+        (comparison,) = [function for kind, function in COMPARED if isinstance(result, kind)]
         with guarded(4096):
-            return compare_periodic(certificate, result)
-    if isinstance(result, ProvedPeriodicBifurcation):
-        with guarded(4096):
-            return compare_bifurcation(certificate, result)
-    if isinstance(result, ProvedTorus):
-        with guarded(4096):
-            return compare_torus(certificate, result)
+            return comparison(certificate, result)
     claim, results = certificate["statement"]["candidate"], certificate["results"]
     if (result.kind, result.k) != (claim["kind"], claim["k"]):
         return Comparison("disagrees", f"kind or k: {result.kind}, {result.k}")
@@ -126,7 +131,7 @@ def compare(
             if isinstance(found, Comparison):
                 return found
             (inside if found == "" else overlapping).append(name + found)
-        is_inside = _is_in_the_box(claim, list(result.point.values()))
+        is_inside = is_in_the_box(claim, list(result.point.values()))
     if is_inside is None:
         return Comparison("cannot follow", "the enclosure of the point is too wide to tell whether it is in the box")
     if not is_inside:
@@ -151,22 +156,6 @@ def _values_here(certificate: Mapping[str, Any], result: Proved) -> dict[str, ar
     return {"parameter": result.parameter} | {f"point.{name}": ball for name, ball in result.point.items()} | form
 
 
-def _is_in_the_box(claim: Mapping[str, Any], point: Sequence[arb]) -> bool | None:
-    """Whether a point certainly lies in the box of a claim, certainly does not, or None: neither is certain."""
-    frame = arb_mat([[_exact(entry) for entry in row] for row in claim["frame"]])
-    moved = frame.solve(arb_mat([[x - _exact(c)] for x, c in zip(point, claim["centre"], strict=True)]))
-    sizes = [(abs(moved[i, 0]), _exact(radius)) for i, radius in enumerate(claim["radii"])]
-    if any(size > radius for size, radius in sizes):
-        return False
-    return True if all(size <= radius for size, radius in sizes) else None
-
-
-def _exact(number: str) -> arb:
-    """The ball of an exact number as it stands in a claim, in the working precision."""
-    value = parse_exact(number)
-    return arb(fmpq(value.numerator, value.denominator))
-
-
 def prove_row(certificate: Mapping[str, Any], _: Report) -> Row:
     """The row of one certificate."""
     used = time.process_time()
@@ -187,6 +176,17 @@ def prove_row(certificate: Mapping[str, Any], _: Report) -> Row:
         row |= {name: getattr(result, name) for name in ("inside", "on", "outside", "width", "bits", "steps")}
         row |= {"point": _texts(result.point), "period": _text(result.period)}
         row["multipliers"] = [[_text(value.real), _text(value.imag)] for value in result.multipliers]
+    if isinstance(result, ProvedBirth):
+        row |= {"kind": result.kind, "side": result.side, "direction": _texts(result.direction)}
+        row |= {name: _text(getattr(result, name)) for name in ("parameter", "opening")}
+    if isinstance(result, ProvedSymmetric):
+        row |= {"kind": result.kind, "twists": _texts(result.twists)}
+        row["stability_parameters"] = [[_text(value.real), _text(value.imag)] for value in result.stability]
+        row |= {} if result.rotation_number is None else {"rotation_number": _text(result.rotation_number)}
+    if isinstance(result, (ProvedBirth, ProvedSymmetric)):
+        row |= {name: getattr(result, name) for name in ("width", "bits", "steps")}
+        row |= {name: _texts(getattr(result, name)) for name in ("point", "other_point")}
+        row["period"] = _text(result.period)
     if not isinstance(result, NotProved):
         row["hypotheses"] = [{"name": h.name, "enclosures": _texts(h.enclosures)} for h in result.hypotheses]
     return row | {"cpu_seconds": round(time.process_time() - used, 1), "fingerprint": fingerprint(certificate)}

@@ -1,14 +1,16 @@
 """A second proof of what a certificate claims that shares no code with the rest: see README.md of this folder."""
 
-from .claims import read_claim, second_proof
+from .births import ProvedBirth
+from .claims import Outcome, read_claim, second_proof
 from .jets import CannotFollow
 from .periodic import ProvedPeriodic
 from .periodic_bifurcation import ProvedPeriodicBifurcation
 from .periodic_torus import ProvedTorus
 from .proof import NotProved, Proved
 from .statement import BadCertificate, read_statement
+from .symmetric_orbit import ProvedSymmetric
 
 __all__ = [
-    "BadCertificate", "CannotFollow", "NotProved", "Proved", "ProvedPeriodic",
-    "ProvedPeriodicBifurcation", "ProvedTorus", "read_claim", "read_statement", "second_proof",
+    "BadCertificate", "CannotFollow", "NotProved", "Outcome", "Proved", "ProvedBirth", "ProvedPeriodic",
+    "ProvedPeriodicBifurcation", "ProvedSymmetric", "ProvedTorus", "read_claim", "read_statement", "second_proof",
 ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""Every kind of claim that has a second proof. README, sections 1 and 9."""
+"""Every kind of claim that has a second proof. README, sections 1, 9 and 13."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from . import proof
+from .births import ProvedBirth, prove_birth
+from .halves import SymmetricStatement, read_symmetric
 from .periodic import ProvedPeriodic, prove_periodic
 from .periodic_bifurcation import (
     BifurcationStatement,
@@ -17,8 +19,15 @@ from .periodic_statement import PeriodicStatement, read_periodic
 from .periodic_torus import ProvedTorus, prove_torus
 from .proof import NotProved, Proved
 from .statement import Statement, read, read_statement
+from .symmetric_orbit import ProvedSymmetric, prove_symmetric
 
 TORUS = "periodic-torus"
+PROOFS = {
+    "periodic": prove_periodic, TORUS: prove_torus, "reversor_breaking": prove_birth,
+    "stable_orbit": prove_symmetric, "orbit": prove_symmetric,
+}  # fmt: skip
+"""By kinds that are named in full."""
+Outcome = Proved | ProvedPeriodic | ProvedPeriodicBifurcation | ProvedTorus | ProvedBirth | ProvedSymmetric | NotProved
 
 
 def _kind(certificate: Mapping[str, Any]) -> str:
@@ -26,26 +35,24 @@ def _kind(certificate: Mapping[str, Any]) -> str:
     return kind
 
 
-def read_claim(certificate: Mapping[str, Any]) -> Statement | PeriodicStatement | BifurcationStatement:
+def read_claim(
+    certificate: Mapping[str, Any],
+) -> Statement | PeriodicStatement | BifurcationStatement | SymmetricStatement:
     """The statement of a certificate. Raises `BadCertificate`, and `CannotFollow` if no theorem is about it."""
     kind = _kind(certificate)
     if kind == "periodic":
         return read_periodic(certificate)
     if kind.startswith("periodic-"):
         return read_bifurcation(certificate, torus=kind == TORUS)
-    return read_statement(certificate)
+    return read_symmetric(certificate) if kind in PROOFS else read_statement(certificate)
 
 
-def second_proof(
-    certificate: Mapping[str, Any],
-) -> Proved | ProvedPeriodic | ProvedPeriodicBifurcation | ProvedTorus | NotProved:
+def second_proof(certificate: Mapping[str, Any]) -> Outcome:
     """Prove what a certificate claims, from its statement, centre and frames alone.
 
     Raises `BadCertificate` for a certificate that cannot be read; whatever else goes wrong is a `NotProved`.
     """
     kind = _kind(certificate)
-    if kind == "periodic":
-        return prove_periodic(certificate)
-    if kind == TORUS:
-        return prove_torus(certificate)
+    if kind in PROOFS:
+        return PROOFS[kind](certificate)
     return prove_bifurcation(certificate) if kind.startswith("periodic-") else proof.second_proof(certificate)

@@ -13,11 +13,12 @@ from .conditions import Hypothesis, Vector
 from .crossing import TIME, crossing_state, first_crossing, moving, sign_of
 from .flow import Step, take_step
 from .jets import CannotFollow, Jet, ball, combine, precision
+from .newton import Newton
 from .periodic_statement import PeriodicStatement
-from .proof import NEWTON_STEPS, check_integral, dot
+from .proof import check_integral, dot
 
-LEG, KNOWN = 24, 128
-"""Bits that a leg may lose; bits beyond those that are lost in a leg and in derivatives."""
+LEG = 24
+"""Bits that a leg may lose."""
 MOST_STEPS = 10_000
 
 
@@ -54,17 +55,13 @@ def form(rows: Sequence[Jet], *vectors: Sequence[Any]) -> list[Any]:
     ]
 
 
-class Legs:
+class Legs(Newton):
     """One attempt: the unknowns x_0, .., x_(k-1), mu, what varies, T, and others that a kind of claim has.
 
     Attributes:
-        centre: of all unknowns, moved by Newton's method; `reach`: the radius of their box.
         shares: of the period at which the legs end, the last one 1.
         state: how many unknowns are coordinates of points; `time`: the place of T.
-        degree: the order of derivatives that Newton's method takes, and that the proof takes.
     """
-
-    degree = 1, 1
 
     def __init__(self, statement: PeriodicStatement, bits: int, start: Start | None = None) -> None:
         self.statement, self.bits, self.steps, self.size = statement, bits, 0, len(statement.names)
@@ -192,6 +189,11 @@ class Legs:
             one, other = (statement.evaluate(statement.integral, jets)[0] for jets in (before, after))
             check_integral(*(Jet({a: c for a, c in jet.items() if mu not in a}, jet.degree) for jet in (one, other)))
 
+    def evaluated(self, around: Sequence[arb], degree: int) -> tuple[Return, list[Jet]]:
+        """What was followed, and jets of E."""
+        found = self.followed(around, degree)
+        return found, self.returned(found, around, degree)
+
     def returned(self, found: Return, around: Sequence[arb], degree: int) -> list[Jet]:
         """Jets of E, by the numbers of the unknowns, T being `TIME`. README, section 9.3."""
         orbit, size = self.statement, self.size
@@ -242,38 +244,6 @@ class Legs:
         """The left sides of all equations at the centre."""
         return self.defects(rows)
 
-    def prepare(self, rows: Sequence[Jet]) -> None:
-        """What is guessed from derivatives at the first centre."""
-
-    def converge(self) -> Vector:
-        """Move the centre to a zero by Newton's method; the left sides of the equations there."""
-        small = arb(2) ** (self.lost + KNOWN // 2 - self.bits)
-        for turn in range(NEWTON_STEPS):
-            rows = self.returned(self.followed(self.centre, self.degree[0]), self.centre, self.degree[0])
-            if turn == 0:
-                self.prepare(rows)
-            values = self.zeros(rows)
-            moves = solved(self.system(rows, self.centre), values)
-            largest = max(abs(move) for move in moves)
-            if largest < small:
-                self.reach = max(largest.abs_upper() * 256, small * arb(2) ** -(KNOWN // 4)).mid()
-                return values
-            if not largest < arb(2) ** -8:
-                break
-            self.centre = [(c - move).mid() for c, move in zip(self.centre, moves, strict=True)]
-        raise CannotFollow("Newton's method does not converge from the centre of the certificate")
-
-    def enclosed(self) -> tuple[Hypothesis, Vector, Return, list[Jet]]:
-        """Lemma 5: the zero, and what was followed of its box, with jets of E there."""
-        values = self.converge()
-        around = [c + arb(0, self.reach) for c in self.centre]
-        found = self.followed(around, self.degree[1])
-        rows = self.returned(found, around, self.degree[1])
-        moves = [-move for move in solved(self.system(rows, around), values)]
-        inside = all(abs(move) < self.reach for move in moves)
-        newton = Hypothesis("newton", inside, {"R": self.reach} | dict(zip(self.names(), moves, strict=True)))
-        return newton, [c + move for c, move in zip(self.centre, moves, strict=True)], found, rows
-
     def names(self) -> list[str]:
         """Of all unknowns."""
         legs = range(len(self.shares))
@@ -281,11 +251,6 @@ class Legs:
         more = ["mu"] * (self.statement.slopes is not None)
         more += ["a"] * (self.time - self.state - len(more))
         return [*points, *more, "T", *(f"W {i}" for i in range(len(self.centre) - self.time - 1))]
-
-    @property
-    def width(self) -> int:
-        """The box has the radius 2^-width."""
-        return int(-float(self.reach.log() / arb(2).log()))
 
     def check_orbit(self, found: Return, zero: Vector) -> tuple[list[Hypothesis], arb | None]:
         """T is the least time of return as claimed; and the value of the first integral on its level."""
@@ -318,19 +283,6 @@ class Legs:
             product = factor if product is None else factor * product
         assert product is not None
         return arb_mat([[entry * sign for entry in row] for row, sign in zip(product.tolist(), signs, strict=True)])
-
-
-def solved(matrix: Sequence[Sequence[arb]], values: Sequence[arb]) -> Vector:
-    """The solution of linear equations."""
-    return [entry for (entry,) in arb_mat(matrix).solve(arb_mat([[value] for value in values])).tolist()]
-
-
-def checked(hypotheses: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
-    """All of them, if all hold. Raises `CannotFollow`."""
-    for failed in (h for h in hypotheses if not h.holds):
-        shown = ", ".join(f"{name} = {value.str(6)}" for name, value in failed.enclosures.items())
-        raise CannotFollow(f"{failed.name} is not shown: {shown}")
-    return tuple(hypotheses)
 
 
 def _prime_divisors(number: int) -> list[int]:

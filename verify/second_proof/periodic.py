@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from flint import acb, arb
 
 from .conditions import Hypothesis
 from .jets import CannotFollow, precision
-from .legs import KNOWN, Legs, Start, checked
+from .legs import Legs, Start
 from .multipliers import linear, multipliers
-from .periodic_statement import PeriodicStatement, read_periodic
+from .newton import KNOWN, checked
+from .periodic_statement import read_periodic
 from .proof import NotProved
 
 Result = TypeVar("Result")
@@ -80,8 +81,15 @@ def prove_periodic(certificate: Mapping[str, Any]) -> ProvedPeriodic | NotProved
     )
 
 
+class Checkable(Protocol):
+    """A statement."""
+
+    def check(self) -> None:
+        """Raises `CannotFollow` for one that no theorem is about."""
+
+
 def attempted(
-    statement: PeriodicStatement,
+    statement: Checkable,
     guess: Callable[[int], Start],
     order: int,
     prove: Callable[[int, Start], Result],

@@ -11,8 +11,9 @@ from flint import acb, arb, arb_mat
 
 from .conditions import Hypothesis, Vector
 from .jets import CannotFollow, Jet, ball
-from .legs import Legs, Return, Start, checked, form, solved
+from .legs import Legs, Return, Start, form
 from .multipliers import apart, linear, multipliers
+from .newton import checked, solved
 from .periodic import attempted
 from .periodic_statement import PeriodicStatement, read_periodic
 from .proof import NotProved, dot

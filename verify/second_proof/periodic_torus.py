@@ -10,8 +10,9 @@ from flint import acb, acb_mat, arb, arb_poly
 
 from .conditions import Hypothesis, Vector
 from .jets import CannotFollow, Jet, ball
-from .legs import Return, checked, form
+from .legs import Return, form
 from .multipliers import linear, multipliers
+from .newton import checked
 from .periodic import attempted
 from .periodic_bifurcation import VaryingLegs, best_border, read_bifurcation
 from .proof import NotProved

@@ -166,7 +166,7 @@ class Statement:
 
 def read_statement(certificate: Mapping[str, Any]) -> Statement:
     """The statement of one certificate. Raises `BadCertificate`, and `CannotFollow` for one of another form."""
-    claim, words = "statement.candidate", read(certificate, "statement", dict)
+    claim = "statement.candidate"
     kind = read(certificate, f"{claim}.kind", str)
     if kind.startswith("periodic"):
         raise CannotFollow("no theorem that is used here is about periodic orbits without symmetry")
@@ -178,11 +178,17 @@ def read_statement(certificate: Mapping[str, Any]) -> Statement:
         "touch_and_go": k % 2 == 1 < k,
     }.get(kind):
         raise CannotFollow(f"no theorem that is used here is about {kind} with k = {k}")
+    if read(certificate, claim, dict).get("parameter"):
+        raise CannotFollow("a centre that is given by a level of the first integral is not followed")
+    return read_reversible(certificate, kind, k)
+
+
+def read_reversible(certificate: Mapping[str, Any], kind: str, k: int) -> Statement:
+    """The statement of a certificate about a reversible system; the first of the centre may be a level."""
+    claim, words = "statement.candidate", read(certificate, "statement", dict)
     crossings = read(certificate, claim, lambda c: operator.index(c.get("crossings", 1)))
     if not (0 < k <= 100 and 0 < crossings <= 100):
         raise BadCertificate(f"{claim}: k and crossings are numbers from 1 to 100")
-    if read(certificate, claim, dict).get("parameter"):
-        raise CannotFollow("a centre that is given by a level of the first integral is not followed")
     if words.get("functions"):
         raise CannotFollow("coordinates that are functions of others are not followed")
     field = read(certificate, "statement.vector_field", Program.from_text)

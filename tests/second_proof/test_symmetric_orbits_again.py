@@ -1,0 +1,288 @@
+"""Symmetric orbits, and those that are stable for ever, proved once more: closed forms, forgeries, false claims."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import mpmath
+import pytest
+from flint import arb
+from support import tori_cases
+from support.springs import BITS, CLAIMS, SMALL, SPRINGS, claim, half, number
+
+from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, ORBIT, STABLE_ORBIT, Candidate, Equation
+from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.systems import ParameterRange, ReversibleSystem
+from orbitproof.verify.certificate import Limits, certify
+from orbitproof.verify.evidence import bounds
+from orbitproof.verify.run.second_proofs import compare
+from orbitproof.verify.second_proof import BadCertificate, NotProved, ProvedSymmetric, read_claim, second_proof
+
+F = Fraction
+SHIFT = F(1, 2**20)
+UNIT = ((F(1), F(0)), (F(0), F(1)))
+
+
+@cache
+def spring() -> Candidate:
+    """The orbit along the hard spring, the soft one at rest."""
+    with mpmath.workprec(BITS):
+        found = claim(111, F(8), 1, SMALL, F(1, 2))
+    return replace(
+        found,
+        system=replace(SPRINGS, squared_distance=None, distance_name=None, first_integral_name="energy"),
+        parameters={"w": F(2)},
+        kind=STABLE_ORBIT,
+        centre=(F(3, 2) + SMALL[0] / 2, SMALL[1] / 2),
+        frame=UNIT,
+        equation=Equation(COORDINATE, F(3, 2), "x"),
+    )
+
+
+@pytest.fixture(scope="module")
+def certificate() -> dict[str, Any]:
+    return certify(spring(), Limits(digits=10)).to_json()
+
+
+@pytest.fixture(scope="module")
+def proof(certificate: dict[str, Any]) -> ProvedSymmetric:
+    return proved(certificate)
+
+
+def proved(certificate: dict[str, Any]) -> ProvedSymmetric:
+    found = second_proof(certificate)
+    assert isinstance(found, ProvedSymmetric), str(found)
+    return found
+
+
+def contains(ball: arb, value: Any, accuracy: float) -> bool:
+    low, high = bounds(ball)
+    return bool(number(low) - accuracy <= value <= number(high) + accuracy)
+
+
+def test_the_twist_of_a_spring_beside_another_is_a_derivative_of_an_elliptic_integral(proof: ProvedSymmetric) -> None:
+    """z = y + i vy / w^(1/2) turns back by theta(|z|^2), and w^(1/2) |z|^2 is |w|^2."""
+    with mpmath.workprec(BITS):
+        root, a = mpmath.sqrt(2), mpmath.mpf(3) / 2
+
+        def angle(rho: Any) -> Any:
+            level = a**2 + a**4 / 2 - 2 * rho
+            return 2 * root * half(mpmath.sqrt(mpmath.sqrt(1 + 2 * level) - 1))
+
+        turn = angle(mpmath.mpf(0)) % (2 * mpmath.pi)
+        sign = 1 if turn < mpmath.pi else -1
+        omega = turn if sign > 0 else 2 * mpmath.pi - turn
+        assert proof.rotation_number is not None
+        assert contains(proof.rotation_number, omega / (2 * mpmath.pi), 1e-30)
+        assert contains(proof.twists["y"], sign * mpmath.diff(angle, 0) / root, 1e-15)
+        assert contains(proof.stability[0].real, mpmath.cos(omega), 1e-30)
+        assert contains(proof.period, 2 * half(a), 1e-30)
+    assert list(proof.twists) == ["y"]
+    assert proof.momentum == "vy"
+    assert proof.twists["y"].rad() < 1e-20
+    assert proof.defect is not None
+    assert proof.defect.contains(0)
+    assert proof.level is not None
+    assert proof.level.contains(arb(153) / 32)
+    names = ["newton", "crossings", "level", "elliptic", "non-resonance", "twist"]
+    assert [h.name for h in proof.hypotheses] == names
+
+
+def test_its_certificate_agrees(certificate: dict[str, Any], proof: ProvedSymmetric) -> None:
+    found = compare(certificate, proof)
+    assert found.verdict == "agrees", found.reason
+    said, unsaid = found.reason.split("Not confirmed: ")
+    assert "rotation_number, twist" in said
+    assert unsaid == "that the first integral is one, that the candidate's box holds no other orbits"
+
+
+def changed(certificate: dict[str, Any], change: Callable[[dict[str, Any]], object]) -> dict[str, Any]:
+    other = copy.deepcopy(certificate)
+    change(other)
+    return other
+
+
+def move(entry: dict[str, str], by: Fraction = SHIFT) -> None:
+    entry["mid"] = format_exact(parse_exact(entry["mid"]) + by)
+
+
+DIFFERENCES: dict[str, Callable[[dict[str, Any]], object]] = {
+    "rotation_number:": lambda c: move(c["results"]["rotation_number"]),
+    "normal_form.twist:": lambda c: move(c["results"]["twist"]),
+    "defect:": lambda c: move(c["results"]["defect"]),
+    "period:": lambda c: move(c["results"]["period"]),
+    "half_period:": lambda c: move(c["results"]["half_period"]),
+    "level: the enc": lambda c: move(c["results"]["level"]),
+    "level: is here": lambda c: c["results"].pop("level"),
+    "stability parameter 1, real": lambda c: move(c["results"]["stability_parameters"][0]["real"]),
+    "stability parameter 1, imag": lambda c: move(c["results"]["stability_parameters"][0]["imaginary"]),
+    "stability_parameters: another number": lambda c: c["results"].update(stability_parameters=[]),
+    "multipliers": lambda c: move(c["results"]["multipliers"][0]["real"], F(1, 2)),
+    "stability: unst": lambda c: c["results"].update(stability="unstable"),
+    "twist_momentum": lambda c: c["results"].update(twist_momentum="vx"),
+    "point.x:": lambda c: move(c["results"]["point"]["x"]),
+    "point.y:": lambda c: move(c["results"]["point"]["y"]),
+    "other_point.x:": lambda c: move(c["results"]["other_point"]["x"]),
+    "the point is not in the box": lambda c: c["statement"]["candidate"].update(centre=["3e0", "0x0"]),
+}
+
+
+@pytest.mark.parametrize("begin", DIFFERENCES)
+def test_every_difference_is_told(certificate: dict[str, Any], proof: ProvedSymmetric, begin: str) -> None:
+    found = compare(changed(certificate, DIFFERENCES[begin]), proof)
+    assert (found.verdict, found.reason[: len(begin)]) == ("disagrees", begin)
+
+
+def test_what_is_not_shown_here_is_not_confirmed(certificate: dict[str, Any], proof: ProvedSymmetric) -> None:
+    other = changed(certificate, lambda c: c["results"].update(twist_coordinate="x"))
+    assert compare(other, proof).verdict == "cannot follow"
+    for name, ball in (("twists", {"y": arb(0, 1)}), ("coordinates", (arb(3, 2), arb(0)))):
+        assert compare(certificate, replace(proof, **{name: ball})).verdict == "cannot follow"
+
+
+def claimed(certificate: dict[str, Any], **values: Any) -> dict[str, Any]:
+    return changed(certificate, lambda c: c["statement"]["candidate"].update(values))
+
+
+def test_the_sign_that_is_claimed_has_to_be_that_of_the_twist(certificate: dict[str, Any]) -> None:
+    assert isinstance(second_proof(claimed(certificate, twist=-1)), ProvedSymmetric)
+    found = second_proof(claimed(certificate, twist=1))
+    assert isinstance(found, NotProved)
+    assert "twist is not shown" in found.reason
+
+
+def test_statements_that_cannot_be_read_are_refused(certificate: dict[str, Any]) -> None:
+    for values in (
+        {"twist": 2},
+        {"equation": {"quantity": "energy", "value": "1e0"}},
+        {"equation": {"quantity": "coordinate", "coordinate": "vx", "value": "1e0"}},
+        {"k": 3},
+    ):
+        with pytest.raises(BadCertificate):
+            read_claim(claimed(certificate, **values))
+
+
+BESIDE = ReversibleSystem(
+    name="beside",
+    title="a spring beside a linear one",
+    state=("x", "y", "vx", "vy"),
+    parameters={"w": ParameterRange(None, None)},
+    vector_field=lambda s, p: (s[2], s[3], -p[0] * s[0] - s[0] ** 3, -s[1]),
+    reversing_symmetry=(1, -1, -1, 1),
+    section="y",
+    first_integral=lambda s, p: (s[2] ** 2 + p[0] * s[0] ** 2 + s[0] ** 4 / 2 + s[1] ** 2 + s[3] ** 2,),
+    first_integral_name="twice the energy",
+)
+"""x = 0, y = sin t has the rotation number w^(1/2), up to whole numbers and sign, and the period 2 pi."""
+
+
+@cache
+def beside() -> dict[str, Any]:
+    """The claim for w = 2, certified."""
+    candidate = Candidate(
+        id="beside",
+        system=BESIDE,
+        parameters={"w": F(2)},
+        kind=STABLE_ORBIT,
+        k=1,
+        centre=(F(1, 2**62), F(1)),
+        frame=UNIT,
+        kernel_frame=((F(1),),),
+        radii=(F(1, 2**60),) * 2,
+        equation=Equation(COORDINATE, F(1), "vy"),
+    )
+    return certify(candidate, Limits(digits=10)).to_json()
+
+
+def test_an_orbit_of_a_linear_spring_is_proved_and_agrees() -> None:
+    """An orbit of x'' = -w x - x^3 with the amplitude A has the frequency w^(1/2) + 3 A^2/(8 w^(1/2)) + .."""
+    found = proved(beside())
+    assert compare(beside(), found).verdict == "agrees", compare(beside(), found).reason
+    root = float(arb(2).sqrt())
+    assert found.rotation_number is not None
+    assert float(found.rotation_number) == pytest.approx(root - 1, rel=1e-14)
+    # |w|^2 = w^(1/2) A^2 turns by 2 pi 3 A^2/(8 w^(1/2)) more.
+    assert float(found.twists["x"]) == pytest.approx(6 * float(arb.pi()) / (8 * 2), rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("w", "reason"), [("1/16", "non-resonance"), ("1/9", "non-resonance"), ("-1/4", "elliptic"), ("1/4", "elliptic")]
+)
+def test_orbits_that_are_resonant_or_unstable_are_not_proved(w: str, reason: str) -> None:
+    found = second_proof(claimed(beside(), parameters={"w": w}))
+    assert isinstance(found, NotProved)
+    assert f"{reason} is not shown" in found.reason
+
+
+def test_an_orbit_without_twist_is_not_proved() -> None:
+    field = "v0 = x\nv1 = y\nv2 = vx\nv3 = vy\nv4 = w\nv5 = -1\nv6 = v5 * v0\nv7 = v6 * v4\nv8 = v5 * v1\n"
+    level = "v0 = x\nv1 = y\nv2 = vx\nv3 = vy\nv4 = w\nv5 = v0 * v0\nv6 = v4 * v5\nv7 = v1 * v1\nv8 = v2 * v2\n"
+    level += "v9 = v3 * v3\nv10 = v6 + v7\nv11 = v10 + v8\nv12 = v11 + v9\nreturn v12"
+    plain = changed(
+        beside(),
+        lambda c: c["statement"].update(vector_field=field + "return v2, v3, v7, v8", first_integral=level),
+    )
+    found = second_proof(plain)
+    assert isinstance(found, NotProved)
+    assert "twist is not shown" in found.reason
+
+
+def test_the_number_of_crossings_has_to_be_that_of_the_half_orbit(certificate: dict[str, Any]) -> None:
+    found = second_proof(claimed(certificate, crossings=2))
+    assert isinstance(found, NotProved)
+    assert "may end before the crossing that is claimed" in found.reason
+
+
+@pytest.mark.slow
+def test_an_orbit_whose_halves_meet_the_section_twice_agrees() -> None:
+    with mpmath.workprec(BITS):
+        candidate = replace(CLAIMS["twice"](), system=replace(SPRINGS, squared_distance=None, distance_name=None))
+    entry = certify(candidate, Limits(digits=8)).to_json()
+    found = proved(entry)
+    comparison = compare(entry, found)
+    assert comparison.verdict == "agrees", comparison.reason
+    assert found.rotation_number is None
+
+
+@pytest.mark.parametrize("quantity", [HALF_PERIOD, LEVEL])
+def test_an_orbit_is_singled_out_by_its_period_or_level(certificate: dict[str, Any], quantity: str) -> None:
+    entry = changed(certificate, lambda c: c["statement"]["candidate"].update(kind=ORBIT))
+    with mpmath.workprec(BITS):
+        exact = half(mpmath.mpf(3) / 2)
+        value = F(int(mpmath.nint(mpmath.ldexp(exact, 140))), 2**140)
+    value = {HALF_PERIOD: value, LEVEL: F(153, 32)}[quantity]
+    # y has its equation by symmetry: x is the one that is found.
+    entry["statement"]["candidate"]["equation"] = {"quantity": quantity, "value": format_exact(value)}
+    found = proved(entry)
+    assert abs(found.point["x"] - arb(3) / 2) < arb(2) ** -120
+    entry["statement"]["candidate"]["equation"]["value"] = format_exact(value + F(1, 2**30))
+    off = proved(entry)
+    assert 2**-40 < abs(float(off.point["x"]) - 1.5) < 2**-28
+    assert compare(entry, off).verdict == "disagrees"
+
+
+@cache
+def three() -> dict[str, Any]:
+    """n = 2."""
+    return certify(replace(tori_cases.claim(tori_cases.BENT), kind=ORBIT), Limits(digits=8)).to_json()
+
+
+def test_two_stability_parameters_agree() -> None:
+    found = proved(three())
+    assert len(found.stability) == 2
+    comparison = compare(three(), found)
+    assert comparison.verdict == "agrees", comparison.reason
+    values = three()["results"]["stability_parameters"]
+    other = changed(three(), lambda c: c["results"].update(stability_parameters=values[::-1]))
+    assert compare(other, found).verdict == "disagrees", "multipliers stay in their order"
+
+
+def test_orbits_with_n_2_are_not_claimed_to_be_stable() -> None:
+    found = second_proof(claimed(three(), kind=STABLE_ORBIT))
+    assert isinstance(found, NotProved)
+    assert "n > 1" in found.reason

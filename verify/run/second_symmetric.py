@@ -1,0 +1,132 @@
+"""Whether the second proof of a symmetric orbit or of a birth says the same as its certificate: its 14.3 and 15.4."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from flint import acb, arb
+
+from orbitproof.verify.evidence import ball_from_json
+from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, relation
+from orbitproof.verify.run.second_periodic import is_in_the_box
+from orbitproof.verify.second_proof import ProvedBirth, ProvedSymmetric
+
+Pairs = dict[str, tuple[arb, Any]]
+
+
+def compare_birth(certificate: Mapping[str, Any], result: ProvedBirth) -> Comparison:
+    """Both points, the parameter, period, direction and kappa, ball by ball; the side; the point in the claim's box.
+
+    Raises `LookupError` or `ValueError` for a certificate that is not well formed.
+    """
+    results = certificate["results"]
+    if results["side"] != result.side:
+        return Comparison("disagrees", f"side: {results['side']} in the certificate, {result.side} here")
+    pairs: Pairs = {name: (getattr(result, name), results[name]) for name in ("parameter", "period")}
+    # Of the normal form, so that its sign has to be shown.
+    pairs["normal_form.kappa"] = result.opening, results["opening"]
+    named = ("point", "other_point", "direction")
+    return _compared(certificate, result, named, pairs, ["kind and side"], ["gamma and beta but for their quotient"])
+
+
+def compare_symmetric(certificate: Mapping[str, Any], result: ProvedSymmetric) -> Comparison:
+    """Both points, period, level, stability parameters, rotation number and twist; the point in the claim's box.
+
+    Raises `LookupError` or `ValueError` for a certificate that is not well formed.
+    """
+    results = certificate["results"]
+    pairs: Pairs = {"period": (result.period, results["period"])}
+    pairs["half_period"] = result.period / 2, results["half_period"]
+    if (result.level is None) != (results.get("level") is None):
+        return Comparison("disagrees", "level: is here or in the certificate, and not in both")
+    if result.level is not None:
+        pairs["level"] = result.level, results["level"]
+    found = _stability(results, result, pairs)
+    if found is not None:
+        return found
+    parts = ["kind", "multipliers", f"stability ({results['stability']})"]
+    if result.rotation_number is not None:
+        found = _twist(results, result, pairs)
+        if found is not None:
+            return found
+        parts.append("the sign of the twist")
+    left = ["that the first integral is one"] if result.level is not None else []
+    left += ["distances"] if results.get("least_distance") is not None else []
+    return _compared(certificate, result, ("point", "other_point"), pairs, parts, left)
+
+
+def _stability(results: Mapping[str, Any], result: ProvedSymmetric, pairs: Pairs) -> Comparison | None:
+    """Stability parameters in some order, multipliers that belong to them, the word."""
+    stored = [_complex(value) for value in results["stability_parameters"]]
+    mine = list(result.stability)
+    if len(stored) != len(mine):
+        return Comparison("disagrees", "stability_parameters: another number of them")
+    if len(mine) == 2 and not (mine[0].overlaps(stored[0]) and mine[1].overlaps(stored[1])):
+        mine.reverse()
+    for number, (value, entry) in enumerate(zip(mine, results["stability_parameters"], strict=True), start=1):
+        pairs[f"stability parameter {number}, real part"] = value.real, entry["real"]
+        pairs[f"stability parameter {number}, imaginary part"] = value.imag, entry["imaginary"]
+    for value, entry in zip(mine, results["multipliers"], strict=False):
+        at = _complex(entry)
+        if not ((at + 1 / at) / 2).overlaps(value):
+            return Comparison("disagrees", "multipliers: they do not belong to the stability parameters")
+    stable = all(value.imag == 0 and abs(value) < 1 for value in mine)
+    unstable = any(abs(value) > 1 or not value.imag.contains(0) for value in mine)
+    word = results["stability"]
+    if (word == "linearly stable" and unstable) or (word == "unstable" and stable):
+        return Comparison("disagrees", f"stability: {word} in the certificate, and not here")
+    if (word == "linearly stable" and not stable) or (word == "unstable" and not unstable):
+        return Comparison("cannot follow", f"stability: that it is {word} is not shown here")
+    return None
+
+
+def _twist(results: Mapping[str, Any], result: ProvedSymmetric, pairs: Pairs) -> Comparison | None:
+    """The rotation number, the twist in the coordinate that is named, and what is 0."""
+    name, momentum = results["twist_coordinate"], results["twist_momentum"]
+    if momentum != result.momentum:
+        return Comparison("disagrees", f"twist_momentum: {momentum} in the certificate, {result.momentum} here")
+    if name not in result.twists:
+        return Comparison("cannot follow", f"twist_coordinate: the level is not shown to have the coordinate {name}")
+    assert result.rotation_number is not None
+    pairs["rotation_number"] = result.rotation_number, results["rotation_number"]
+    pairs["normal_form.twist"] = result.twists[name], results["twist"]
+    if not ball_from_json(results["defect"]).contains(0):
+        return Comparison("disagrees", "defect: is not 0 in the certificate")
+    return None
+
+
+def _compared(
+    certificate: Mapping[str, Any],
+    result: ProvedBirth | ProvedSymmetric,
+    named: Sequence[str],
+    pairs: Pairs,
+    parts: Sequence[str],
+    left: Sequence[str],
+) -> Comparison:
+    """Every ball with the stored one, and the point in the box of the candidate."""
+    claim, results = certificate["statement"]["candidate"], certificate["results"]
+    for part in named:
+        mine: Mapping[str, arb] = getattr(result, part)
+        if set(results[part]) != set(mine):
+            return Comparison("disagrees", f"{part}: other coordinates in the certificate")
+        pairs |= {f"{part}.{name}": (ball, results[part][name]) for name, ball in mine.items()}
+    inside, overlapping = list[str](), list[str]()
+    for name, (ball, entry) in pairs.items():
+        found = relation(name, ball, ball_from_json(entry))
+        if isinstance(found, Comparison):
+            return found
+        (inside if found == "" else overlapping).append(name.removeprefix("normal_form.") + found)
+    place = is_in_the_box(claim, result.coordinates)
+    if place is None:
+        return Comparison("cannot follow", "the enclosure of the point is too wide to tell whether it is in the box")
+    if not place:
+        return Comparison("disagrees", "the point is not in the box of the candidate")
+    told = [*parts, "the least period, with the crossings that are claimed", "the point in the box of the candidate"]
+    told += [f"inside the stored balls: {', '.join(inside)}"] if inside else []
+    told += [f"overlapping: {', '.join(overlapping)}"] if overlapping else []
+    return Comparison("agrees", f"{'; '.join(told)}. Not confirmed: {', '.join([*left, NOT_CONFIRMED])}")
+
+
+def _complex(entry: Mapping[str, Any]) -> acb:
+    return acb(ball_from_json(entry["real"]), ball_from_json(entry["imaginary"]))
