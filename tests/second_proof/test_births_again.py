@@ -119,7 +119,7 @@ def test_kappa_that_may_be_0_is_not_confirmed(certificate: dict[str, Any], proof
     [
         ("centre", [format_exact(cases.level_of(odd=False)), "0x0"]),
         ("crossings", 2),
-        ("parameters", {"a": "25e-2"}),
+        pytest.param("parameters", {"a": "25e-2"}, marks=pytest.mark.slow),
     ],
     ids=["S breaks there", "crossings", "another system"],
 )
