@@ -18,7 +18,7 @@ examples:
   orbitproof verify losses.json -o loss-certificates.json
   orbitproof verify atlas loop.json --complete 4 --bifurcations loss-certificates.json -o loop-certificate.json
 
-Exit codes: 0 all refined, 1 one was not, 2 bad input.
+Exit codes: 0 all refined, 1 one was not, or there is none, 2 bad input.
 """
 
 
@@ -53,6 +53,9 @@ def run(options: argparse.Namespace) -> int:
     from orbitproof.explore.refinement import refine_tasks
 
     tasks = read_losses(options.list, options.digits, options.kind)
+    if not tasks:
+        print(f"{options.list}: its list has no point of the kind {options.kind}; nothing is written", file=sys.stderr)
+        return 1
     found = []
     with Reporter(options.quiet) as report:
         report.stage(f"refining points of the kind {options.kind}")
@@ -61,7 +64,8 @@ def run(options: argparse.Namespace) -> int:
                 report.error(f"{refined.task.id}: not refined: {refined.failure}")
             else:
                 found.append(refined.candidate)
-    write_candidates(options.output, found)
+    if found:
+        write_candidates(options.output, found)
     if not options.quiet:
         print(f"{len(found)} of {len(tasks)} points written to {options.output}", file=sys.stderr)
     return 0 if len(found) == len(tasks) else 1

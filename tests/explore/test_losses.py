@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 from support import breaking_cases as cases
-from support import krein_cases
+from support import krein_cases, stability_cases
+from support.stored import values
 
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.losses import tasks_of
@@ -18,6 +19,7 @@ from orbitproof.explore.refinement import RefinementFailure, refine_task
 from orbitproof.shared.claims import Atlas, Claim, Piece
 from orbitproof.shared.formats import KREIN_COLLISION, REVERSOR_BREAKING
 from orbitproof.shared.systems import CR3BP
+from orbitproof.verify.atlas import make_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.certificate import certify
 
 ROOT = sqrt(cases.level_of(odd=True))
@@ -115,6 +117,18 @@ def test_what_is_no_certificate_of_a_curve_is_refused(tmp_path: Path, capsys: py
     path.write_text("{}", encoding="utf-8")
     assert main(["losses", str(path), "-o", str(tmp_path / "losses.json"), "--quiet"]) == 2
     assert "list.json" in capsys.readouterr().err
+
+
+def test_a_list_without_losses_is_told_and_nothing_is_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, output = tmp_path / "list.json", tmp_path / "losses.json"
+    found = stability_cases.results()
+    conclusion = stability_cases.listed(found)
+    write_atlas_certificate(path, make_atlas_certificate(stability_cases.atlas(), values(found), conclusion))
+    assert main(["losses", str(path), "-o", str(output), "--quiet"]) == 1
+    assert "no point of the kind reversor_breaking" in capsys.readouterr().err
+    assert not output.exists()
 
 
 @pytest.mark.slow
