@@ -151,6 +151,21 @@ def test_far_from_a_root_the_contraction_contains_it_or_nothing_is_said(kind: st
     assert said >= 10
 
 
+def test_what_the_slope_carries_from_grade_to_grade_is_in_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    """w u + 1 = 0, begun at w = 0 with a factor 13/20 far from 1/u: grade 1 of the bound comes from grade 0."""
+    arithmetic = Arithmetic(Grading((1,), 2), 100, 0, 0)
+    factor = arithmetic.constant(F(13, 20))
+    u = arithmetic.polynomial({(0,): F(1), (1,): F(3, 20)})
+    program = record(lambda s: (s[0] * s[1] + 1,), ("w", "u"))
+    equation = LevelEquation("w", 0, with_slope(program, "w"), FixedLevel(F(0), between=(F(-2), F(2))))
+    monkeypatch.setattr(level_set, "_newton", lambda _equation, _values, w: (factor * (w * u + one), factor))
+    one, start = arithmetic.constant(F(1)), arithmetic.constant(F(0))
+    found = level_set._enclosed(equation, [start, u], start)
+    (inverse,) = at_start(record(lambda s: (-1 / s[0],), ("u",)), [u])
+    difference = found - inverse
+    assert all(a <= b for a, b in zip(difference.known, found.errors, strict=True))
+
+
 def test_the_coordinate_is_the_one_of_its_sign_where_both_say_which() -> None:
     system = relativistic()
     integral = "(px**2 + py**2 + x**2 + y**2)/2 + a*x**2*y"

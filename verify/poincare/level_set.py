@@ -17,6 +17,7 @@ from orbitproof.verify.poincare.functions import at_start, without_time
 _BISECTIONS = 60
 _MOST_ITERATIONS = 16
 _ATTEMPTS = 3
+_MORE = 17 / 16
 _PARTS = 8
 _INVERSE = record(lambda x: (1 / x[0],), ("x",))
 
@@ -108,13 +109,14 @@ def _enclosed(equation: LevelEquation, values: Sequence[Series], w: Series) -> S
     for _ in range(_ATTEMPTS):
         _, slope = _at(equation, values, w.with_errors(reach))
         defect = (one - c * slope).norm()
-        series = geometric(defect)
+        # A little more than m, so that the next r is more than d + m r in grades where d is 0, too.
+        series = geometric([_MORE * bound for bound in defect])
         if series is None:
             break
         moved = _sum(size, convolve(defect, reach))
         if all(a <= b for a, b in zip(moved, reach, strict=True)):
             return w.with_errors(moved)
-        reach = [inflate(2 * bound) for bound in _sum(size, convolve([2 * each for each in series], size))]
+        reach = [inflate(2 * bound) for bound in _sum(size, convolve(series, size))]
     raise _not_followed(equation, "is not shown to vary smoothly with the other coordinates")
 
 
