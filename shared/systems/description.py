@@ -11,7 +11,6 @@ import copyreg
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 from orbitproof.shared.systems.described_functions import (
@@ -22,13 +21,14 @@ from orbitproof.shared.systems.described_functions import (
     mapping_of,
     name_of,
 )
-from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
+from orbitproof.shared.systems.described_levels import exact_number, level_entry, level_of
+from orbitproof.shared.systems.formulas import FormulaError
 from orbitproof.shared.systems.functions import FUNCTIONS, Call, FunctionsOf, argument_of, rates_of
 from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
 from orbitproof.shared.systems.names import fits
 from orbitproof.shared.systems.parity import signs_with_functions
 from orbitproof.shared.systems.program import record
-from orbitproof.shared.systems.system import Defined, FixedLevel, ParameterRange, ReversibleSystem, Reversor, System
+from orbitproof.shared.systems.system import Defined, ParameterRange, ReversibleSystem, Reversor, System
 from orbitproof.shared.systems.titles import LONGEST_TITLE, SYSTEM, is_title
 
 _OPTIONAL = (
@@ -74,7 +74,7 @@ def describe(system: System) -> str | dict[str, Any]:
     optional = {
         "family_parameter": system.family_parameter,
         "level_coordinate": system.level_coordinate,
-        "fixed_level": None if level is None else _level_entry(level),
+        "fixed_level": None if level is None else level_entry(level),
         "reversors": {name: _reversor_entry(each) for name, each in system.reversors.items()} or None,
         "squared_distance": None if distance is None else distance.text(),
         "distance_name": system.distance_name,
@@ -340,7 +340,7 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
             first_integral=integral,
             first_integral_name=None if integral is None else entry.get("first_integral_name") or "first integral",
             level_coordinate=entry.get("level_coordinate"),
-            fixed_level=_level(entry.get("fixed_level")),
+            fixed_level=level_of(entry.get("fixed_level")),
             squared_distance=distance,
             distance_name=None if distance is None else entry.get("distance_name") or "the body",
             reversors={
@@ -398,7 +398,7 @@ def _ranges(value: Any) -> dict[str, ParameterRange]:
     for name, ends in value.items():
         if not isinstance(ends, (list, tuple)) or len(ends) != 2:
             raise DescriptionError(f"parameters.{name}: {ends!r} is no range; give [smallest, largest], null for none")
-        lower, upper = (None if end is None else _exact(f"parameters.{name}", end) for end in ends)
+        lower, upper = (None if end is None else exact_number(f"parameters.{name}", end) for end in ends)
         if lower is not None and upper is not None and not lower < upper:
             raise DescriptionError(f"parameters.{name}: an empty range; give the smaller value first")
         result[name_of("parameters", name)] = ParameterRange(lower, upper)
@@ -410,34 +410,6 @@ def _reversor_entry(reversor: Reversor) -> Any:
     own = {"section": reversor.section, "level_coordinate": reversor.level_coordinate}
     named = {key: value for key, value in own.items() if value is not None}
     return {"R": signs, **named} if named else signs
-
-
-def _level_entry(level: FixedLevel) -> dict[str, Any]:
-    where = {"sign": level.sign} if level.between is None else {"between": [str(end) for end in level.between]}
-    return {"value": str(level.value), **where}
-
-
-def _level(value: Any) -> FixedLevel | None:
-    if value is None:
-        return None
-    keys = set(value) if isinstance(value, Mapping) else set()
-    if keys == {"value", "sign"} and value["sign"] in (1, -1):
-        return FixedLevel(_exact("fixed_level.value", value["value"]), int(value["sign"]))
-    if keys == {"value", "between"} and isinstance(value["between"], (list, tuple)) and len(value["between"]) == 2:
-        low, high = (_exact("fixed_level.between", end) for end in value["between"])
-        return FixedLevel(_exact("fixed_level.value", value["value"]), between=(low, high))
-    where = "of the level coordinate sign, 1 or -1, or between, the ends of an interval"
-    raise DescriptionError(f"fixed_level: {value!r} is no level; give value, a number, and {where}")
-
-
-def _exact(key: str, value: Any) -> Fraction:
-    try:
-        number = evaluate_formula(str(value), {}) if isinstance(value, (int, str)) else value
-    except FormulaError as error:
-        raise DescriptionError(f"{key}: {error}") from None
-    if not isinstance(number, Fraction):
-        raise DescriptionError(f'{key}: {value!r} is no exact number; write it as text, "1/10" or "0.1"')
-    return number
 
 
 def _signs(key: str, value: Any, state: Sequence[str]) -> tuple[int, ...]:
