@@ -222,6 +222,30 @@ def test_what_was_looked_at_can_be_changed_without_harm() -> None:
 
 
 @pytest.mark.parametrize("name", FORMATS)
+def test_what_is_tried_out_changes_nothing_and_has_its_turn(name: str) -> None:
+    """Trials of any coefficients, of this monomial and of others of its grade; never before those of lower grade."""
+    grades = FORMATS[name].grading.grades
+    refused = []
+
+    class Trying(Hostile):
+        def give(self, column: Sequence[fmpz_poly]) -> None:
+            wild = [fmpz_poly([0, 10**17, 3]) for _ in column] if self._along.position else column
+            for position, grade in enumerate(grades):
+                if position >= self._along.position and grades.index(grade) <= self._along.position:
+                    self._along.trial(position, wild)
+                else:
+                    refused.append(position)
+                    with pytest.raises(ValueError, match="tried out"):
+                        self._along.trial(position, wild)
+            super().give(column)
+
+    flow = followed(name, lambda honest: Trying(honest, lambda _, column: column))
+    assert refused
+    assert holds(name, flow, random.Random("trials"), 5)
+    assert lost(flow) < 1e-9
+
+
+@pytest.mark.parametrize("name", FORMATS)
 @pytest.mark.parametrize("what", ["a component less", "one more", "another start", "a later term", "numbers"])
 def test_what_is_no_approximate_solution_is_refused(name: str, what: str) -> None:
     arithmetic = FORMATS[name]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import zip_longest
 from math import cos, sin, sqrt
 from types import SimpleNamespace
 from typing import Any, cast
@@ -20,11 +21,12 @@ from orbitproof.verify.algebra import Grading, WideArithmetic
 from orbitproof.verify.atlas.conclusion import conclusion_of
 from orbitproof.verify.curve import PieceLimits, prove_piece
 from orbitproof.verify.evidence import Proved
-from orbitproof.verify.functions import error_of, known_part
-from orbitproof.verify.lasting import LastingResult, TwistFunctions, twist_of_piece
-from orbitproof.verify.lasting.half_map import _around, _jet
+from orbitproof.verify.functions import error_of, known_part, norm_of
+from orbitproof.verify.lasting import FunctionJet, LastingResult, TwistFunctions, compose, twist_of_piece
+from orbitproof.verify.lasting.half_map import _around, _elements, _jet, _on_level
+from orbitproof.verify.lasting.stored import require_zero
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import STABILITY_SLOPE_BITS, TubeOfOrbits, stability_of_piece
+from orbitproof.verify.stability import TubeOfOrbits, sharpened, stability_of_piece, stability_slope_bits
 
 STIFFNESS, HARDENING = Fraction(7, 2), Fraction(3, 2)
 HALF_WIDTH = Fraction(1, 64)
@@ -118,16 +120,26 @@ def along(case: Case, amplitude: Fraction) -> tuple[Piece, LastingResult]:
     """The orbits about this amplitude with the second oscillator at rest, with what is proved of them."""
     frame = ((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1)))
     piece = Piece(
-        "line", "regular", (amplitude, Fraction(0)), frame, HALF_WIDTH, ((Fraction(0),),), (Fraction(1, 2**24),)
+        "line", "regular", (amplitude, Fraction(0)), frame, HALF_WIDTH, ((Fraction(1, 2**30),),), (Fraction(1, 2**24),)
     )
     limits, ends = PieceLimits(64, 24, 8), (Fraction(-1), Fraction(1))
-    found = prove_piece(case.system, {}, piece, ends, ORACLE, limits, slope_bits=STABILITY_SLOPE_BITS)
+    slopes = stability_slope_bits(limits.precision)
+    found = prove_piece(case.system, {}, piece, ends, ORACLE, limits, slope_bits=slopes)
     assert isinstance(found.outcome, Proved)
     known = found.outcome.results
     coordinates = str(found.computation.coordinates)
     tube = TubeOfOrbits(case.system, {}, piece, (known.start, known.end), limits, coordinates, ORACLE)
-    more = {"stability": stability_of_piece(tube, None, known.half_return)}
-    more |= {"twist": twist_of_piece(tube, None, known.half_return)}
+    closer, half = sharpened(tube, known.half_return)
+    assert closer is not tube
+    assert half is not None
+    # The curve is known far better in the narrower tube, which lies in the first one.
+    assert half.widths[0] < Fraction(1, 2**8) * known.half_return.widths[0]
+    assert error_of(closer.curve(half).omega[0]) < Fraction(1, 2)
+    polynomials = [row[0] for row in (closer.piece.polynomial, piece.polynomial)]
+    apart = sum(abs(a - b) for a, b in zip_longest(*polynomials, fillvalue=Fraction(0)))
+    assert apart > Fraction(1, 2**31)
+    assert apart + closer.piece.tube[0] <= piece.tube[0]
+    more = {"stability": stability_of_piece(closer, None, half), "twist": twist_of_piece(closer, None, half)}
     return piece, LastingResult(**{**vars(found.stored), **more})
 
 
@@ -176,12 +188,60 @@ def test_what_is_unknown_of_a_grade_is_unknown_of_its_coefficients() -> None:
 
 
 def test_points_beside_the_curve_hold_what_is_unknown_of_it() -> None:
-    flow = WideArithmetic(Grading((1, 1), 3), 80, 20, 4, width=4)
-    start = {name: flow.polynomial({(0, 0): Fraction(1, 2)}).widened(Fraction(1, 2**30)) for name in ("y", "beta")}
+    own = WideArithmetic(Grading((1,), 0), 120, 0, 0, width=4)
+    start = {name: own.constant(Fraction(1, 2)).widened(Fraction(1, 2**30)) for name in ("y", "beta")}
     curve = SimpleNamespace(value=lambda element: element)
-    tube, half = SimpleNamespace(system=FALKNER_SKAN), SimpleNamespace(start=start)
-    found = _around(cast(Any, tube), cast(Any, half), cast(Any, curve), flow, ["y"], Fraction(1, 2**10))
+    tube: Any = SimpleNamespace(
+        system=FALKNER_SKAN, arithmetic=own, parameters={}, limits=PieceLimits(80, 20, 4)
+    )  # fmt: skip
+    points = _around(tube, cast(Any, SimpleNamespace(start=start)), cast(Any, curve), ["y"])
+    found = _elements(tube, points, Fraction(1, 2**10))
     for name in ("y", "beta"):
         assert found[name].errors[0] >= 2.0**-30
-    assert found["x"].errors[0] == 0
-    assert [sum(map(len, [p.coeffs()])) for p in found["beta"].coefs[1:]] == [0] * 9
+    assert found["x"].errors[0] < 1e-300
+    assert [len(p.coeffs()) for p in found["beta"].coefs[1:]] == [0] * 9
+    assert [float(known_part(found[name], n)[0]) for name, n in (("y", 2), ("x", 1))] == [2.0**-10] * 2
+
+
+def test_coefficients_of_points_bring_their_errors_to_their_grades() -> None:
+    own = WideArithmetic(Grading((1,), 0), 120, 0, 0, width=4)
+    tube: Any = SimpleNamespace(system=FALKNER_SKAN, parameters={}, limits=PieceLimits(80, 20, 4))
+    width = Fraction(1, 2**10)
+    errors = {(0, 0): 2**-20, (0, 1): 2**-22, (1, 0): 2**-23, (1, 1): 2**-24, (3, 0): 2**-26, (0, 3): 2**-27}
+    jet = FunctionJet({index: own.constant(Fraction(1, 3)).widened(Fraction(e)) for index, e in errors.items()})
+    element = _elements(tube, {"y": jet}, width)["y"]
+    for grade in range(4):
+        assert element.errors[grade] >= sum(e * 2.0 ** (-10 * grade) for i, e in errors.items() if sum(i) == grade)
+    assert float(known_part(element, element.arithmetic.grading.index[1, 1])[0]) * 2**20 == pytest.approx(1 / 3)
+
+
+@pytest.mark.parametrize("bend", [Fraction(0), Fraction(1, 3)])
+def test_points_on_levels_keep_the_first_integral_up_to_order_3(bend: Fraction) -> None:
+    """Of K = 2 p_1 + p_2 + p_1^2 + bend p_1 q^2 + p_2^3 about the origin."""
+    own = WideArithmetic(Grading((1,), 0), 160, 0, 0, width=4)
+    terms = {(1, 0, 0): 2, (0, 1, 0): 1, (2, 0, 0): 1, (1, 0, 2): bend, (0, 3, 0): 1}
+    indices = [(i, j, k) for i in range(4) for j in range(4) for k in range(4) if i + j + k <= 3]
+    level = FunctionJet({index: own.constant(Fraction(terms.get(index, 0))) for index in indices})
+    units = {"a": (1, 0, 0), "b": (0, 1, 0), "q": (0, 0, 1)}
+    points = {name: FunctionJet({unit: own.constant(Fraction(1))}) for name, unit in units.items()}
+    points["a"] = points["a"] + FunctionJet({(0, 0, 0): own.constant(Fraction(5))})
+    found = _on_level(cast(Any, SimpleNamespace(arithmetic=own)), level, points)
+    assert float(known_part(found["a"].coefficients[0, 0], 0)[0]) == 5
+    held = compose(level, [found[name].of_degrees(1) for name in units])
+    for index, value in held.coefficients.items():
+        assert float(norm_of(value)) < 1e-30, index
+    # Every point of the level is hit: the derivative of (p, q) on it is regular.
+    slopes = [float((known_part(found[name].coefficients[1, 0], 0) or [0])[0]) for name in ("a", "b")]
+    assert abs(2 * slopes[0] + slopes[1]) < 1e-30
+    assert max(map(abs, slopes)) > 0.4
+    assert float(known_part(found["q"].coefficients[0, 1], 0)[0]) == 1
+
+
+def test_what_reversibility_makes_zero_is_zero_or_nothing_is_stored() -> None:
+    own = WideArithmetic(Grading((1,), 0), 120, 0, 0, width=4)
+    small = own.polynomial({(0,): [Fraction(1, 2**30), Fraction(-1, 2**31)]})
+    require_zero(small.widened(Fraction(3, 2**31)))
+    require_zero(own.constant(Fraction(0)))
+    for radius in (Fraction(5, 2**32), Fraction(0)):
+        with pytest.raises(ArithmeticError, match="reversibility"):
+            require_zero(small.widened(radius))

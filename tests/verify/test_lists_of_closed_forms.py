@@ -25,7 +25,7 @@ from orbitproof.verify.curve import PieceLimits, conclude, prove_piece
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import STABILITY_SLOPE_BITS, TubeOfOrbits, orbit_functions, stability_of_piece
+from orbitproof.verify.stability import TubeOfOrbits, orbit_functions, stability_of_piece, stability_slope_bits
 
 Make = Callable[[int], SkewProduct]
 
@@ -202,7 +202,15 @@ def test_lists_of_integrated_pieces_are_complete_and_true(name: str) -> None:
         interval = (Fraction(0 if piece.kind == "symmetric" else -1), Fraction(1))
         symmetry = atlas.claim.symmetry
         proof = prove_piece(
-            system.system, {}, piece, interval, ORACLE, LIMITS, None, symmetry, slope_bits=STABILITY_SLOPE_BITS
+            system.system,
+            {},
+            piece,
+            interval,
+            ORACLE,
+            LIMITS,
+            None,
+            symmetry,
+            slope_bits=stability_slope_bits(LIMITS.precision),
         )
         assert isinstance(proof.outcome, Proved)
         known = proof.outcome.results

@@ -33,7 +33,7 @@ from orbitproof.verify.distances import Where
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import STABILITY_SLOPE_BITS, TubeOfOrbits, stability_of_piece
+from orbitproof.verify.stability import TubeOfOrbits, stability_of_piece, stability_slope_bits
 
 DATA = Path(__file__).parents[1] / "data"
 ARCS: dict[str, Any] = json.loads((DATA / "three-body-arcs.json").read_text())
@@ -268,7 +268,7 @@ def test_a_new_proof_of_a_piece_contains_the_numbers_too(name: str) -> None:
         (Fraction(-1), Fraction(1)),
         ORACLE,
         limits,
-        slope_bits=STABILITY_SLOPE_BITS,
+        slope_bits=stability_slope_bits(limits.precision),
     )
     assert isinstance(proof.outcome, Proved)
     known = proof.outcome.results

@@ -42,7 +42,6 @@ from orbitproof.verify.functions import BoundedFunction, StoredFunction
 from orbitproof.verify.orbit import OrbitEnclosures
 from orbitproof.verify.out_of_plane import VariationFunctions
 from orbitproof.verify.stability import (
-    STABILITY_SLOPE_BITS,
     Bound,
     CurveEnd,
     Extremum,
@@ -280,7 +279,7 @@ def test_stability_is_enclosed_as_the_piece_was_proved_and_on_the_interval_that_
     assert tube.interval == (-QUARTER, QUARTER)
     assert (tube.symmetry, tube.crossings, tube.coordinates) == ("S", 3, "regularised")
     assert (tube.limits.precision, tube.limits.order) == (80, 20)
-    assert asked == [{"crossings": 3, "slope_bits": STABILITY_SLOPE_BITS}]
+    assert asked == [{"crossings": 3, "slope_bits": 64}]
     assert answer["interval"] == ["-0x1p-2", "0x1p-2"]
     assert answer["stability"] == {"reason": {"condition": "stability", "message": "not here", "remedy": ""}}
     assert answer["computation"]["seconds"] == 0.25

@@ -185,12 +185,12 @@ class Evaluation(Recurrence[fmpz_poly]):
         for row, value in zip(self.coefs, inputs, strict=False):
             row[position] = value
         self.extend(position)
-        self._inner = {}
+        self._inner = {key: value for key, value in self._inner.items() if key[1] != position}
 
     def try_out(self, position: int, inputs: Sequence[fmpz_poly]) -> None:
-        """As `fill`, for a monomial that is filled next: what is lost now does not count.
+        """As `fill`, for a monomial that is filled later: what is lost now does not count.
 
-        The products of other monomials, which will be the same, are kept.
+        The products of monomials of lower grade, which will be the same, are kept.
         """
         lost, self.lost = self.lost, [self.arithmetic.zero_errors() for _ in self.program.nodes]
         inner = self._inner
@@ -228,11 +228,14 @@ class Evaluation(Recurrence[fmpz_poly]):
             return value
         p, q = exponent.numerator, exponent.denominator
         power = self.coefs[index]
-        exact = ZERO
-        for i, j in arithmetic.grading.factors[n]:
-            weight = p * grades[j] - q * grades[i]
-            if i != n and weight and power[i].length() and base[j].length():
-                exact = exact + power[i] * base[j] * fmpz(weight)
+        if (index, n) not in self._inner:
+            exact = ZERO
+            for i, j in arithmetic.grading.inner_factors[n]:
+                weight = p * grades[j] - q * grades[i]
+                if weight and power[i].length() and base[j].length():
+                    exact = exact + power[i] * base[j] * fmpz(weight)
+            self._inner[index, n] = exact, 0.0
+        exact = self._inner[index, n][0] + power[0] * base[n] * fmpz(p * grades[n])
         if not exact.length():
             return ZERO
         quotient, _ = arithmetic.cut(arithmetic.reduced(exact) * self._inverse[index])

@@ -10,6 +10,7 @@ from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import reduce
 from math import ldexp
 
 import numpy as np
@@ -21,7 +22,8 @@ from orbitproof.verify.algebra.norms import FLOOR, float_above, inflate
 from orbitproof.verify.algebra.series import ZERO, Arithmetic, Products
 from orbitproof.verify.evidence import IntegrationFailure
 
-_FLOAT_BITS = 50
+_FLOAT_BITS = 48
+"""So many bits of a power are right that is found in float64."""
 _SPARE_POWERS = 8
 """So many powers of s beyond the width are found exactly in a product before they are cut off."""
 _REMEMBERED = 256
@@ -145,21 +147,27 @@ class WideArithmetic(Arithmetic):
     def power(self, base: fmpz_poly, exponent: Fraction) -> tuple[fmpz_poly, fmpz_poly]:
         """Approximations of ``base ** exponent``, exponent < 0, and of ``1 / base``, packed polynomials of grade 0.
 
-        The power is found in float64 and improved by one step of Newton's method for y^q base^p = 1; the inverse,
-        which only higher grades need, is left at float64.
+        The power is found in float64 and improved by steps of Newton's method for y^q base^p = 1, the inverse, which
+        only higher grades need, by one.
         """
         values = to_points(self.unpack(base, self.bits, self.degree + 1))
         inverse, power = (
             self.pack(from_points(power_of_series(values, a), self.width), self.bits) for a in (Fraction(-1), exponent)
         )
-        if self.bits <= _FLOAT_BITS:
-            return power, inverse
         p, q = -exponent.numerator, exponent.denominator
+        right = _FLOAT_BITS
+        while right < self.bits:
+            power = self._improved(power, [power] * q + [base] * p, q)
+            right *= 2
+        if right > _FLOAT_BITS and self.grading.top:
+            inverse = self._improved(inverse, [inverse, base], 1)
+        return power, inverse
+
+    def _improved(self, power: fmpz_poly, factors: Sequence[fmpz_poly], root: int) -> fmpz_poly:
+        """A step of Newton's method: the product of the factors should be 1."""
         one = fmpz_poly([self.one])
-        value = one
-        for factor in [power] * q + [base] * p:
-            value = self.reduced(value * factor)
-        return power + self.reduced(power * (one - value)) // fmpz(q), inverse
+        value = reduce(lambda product, factor: self.reduced(product * factor), factors, one)
+        return power + self.reduced(power * (one - value)) // fmpz(root)
 
 
 @dataclass(frozen=True)

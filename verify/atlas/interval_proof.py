@@ -34,7 +34,7 @@ from orbitproof.verify.evidence import Proved, Reason
 from orbitproof.verify.lasting import LastingResult, twist_of_piece
 from orbitproof.verify.oracle import ORACLE, counsel
 from orbitproof.verify.periodic_curve import PeriodicLimits, prove_periodic_piece
-from orbitproof.verify.stability import STABILITY_SLOPE_BITS, TubeOfOrbits, stability_of_piece
+from orbitproof.verify.stability import TubeOfOrbits, sharpened, stability_of_piece, stability_slope_bits
 from orbitproof.verify.surface import SurfaceLimits, prove_libration_piece, prove_surface_piece
 
 _MOST_SHOWN = 0.95
@@ -119,7 +119,8 @@ def _proved(
         return prove_libration_piece(piece, (start, end), ORACLE, surface_limits, stepped).stored
     parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
     limits, crossings = PieceLimits(**argument["integrator"]), argument.get("crossings", 1)
-    more = {"crossings": crossings, **({"slope_bits": STABILITY_SLOPE_BITS} if argument.get("stability") else {})}
+    slopes = {"slope_bits": stability_slope_bits(limits.precision)} if argument.get("stability") else {}
+    more = {"crossings": crossings, **slopes}
     found = prove_piece(system, parameters, piece, (start, end), ORACLE, limits, stepped, argument["symmetry"], **more)
     if not (argument.get("stability") and isinstance(found.outcome, Proved)):
         return found.stored
@@ -128,8 +129,11 @@ def _proved(
         system, parameters, piece, (known.start, known.end), limits, str(found.computation.coordinates),
         ORACLE, argument["symmetry"], crossings,
     )  # fmt: skip
-    stability = stability_of_piece(tube, stepped, known.half_return)
-    twist = twist_of_piece(tube, stepped, known.half_return) if argument.get("lasting") else None
+    half = known.half_return
+    if argument.get("lasting"):
+        tube, half = sharpened(tube, half, stepped)
+    stability = stability_of_piece(tube, stepped, half)
+    twist = twist_of_piece(tube, stepped, half) if argument.get("lasting") else None
     computation = replace(found.computation, seconds=round(time.monotonic() - began, 3))
     return LastingResult(**{**vars(found.stored), "computation": computation, "stability": stability, "twist": twist})
 

@@ -60,8 +60,18 @@ class FieldAlong:
 
     def forcing(self) -> list[fmpz_poly]:
         """The next monomial of the field if the coefficients of the solution were zero there."""
-        position = self.position
-        self._evaluation.try_out(position, [*[_ZERO] * len(self.state), *self._constants(position)])
+        return self.trial(self.position, [_ZERO] * len(self.state))
+
+    def trial(self, position: int, coefficients: Sequence[fmpz_poly]) -> list[fmpz_poly]:
+        """A monomial of the field if these were the coefficients of the solution there.
+
+        Raises `ValueError` unless all monomials of lower grade were given, and this one was not.
+        """
+        grades = self.arithmetic.grading.grades
+        # What is kept of a trial for the monomial itself is made of those of lower grade.
+        if not grades.index(grades[position]) <= self.position <= position:
+            raise ValueError("a monomial is tried out after those of lower grade were given, and before it is")
+        self._evaluation.try_out(position, [*map(fmpz_poly, coefficients), *self._constants(position)])
         return [fmpz_poly(self._evaluation.coefs[output][position]) for output in self.program.outputs]
 
     def enclosed(self) -> tuple[list[Series], list[Series]]:

@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from math import floor, hypot, log2
 
-from orbitproof.verify.algebra import Series, WideArithmetic
+from orbitproof.verify.algebra import Series, fraction_above, inflate
 from orbitproof.verify.curve import HalfReturn, parameter_series
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.functions import error_of, finite, function, inverse, known_part, restricted
 from orbitproof.verify.lasting.jets import ORDER, FunctionJet, compose, inverse_of_plane_map, solved
 from orbitproof.verify.poincare import PHYSICAL, HalfOrbits, first_integral
-from orbitproof.verify.stability import SHARE, STABILITY_SLOPE_BITS, CurveInTube, TubeOfOrbits
+from orbitproof.verify.stability import SHARE, CurveInTube, TubeOfOrbits, stability_slope_bits
 
 Jet = FunctionJet[Series]
 
@@ -35,21 +35,22 @@ def return_map(
     system = tube.system
     names = [name for name in system.centre_coordinates if name in system.state]
     width = Fraction(2) ** floor(log2(max(half.widths)))
-    flow = tube.limits.arithmetic([width] * (len(names) + 1), STABILITY_SLOPE_BITS, ORDER)
-    assert isinstance(flow, WideArithmetic)
-    begun = {**parameter_series(flow, system, tube.parameters), **_around(tube, half, curve, flow, names, width)}
+    points = _around(tube, half, curve, names)
+    if system.family_parameter is None:
+        begun = _elements(tube, points, width)
+        integral = first_integral(system, begun[names[0]].arithmetic, begun)
+        assert integral is not None
+        points = _on_level(tube, _jet(tube, integral, width), points)
+    begun = _elements(tube, points, width)
 
     def after_step(number: float) -> None:
         if progress is not None:
             progress(half.steps + number)
 
-    state, _ = HalfOrbits(system, flow, begun, tube.oracle, PHYSICAL).half_orbit(tube.crossings, after_step)
-    images = [_jet(tube, state[system.state.index(name)], width) for name in names]
-    kernel = _jet(tube, state[system.kernel_coordinates[0]], width)
-    if system.family_parameter is None:
-        integral = first_integral(system, flow, begun)
-        assert integral is not None
-        *images, kernel = _on_level(tube, _jet(tube, integral, width), [*images, kernel])
+    orbits = HalfOrbits(system, begun[names[0]].arithmetic, begun, tube.oracle, PHYSICAL)
+    state, _ = orbits.half_orbit(tube.crossings, after_step)
+    images = [_restricted(_jet(tube, state[system.state.index(name)], width)) for name in names]
+    kernel = _restricted(_jet(tube, state[system.kernel_coordinates[0]], width))
     even = _combined(_direction([jet.coefficients[1, 0] for jet in images]), images)
     (a, b), (c, d) = ([jet.coefficients[unit] for unit in ((1, 0), (0, 1))] for jet in (even, kernel))
     back = inverse_of_plane_map(even, kernel, inverse(a * d - b * c))
@@ -57,44 +58,20 @@ def return_map(
     return compose(back[0], turned), compose(back[1], turned).scaled(Fraction(-1))
 
 
-def _around(
-    tube: TubeOfOrbits,
-    half: HalfReturn,
-    curve: CurveInTube,
-    flow: WideArithmetic,
-    names: Sequence[str],
-    width: Fraction,
-) -> Mapping[str, Series]:
-    """The points of the curve and those beside them in the section: width omega is added to each coordinate."""
-    system = tube.system
+def _around(tube: TubeOfOrbits, half: HalfReturn, curve: CurveInTube, names: Sequence[str]) -> Mapping[str, Jet]:
+    """The points of the curve and those beside them in the section, by increments of these coordinates and of q."""
+    system, one = tube.system, tube.arithmetic.constant(Fraction(1))
     size = len(names) + 1
     units = [tuple(int(i == j) for i in range(size)) for j in range(size)]
-    across = dict(zip(names, units, strict=False))
-    found = {system.state[system.kernel_coordinates[0]]: flow.polynomial({units[-1]: width})}
-    for name in system.centre_coordinates:
-        element = curve.value(half.start[name])
-        terms: dict[tuple[int, ...], Fraction | Sequence[Fraction]] = {(0,) * size: known_part(element, 0)}
-        if name in across:
-            terms[across[name]] = width
-        found[name] = flow.polynomial(terms).widened(error_of(element))
+    found = {name: FunctionJet({(0,) * size: curve.value(half.start[name])}) for name in system.centre_coordinates}
+    found[system.state[system.kernel_coordinates[0]]] = FunctionJet({})
+    for name, unit in zip((*names, system.state[system.kernel_coordinates[0]]), units, strict=True):
+        found[name] = found[name] + FunctionJet({unit: one})
     return found
 
 
-def _jet(tube: TubeOfOrbits, element: Series, width: Fraction) -> Jet:
-    """The Taylor coefficients on the curve, in the coordinates themselves, as functions of tau (Lemma 29.1)."""
-    grading = element.arithmetic.grading
-    finite(element.errors, "the returns beside the curve were not enclosed")
-    found = {}
-    for position, (exponents, grade) in enumerate(zip(grading.monomials, grading.grades, strict=True)):
-        scale = width**-grade
-        known = [value * scale for value in known_part(element, position)]
-        error = Fraction(element.errors[grade]) * scale
-        found[exponents] = restricted(function(tube.arithmetic, known, error), SHARE)
-    return FunctionJet(found)
-
-
-def _on_level(tube: TubeOfOrbits, level: Jet, functions: Sequence[Jet]) -> list[Jet]:
-    """Functions of both coordinates of Fix(R) and of q on the level of each orbit, by one coordinate and q."""
+def _on_level(tube: TubeOfOrbits, level: Jet, points: Mapping[str, Jet]) -> Mapping[str, Jet]:
+    """Points on the level of each orbit up to terms of order 4, by one coordinate and q; `level` is known on all."""
     one = tube.arithmetic.constant(Fraction(1))
     across = _direction([level.coefficients[unit] for unit in ((1, 0, 0), (0, 1, 0))])
     along = [-across[1], across[0]]
@@ -103,10 +80,53 @@ def _on_level(tube: TubeOfOrbits, level: Jet, functions: Sequence[Jet]) -> list[
         for first, second in zip(across, along, strict=True)
     ]
     turned.append(FunctionJet({(0, 0, 1): one}))
-    level, *functions = (compose(jet, turned) for jet in (level, *functions))
+    level = compose(level, turned)
     known = [FunctionJet({unit: one}) for unit in ((1, 0), (0, 1))]
-    increments = [solved(level, inverse(level.coefficients[1, 0, 0]), known), *known]
-    return [compose(jet, increments) for jet in functions]
+    steps = [solved(level, inverse(level.coefficients[1, 0, 0]), known), *known]
+    increments = [compose(jet, steps) for jet in turned]
+    found = {}
+    for name, jet in points.items():
+        found[name] = compose(jet, increments)
+        origin = jet.coefficients.get((0, 0, 0))
+        if origin is not None:
+            found[name] = found[name] + FunctionJet({(0, 0): origin})
+    return found
+
+
+def _elements(tube: TubeOfOrbits, points: Mapping[str, Jet], width: Fraction) -> Mapping[str, Series]:
+    """Points, and the parameters, as elements whose variables are the increments over `width`."""
+    size = len(next(iter(next(iter(points.values())).coefficients)))
+    slope_bits = stability_slope_bits(tube.limits.precision)
+    flow = tube.limits.arithmetic([width] * size, slope_bits, ORDER)
+    found = parameter_series(flow, tube.system, tube.parameters)
+    for name, jet in points.items():
+        errors = flow.zero_errors()
+        terms = {}
+        for exponents, value in jet.coefficients.items():
+            grade, scale = sum(exponents), width ** sum(exponents)
+            terms[exponents] = [coefficient * scale for coefficient in known_part(value, 0)]
+            errors[grade] = inflate(errors[grade] + fraction_above(error_of(value) * scale))
+        known = flow.polynomial(terms)
+        found[name] = known.with_errors([inflate(a + b) for a, b in zip(known.errors, errors, strict=True)])
+    return found
+
+
+def _jet(tube: TubeOfOrbits, element: Series, width: Fraction) -> Jet:
+    """The Taylor coefficients on the curve, in the coordinates themselves, as functions of sigma (Lemma 29.1)."""
+    grading = element.arithmetic.grading
+    finite(element.errors, "the returns beside the curve were not enclosed")
+    found = {}
+    for position, (exponents, grade) in enumerate(zip(grading.monomials, grading.grades, strict=True)):
+        scale = width**-grade
+        known = [value * scale for value in known_part(element, position)]
+        error = Fraction(element.errors[grade]) * scale
+        found[exponents] = function(tube.arithmetic, known, error)
+    return FunctionJet(found)
+
+
+def _restricted(jet: Jet) -> Jet:
+    """The same as functions of tau."""
+    return FunctionJet({index: restricted(value, SHARE) for index, value in jet.coefficients.items()})
 
 
 def _direction(slopes: Sequence[Series]) -> list[Fraction]:

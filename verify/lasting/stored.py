@@ -9,9 +9,10 @@ from fractions import Fraction
 import numpy as np
 
 from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.verify.algebra import Series
 from orbitproof.verify.curve import HalfReturn, about_pieces, broken_off
 from orbitproof.verify.evidence import IntegrationFailure, NotKnown, guarded
-from orbitproof.verify.functions import StoredFunction
+from orbitproof.verify.functions import StoredFunction, error_of, known_part
 from orbitproof.verify.lasting.half_map import return_map
 from orbitproof.verify.lasting.jets import exchanged
 from orbitproof.verify.lasting.twist_function import normal_form
@@ -85,4 +86,13 @@ def _twist(tube: TubeOfOrbits, half: HalfReturn, progress: Callable[[float], Non
     s = first.coefficients[1, 0]
     found = normal_form(first, second, s, one)
     other = normal_form(exchanged(second), exchanged(first), s, one)
+    for form in (found, other):
+        require_zero(form.defect)
     return TwistFunctions(*map(StoredFunction.of, (found.twist, other.twist, found.fourth)))
+
+
+def require_zero(element: Series) -> None:
+    """Raise `ArithmeticError` unless the enclosure of a function that is zero contains zero (section 29.3)."""
+    known = sum(map(abs, known_part(element, 0)), Fraction(0))
+    if not known <= error_of(element):
+        raise ArithmeticError("what reversibility makes zero is not: an enclosure is wrong")

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from math import ceil
 
 import numpy as np
 from flint import fmpz, fmpz_poly
 
 from orbitproof.verify.algebra import (
     Arithmetic,
-    Evaluation,
     Factors,
     Floats,
     Grading,
@@ -31,11 +31,15 @@ from orbitproof.verify.flow import Expansion, FieldAlong
 from orbitproof.verify.oracle.centre import TaylorRecurrence, next_crossing, step_size
 from orbitproof.verify.oracle.solution import CentreExpansion
 
+Solution = Sequence[list[fmpz_poly]]
+"""Coefficients of all monomials, for every component."""
+
 _MINUS_ONE = Fraction(-1)
 _CENTRE_BITS = 60
-_VARIATION = Grading((1,), 1)
-_BITS_OF_ONE = 112
-"""Up to so many bits one correction is enough: each adds about those of a double number."""
+_FLOAT_BITS, _FLOAT_BITS_OF_HIGHER_GRADES = 52, 56
+"""Numbers with more bits are improved by corrections."""
+_CORRECTED_BITS = 44
+"""So many more bits are right after each of them."""
 
 
 def element_at_points(arithmetic: WideArithmetic, element: Series) -> Points:
@@ -75,11 +79,9 @@ class CircleExpansion:
 
     def solve(self, along: FieldAlong, step: Fraction) -> None:
         """See `Expansion`."""
-        program, arithmetic, taylor = self.program, self.arithmetic, self.taylor
-        degree, width, bits = arithmetic.degree, arithmetic.width, arithmetic.bits
-        size = len(self.state)
-        powers = float(step) ** np.arange(degree + 1)
-        floats = from_points(taylor, width) * powers[None, :, None, None]
+        arithmetic = self.arithmetic
+        powers = float(step) ** np.arange(arithmetic.degree + 1)
+        floats = from_points(self.taylor, arithmetic.width) * powers[None, :, None, None]
         solution = [
             [
                 _starting_at(arithmetic, given, floats[component, :, position], scale)
@@ -87,21 +89,38 @@ class CircleExpansion:
             ]
             for component, x in enumerate(self.state)
         ]
-        constants = [p.coefs for p in self.parameters]
-        start = np.zeros((size, 2, taylor.shape[-1]), complex)
+        grades = arithmetic.grading.grades
+        for grade in range(arithmetic.grading.top + 1):
+            positions = [position for position, own in enumerate(grades) if own == grade]
+            for _ in range(self._corrections(solution, positions, grade)):
+                self._correct(along, solution, positions, step)
+            for position in positions:
+                along.give([row[position] for row in solution])
+
+    def _corrections(self, solution: Solution, positions: Sequence[int], grade: int) -> int:
+        """How often a grade is improved."""
+        if grade == 0:
+            missing = self.arithmetic.bits - _FLOAT_BITS
+        else:
+            bits = max(int(row[n].height_bits()) for row in solution for n in positions)
+            missing = bits - _FLOAT_BITS_OF_HIGHER_GRADES
+        return max(0, ceil(missing / _CORRECTED_BITS))
+
+    def _correct(self, along: FieldAlong, solution: Solution, positions: Sequence[int], step: Fraction) -> None:
+        """Improve monomials of one grade by the solutions of the linearised equation with their defects as forcing."""
+        arithmetic, taylor = self.arithmetic, self.taylor
+        some = [n for n in positions if any(row[n].length() for row in solution)]
+        defects = [_defects(along, [row[n] for row in solution], n, step) for n in some]
+        shape = 1 + len(some), taylor.shape[-1]
+        start, fixed = (np.zeros((len(entries), *shape), complex) for entries in (self.state, self.parameters))
         start[:, 0] = taylor[:, 0, 0]
-        fixed = np.zeros((len(constants), 2, taylor.shape[-1]), complex)
-        fixed[:, 0] = self._fixed[:, 0] if constants else 0.0
-        for _ in range(1 if bits <= _BITS_OF_ONE else 2):
-            trial = Evaluation(program, arithmetic)
-            trial.fill(0, [row[0] for row in (*solution, *constants)])
-            forcing = _defects(arithmetic, trial, [row[0] for row in solution], step)
-            variation = taylor_at_points(program, _VARIATION, start, fixed, degree, float(step), to_points(forcing))
-            corrections = from_points(variation[:, :, 1], width)
-            for component in range(size):
-                solution[component][0] = solution[component][0] + arithmetic.pack(corrections[component], bits)
-        for column in zip(*solution, strict=True):
-            along.give(column)
+        fixed[:, 0] = self._fixed[:, 0] if self.parameters else 0.0
+        forcing = to_points(np.array(defects).transpose(1, 2, 0, 3))
+        variations = Grading((1,) * len(some), 1)
+        found = taylor_at_points(self.program, variations, start, fixed, arithmetic.degree, float(step), forcing)
+        for row, corrections in zip(solution, from_points(found, arithmetic.width), strict=True):
+            for number, n in enumerate(some, 1):
+                row[n] = row[n] + arithmetic.pack(corrections[:, number], arithmetic.scales[n])
 
 
 def expand(
@@ -127,7 +146,7 @@ def taylor_at_points(
     Args:
         state: initial values, shape (components, monomials, points).
         parameters: constants, shape (number, monomials, points).
-        forcing: coefficients in theta, shape (degree, components, points), added to the last monomial.
+        forcing: coefficients in theta, shape (degree, components, monomials, points), added to all but the first.
 
     Returns:
         shape (components, degree + 1, monomials, points).
@@ -170,7 +189,7 @@ class _PointsRecurrence(TaylorRecurrence[Points]):
     def integral(self, component: int, n: int, slope: Points) -> Points:
         result = np.asarray(slope * (self.step / (n + 1)))
         if self.forcing is not None:
-            result[-1] += self.forcing[n, component] / (n + 1)
+            result[1:] += self.forcing[n, component] / (n + 1)
         return result
 
 
@@ -193,14 +212,14 @@ def _starting_at(arithmetic: WideArithmetic, given: fmpz_poly, coefficients: Flo
     return arithmetic.pack(later, scale) + given
 
 
-def _defects(
-    arithmetic: WideArithmetic, evaluation: Evaluation, solution: Sequence[fmpz_poly], step: Fraction
-) -> Floats:
-    """step * f(x) - dx/dtheta at grade 0, shape (degree, components, width + 1)."""
+def _defects(along: FieldAlong, coefficients: Sequence[fmpz_poly], position: int, step: Fraction) -> Floats:
+    """step * f(x) - dx/dtheta for a monomial with these coefficients, shape (degree, components, width + 1)."""
+    arithmetic = along.arithmetic
+    assert isinstance(arithmetic, WideArithmetic)
     numerator, denominator = fmpz(step.numerator), fmpz(step.denominator)
-    shift = step.denominator.bit_length() - 1
+    scale = arithmetic.scales[position] + step.denominator.bit_length() - 1
     rows = []
-    for x, output in zip(solution, evaluation.program.outputs, strict=True):
-        difference = evaluation.coefs[output][0] * numerator - arithmetic.derivative(x) * denominator
-        rows.append(arithmetic.unpack(difference, arithmetic.bits + shift, arithmetic.degree))
+    for x, slope in zip(coefficients, along.trial(position, coefficients), strict=True):
+        difference = slope * numerator - arithmetic.derivative(x) * denominator
+        rows.append(arithmetic.unpack(difference, scale, arithmetic.degree))
     return np.array(rows).transpose(1, 0, 2)

@@ -55,7 +55,8 @@ def attempts_of(atlas: AnyAtlas, limits: RunLimits) -> tuple[Settings, ...]:
     Some orbits lose more digits than others, and no shorter interval makes up for them. Raises `ValueError` if a
     setting is out of range.
     """
-    given = {**(_FOR_STABILITY if limits.stability else {}), **limits.integrator}
+    wanted = _FOR_LASTING if limits.lasting else _FOR_STABILITY if limits.stability else {}
+    given = {**wanted, **limits.integrator}
     first = kind_of(atlas).settings(**given)
     more = {"precision": _MORE_BITS, "order": _MORE_ORDER, "width": _MORE_WIDTH}
     return first, {name: value + more.get(name, 0) for name, value in first.items()}
@@ -64,6 +65,8 @@ def attempts_of(atlas: AnyAtlas, limits: RunLimits) -> tuple[Settings, ...]:
 _MORE_BITS, _MORE_ORDER, _MORE_WIDTH = 48, 8, 8
 _FOR_STABILITY = {"precision": 96, "order": 40, "width": 60}
 """More than a proof takes: of n parameters of stability one may be small and the others large."""
+_FOR_LASTING = {"precision": 112, "order": 40, "width": 60}
+"""Each derivative of the return map loses some digits more."""
 
 
 def task_of(

@@ -40,11 +40,12 @@ from orbitproof.verify.stability.list_entries import (
 from orbitproof.verify.stability.matrix import (
     SHARE,
     SPARE_BITS,
-    STABILITY_SLOPE_BITS,
     OtherPoint,
     TubeOfOrbits,
     orbit_functions,
+    sharpened,
     stability_of_piece,
+    stability_slope_bits,
 )
 from orbitproof.verify.stability.proved_list import ListConclusion, ListTheorem, ProvedList, conclude_list
 from orbitproof.verify.stability.stored_stability import StabilityFunctions, StabilityResult
