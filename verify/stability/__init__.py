@@ -3,6 +3,7 @@
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.stability.across_list import ListAcross, list_across
 from orbitproof.verify.stability.along import CurveInTube
+from orbitproof.verify.stability.closer_tube import sharpened
 from orbitproof.verify.stability.complete_list import PRECISION, Finder
 from orbitproof.verify.stability.confirmation import unconfirmed
 from orbitproof.verify.stability.extrema import BAND, extrema_on, is_in_band
@@ -43,7 +44,6 @@ from orbitproof.verify.stability.matrix import (
     OtherPoint,
     TubeOfOrbits,
     orbit_functions,
-    sharpened,
     stability_of_piece,
     stability_slope_bits,
 )

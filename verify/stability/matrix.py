@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import combinations
-from math import ceil, floor, log2
+from math import floor, log2
 
 import numpy as np
 from flint import arb, fmpq, fmpq_mat
@@ -19,7 +19,7 @@ from numpy.polynomial.polynomial import polyval
 
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.systems import ReversibleSystem
-from orbitproof.verify.algebra import Floats, Grading, Series, WideArithmetic, plus, recentred
+from orbitproof.verify.algebra import Floats, Grading, Series, WideArithmetic, recentred
 from orbitproof.verify.curve import (
     BEYOND,
     HalfReturn,
@@ -69,9 +69,6 @@ SPARE_BITS = 48
 _WIDER = 8
 """A tube about so many times as wide is followed where the piece's own does not do: at complex s the curve is farther
 from the polynomial."""
-_SHARPER, _ABOVE_NOISE, _WORTH_SHARPENING = 2.0**-32, 2.0**12, 2.0**-8
-"""A tube so many times as narrow is followed about a polynomial that is closer to the curve, or of so many times the
-error of the first return, if that makes it narrower than the last one says."""
 _PARTS = [(arb(2 * part - 31) + arb(0, 1)) / 32 for part in range(32)]
 """Balls that cover |tau| <= 1."""
 _FRAME = 2**16
@@ -149,27 +146,6 @@ class TubeOfOrbits:
     def radius(self) -> Fraction:
         """ds/dsigma."""
         return (self.interval[1] - self.interval[0]) / 2 * BEYOND
-
-    def closer(self, half: HalfReturn, progress: Callable[[float], None] | None) -> tuple[TubeOfOrbits, HalfReturn]:
-        """A narrower tube about a closer polynomial, inside of this one, and its return (section 18.3)."""
-        curve = self.curve(half)
-        polynomials, tube = [], []
-        for j, omega in enumerate(curve.omega):
-            known, width = known_part(omega, 0), half.widths[j]
-            # Rounding changes which polynomial this is, and nothing else.
-            unit = Fraction(1, 2 ** (self.limits.precision + SPARE_BITS))
-            change = [round(width * value / unit) * unit for value in known]
-            if self.divided:
-                change[1::2] = [Fraction(0)] * len(change[1::2])
-            polynomials.append(plus(self.piece.polynomial[j], _by_s(change, self.middle, self.radius), Fraction(1)))
-            tube.append(self.piece.tube[j] - sum(map(abs, change), Fraction(0)))
-        equations = [half.state[index] for index in self.system.kernel_coordinates]
-        noise = max(equation.errors[0] / (equation.known[1] or 1.0) for equation in equations)
-        share = Fraction(2) ** ceil(log2(max(_SHARPER, _ABOVE_NOISE * noise)))
-        if not min(tube) > 0 or share > _WORTH_SHARPENING:
-            raise IntegrationFailure("stability", "the curve is not shown to be in its tube", "give a wider tube")
-        followed = replace(self, piece=replace(self.piece, polynomial=tuple(polynomials), tube=tuple(tube)))
-        return followed, followed.follow([width * share for width in half.widths], progress)
 
     def wider(self, progress: Callable[[float], None] | None) -> HalfReturn:
         """The return of a wider tube."""
@@ -313,20 +289,6 @@ def stability_of_piece(
         return NotKnown(broken_off("stability", error))
 
 
-def sharpened(
-    tube: TubeOfOrbits, half: HalfReturn | None, progress: Callable[[float], None] | None = None
-) -> tuple[TubeOfOrbits, HalfReturn | None]:
-    """A narrower tube with the same curve, about a closer polynomial, and its return; what is given, if there is none.
-
-    Arguments as `orbit_functions`.
-    """
-    with guarded(tube.limits.precision + SPARE_BITS), np.errstate(all="ignore"):
-        try:
-            return (tube, half) if half is None else tube.closer(half, progress)
-        except (IntegrationFailure, ArithmeticError, ValueError):
-            return tube, half
-
-
 def orbit_functions(
     tube: TubeOfOrbits, progress: Callable[[float], None] | None = None, half: HalfReturn | None = None
 ) -> OrbitFunctions:
@@ -455,11 +417,6 @@ def inverse_of(frame: Sequence[Sequence[Fraction]]) -> list[list[Fraction]]:
     """The exact inverse of a regular matrix."""
     rows = fmpq_mat([[fmpq(value.numerator, value.denominator) for value in row] for row in frame])
     return [[Fraction(int(value.p), int(value.q)) for value in row] for row in rows.inv().tolist()]
-
-
-def _by_s(coefficients: Sequence[Fraction], middle: Fraction, radius: Fraction) -> list[Fraction]:
-    """Coefficients in s = middle + radius sigma of a polynomial in sigma, exactly."""
-    return recentred([value / radius**n for n, value in enumerate(coefficients)], -middle, Fraction(1))
 
 
 def _combined(factors: Sequence[Fraction], elements: Sequence[Series]) -> Series:
