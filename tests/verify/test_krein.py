@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from flint import arb, arb_mat
+from flint import acb, arb, arb_mat
 from support import breaking_cases
 from support import krein_cases as cases
 
@@ -34,6 +34,7 @@ from orbitproof.verify.krein import (
     enclose_krein,
     equations_of,
     prove_krein,
+    proved_krein,
     theorem_of_krein,
 )
 from orbitproof.verify.oracle import ORACLE
@@ -293,6 +294,26 @@ def test_a_map_that_is_not_reversible_proves_nothing(enclosed: BreakingEnclosure
         cosine = (2 * arb.pi() * 3 / 10).cos()
         assert abs(cubic_coefficient(jets, cosine).imag) < 1e-6
         assert abs(cubic_coefficient(other, cosine).imag) > 1e-3
+
+
+def test_an_enclosure_of_b_that_is_not_real_proves_nothing(
+    enclosed: BreakingEnclosures, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(proved_krein, "cubic_coefficient", lambda jets, cosine: acb(1, 1))
+    found = outcome_of(cases.clock(), enclosed)
+    assert isinstance(found, NotProved)
+    assert found.reason.condition == "type"
+
+
+def test_equations_are_those_of_the_last_return(enclosed: BreakingEnclosures) -> None:
+    (kernel,) = enclosed.iterates
+
+    def middle(*iterates: tuple[DerivativeTable, ...]) -> arb:
+        found: arb = equations_of(replace(enclosed, iterates=iterates)).slopes([arb(0)] * 3)[0][1].mid()
+        return found
+
+    assert middle(kernel[::-1], kernel) == middle(kernel)
+    assert middle(kernel[::-1]) != middle(kernel)
 
 
 def test_the_full_return_has_the_stability_matrix_as_a_block(enclosed: BreakingEnclosures) -> None:
