@@ -216,7 +216,7 @@ def certify_catalogue(
     catalogue: str | Path | CatalogueRows,
     curve: AtlasCertificate,
     *,
-    within: Fraction | str = WITHIN,
+    within: Fraction | float | str = WITHIN,
     output: str | Path | None = None,
     timeout: float | None = None,
     quiet: bool = False,
@@ -237,7 +237,7 @@ def certify_catalogue(
     if output is not None:
         check_writable(Path(output))
     rows = catalogue if isinstance(catalogue, CatalogueRows) else read_catalogue_rows(Path(catalogue))
-    distance = parse_exact(within) if isinstance(within, str) else within
+    distance = parse_exact(within) if isinstance(within, str) else Fraction(within)
     if not distance > 0:
         raise ValueError(f"within: {within} is not positive")
     certificate = certify_rows(rows, curve, distance, Workplace(timeout=timeout, quiet=quiet))

@@ -90,8 +90,18 @@ def read_catalogue_rows(path: Path) -> CatalogueRows:
     return _read_json(path) if start.startswith("{") else _read_csv(path)
 
 
+class _AsWritten(float):
+    """A number of a file, as text with all of its digits."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def __str__(self) -> str:
+        return self._text
+
+
 def _read_json(path: Path) -> CatalogueRows:
-    document = read_document(path, "catalogue")
+    document = read_document(path, "catalogue", _AsWritten)
     fields, data = [str(name).strip() for name in document["fields"]], document["data"]
     missing = [name for name in FIELDS if name not in fields]
     if missing:

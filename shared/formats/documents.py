@@ -90,8 +90,8 @@ def _refuse_constant(text: str) -> NoReturn:
     raise ValueError(f"{text} is not allowed")
 
 
-def _finite(text: str) -> float:
-    value = float(text)
+def _finite(text: str, number: Callable[[str], float]) -> float:
+    value = number(text)
     if not isfinite(value):
         raise ValueError(f"{short(text)} is too large")
     return value
@@ -138,8 +138,10 @@ def stated_format(path: Path, remedy: str) -> str:
     return str(document.get("format", "")).removeprefix("orbitproof-")
 
 
-def read_document(path: Path, name: str) -> dict[str, Any]:
+def read_document(path: Path, name: str, number: Callable[[str], float] = float) -> dict[str, Any]:
     """Read and validate a JSON document against the schema `name` ("candidates", "certificates").
+
+    `number` reads what is written with a point or an exponent.
 
     Raises `InputError` if the file cannot be read, is not JSON, or does not fit the schema.
     """
@@ -148,7 +150,10 @@ def read_document(path: Path, name: str) -> dict[str, Any]:
         raise InputError(f"{path}: its numbers are too long for this memory; write smaller exponents")
     try:
         document = json.loads(
-            text, parse_constant=_refuse_constant, parse_float=_finite, object_pairs_hook=_unique_keys
+            text,
+            parse_constant=_refuse_constant,
+            parse_float=partial(_finite, number=number),
+            object_pairs_hook=_unique_keys,
         )
     except json.JSONDecodeError as error:
         raise InputError(

@@ -11,11 +11,11 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from flint import arb, ctx
 
-from orbitproof.shared.claims.fields import Id, Numbers, PieceId, Title
+from orbitproof.shared.claims.fields import Id, PieceId, Title, Vector
 from orbitproof.shared.formats import FIELDS, Atlas, CatalogueRows, InputError, json_text, read_document, write_text
 from orbitproof.shared.formats import validate_document as validated
 from orbitproof.shared.stored import Rational, rules
-from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, ReversibleSystem, shown
+from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, TITLE, ReversibleSystem, fits, shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
 from orbitproof.verify.certificate import (
     CannotBeCheckedError,
@@ -70,14 +70,14 @@ class CertifiedRow:
     Attributes:
         number: of the row, from 1.
         given: what the row says: x, y, z, vx, vy, vz, Jacobi constant, period, stability index.
-        piece, s, mirrored: the place of the orbit on the curve; nothing if there is none near the row.
+        piece, s, mirrored: the place of the orbit on the curve; nothing if none is shown to start near the row.
         orbit: what is known of it.
         differences: from the row.
-        lacks: why there is none: "place", "functions" or "nearness".
+        lacks: why none is shown: "place", "functions" or "nearness".
     """
 
     number: Annotated[int, rules(minimum=1)]
-    given: Numbers
+    given: Annotated[Vector, rules(minItems=len(FIELDS), maxItems=len(FIELDS))]
     piece: PieceId | None = None
     s: Fraction | None = None
     mirrored: bool = False
@@ -168,8 +168,11 @@ class CatalogueCertificate:
 def certified_rows(curve: AtlasCertificate, catalogue: CatalogueRows, within: Fraction = WITHIN) -> dict[str, Any]:
     """The certificate of a catalogue, as JSON, by a curve that is proved; that its certificate stands is presupposed.
 
-    Raises `InputError` if the curve is none of the catalogue's system, or not proved.
+    Raises `InputError` if the curve is none of the catalogue's system, or not proved, or the family has no title.
     """
+    if not fits(TITLE, catalogue.title):
+        words = "give letters, digits and signs such as . , ' ( ) + - * / ^ =, and no sentences"
+        raise InputError(f"the catalogue's family, {catalogue.title[:60]!r}: is no title; {words}")
     orbits = orbits_of(curve)
     mass = orbits.atlas.parameters.get("mu")
     if mass != catalogue.mass_ratio:

@@ -10,7 +10,7 @@ from flint import arb, ctx
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.numbers import round_dyadic
-from orbitproof.verify.claim import inverse
+from orbitproof.verify.claim import inverse, signs_on
 from orbitproof.verify.curve import ProvedCurve, Stretch
 from orbitproof.verify.distances import is_distance_of_orbits, ranges_between
 from orbitproof.verify.evidence import enclose, total, up_to
@@ -139,8 +139,7 @@ class OrbitsOfCurve:
             return (1,) * len(system.centre_coordinates)
         if not claim.is_of_symmetric_curve or claim.symmetry is None:
             raise ValueError("mirrored: nothing is proved of mirror images of this curve")
-        signs = [system.symmetries[claim.symmetry][index] for index in system.fixed_coordinates]
-        return (*((1,) if system.family_parameter is not None else ()), *signs)
+        return signs_on(system, claim.symmetry, system.centre_coordinates)
 
     def _orbit(self, stretch: Stretch, segment: Segment, s: Fraction, signs: Sequence[int]) -> OrbitOnCurve:
         names = self.atlas.system.centre_coordinates
@@ -170,7 +169,7 @@ def _index(stability: Stability) -> arb | None:
 
 def _beside(
     stretch: Stretch, point: Sequence[Fraction], signs: Sequence[int], mirrored: bool
-) -> Iterator[tuple[float, OrbitPlace]]:
+) -> Iterator[tuple[Fraction, OrbitPlace]]:
     """The place on a piece next to a point of Fix(R), with its distance from the polynomial in units of the tube."""
     piece = stretch.tube.piece
     rows = inverse(piece.frame)
@@ -180,5 +179,5 @@ def _beside(
     s = round_dyadic(p[0] / piece.half_width, _BITS)
     if stretch.entered <= s <= stretch.leaves:
         local = piece.local(s)
-        offsets = [abs(float((x - y) / tube)) for x, y, tube in zip(p[1:], local[1:], piece.tube, strict=True)]
+        offsets = [abs(x - y) / tube for x, y, tube in zip(p[1:], local[1:], piece.tube, strict=True)]
         yield max(offsets), OrbitPlace(piece.id, s, mirrored)

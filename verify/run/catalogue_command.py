@@ -54,9 +54,9 @@ exit codes: 0 every row is certified, or the certificate stands; 1 not; 2 bad in
 """
 
 _LACKS = {
-    "place": "no part of the curve lies beside it",
+    "place": "no part of the curve was found beside it",
     "functions": "the curve is proved there without its list (orbitproof verify atlas --complete 1)",
-    "nearness": "no orbit of the curve starts so close to it (--within)",
+    "nearness": "the orbit beside it is not shown to start so close to it (--within)",
 }
 _SHOWN = 20
 """Rows that are not certified are told up to this number."""
