@@ -24,7 +24,6 @@ from orbitproof.verify.certificate import (
     Level,
     Recheck,
     climb,
-    decimals,
     differences,
     digest,
     digest_findings,
@@ -266,7 +265,6 @@ def _conclusion(
 ) -> Iterator[Finding]:
     if not examined.stands:
         raise CannotBeCheckedError(f"the certificate {shown(curve.id)} of the curve does not stand: {examined.why}")
-    yield from decimals(document["rows"], "rows")
     read = from_json(CatalogueDocument, {k: v for k, v in document.items() if k not in ("format", "version")}, "")
     orbits = orbits_of(curve)
     again = tuple(_row(orbits, row, _place(row), read.statement.within) for row in read.rows)
