@@ -219,6 +219,7 @@ def certify_catalogue(
     within: Fraction | float | str = WITHIN,
     output: str | Path | None = None,
     timeout: float | None = None,
+    memory: float = CheckLimits.memory / GIBIBYTE,
     quiet: bool = False,
 ) -> CatalogueCertificate:
     """Which rows of a catalogue a proved curve certifies, and what it says of the orbits that start near them.
@@ -229,6 +230,7 @@ def certify_catalogue(
         within: an orbit certifies a row from which it starts no farther than this; nondimensional.
         output: a file for the certificate.
         timeout: seconds for each of both; without one, an hour.
+        memory: GiB for each.
         quiet: nothing on standard error.
 
     Returns the certificate; `rows` are its rows. Raises `InputError` for a curve that is of no such system, has
@@ -240,7 +242,9 @@ def certify_catalogue(
     distance = parse_exact(within) if isinstance(within, str) else Fraction(within)
     if not distance > 0:
         raise ValueError(f"within: {within} is not positive")
-    certificate = certify_rows(rows, curve, distance, Workplace(timeout=timeout, quiet=quiet))
+    certificate = certify_rows(
+        rows, curve, distance, Workplace(timeout=timeout, memory=int(memory * GIBIBYTE), quiet=quiet)
+    )
     if output is not None:
         write_catalogue_certificate(Path(output), certificate.document)
     return certificate
@@ -253,13 +257,15 @@ def recheck_rows(
     integrate: bool = False,
     jobs: int = 1,
     timeout: float | None = None,
+    memory: float = CheckLimits.memory / GIBIBYTE,
     quiet: bool = False,
 ) -> Recheck:
     """Check the certificate of a catalogue again, by that of its curve; with `integrate` the curve is proved again.
 
     Arguments as for `recheck`; returns a `Recheck`.
     """
-    return check_again(certificate, curve, integrate, Workplace(_jobs(jobs), timeout=timeout, quiet=quiet))
+    workplace = Workplace(_jobs(jobs), None, timeout, int(memory * GIBIBYTE), quiet)
+    return check_again(certificate, curve, integrate, workplace)
 
 
 def read_catalogue(path: str | Path) -> CatalogueCertificate:

@@ -44,6 +44,7 @@ from orbitproof.verify.orbit import stability_from
 from orbitproof.verify.orbit_on_curve import OrbitOnCurve, OrbitPlace, OrbitsOfCurve
 from orbitproof.verify.orbit_on_curve.orbit_on_curve import _index
 from orbitproof.verify.stability import StabilityResult
+from orbitproof.verify.words import catalogue_in_words
 
 DATA = Path(__file__).parents[1] / "data"
 ARCS: dict[str, Any] = json.loads((DATA / "three-body-arcs.json").read_text())
@@ -311,6 +312,35 @@ def test_a_row_farther_away_than_asked_for_is_not_certified() -> None:
     assert arb("1e-9") < second.differences.point.upper() < arb("1.1e-7")
     assert first.differences is not None
     assert first.differences.point.upper() < arb("1e-12")
+
+
+def test_rows_beside_the_plane_are_certified_by_orbits_in_it_as_far_as_they_are_near() -> None:
+    curve = catalogue_cases.certificate_of(
+        atlas_from_json(ARCS[RETROGRADE]["atlas"], RETROGRADE), ARCS[RETROGRADE]["results"]
+    )
+    known = orbits_of(curve)
+    orbit = known.at(OrbitPlace(known.atlas.curve_pieces()[0].id, Fraction(1, 3)))
+    point = {name: Fraction(float(ball.mid())) for name, ball in orbit.point.items()}
+    numbers = (orbit.level, orbit.period, orbit.stability_index)
+    behind = tuple(Fraction(float(ball.mid())) for ball in numbers if ball is not None)
+    lines = tuple(
+        (*(({**point, "z": z}).get(name, Fraction(0)) for name in FIELDS[:6]), *behind)
+        for z in (Fraction(0), Fraction(1, 10**7), Fraction(1, 10**5))
+    )
+    found = certified_rows(curve, CatalogueRows(known.atlas.parameters["mu"], lines, "Earth-Moon", "DRO"))
+    assert recheck_catalogue(found, curve, check_of_conclusion(curve.document)).stands
+    plane, near, far = CatalogueCertificate(found).rows
+    assert plane.differences is not None
+    assert near.differences is not None
+    assert plane.differences.point.upper() < arb("1e-12") < arb("0.99e-7") < near.differences.point.upper()
+    assert far.lacks == "nearness"
+
+
+def test_the_theorem_says_how_often_half_orbits_meet_the_section() -> None:
+    atlas = replace(halo().atlas, claim=replace(halo().atlas.claim, crossings=3))
+    arguments = ("curve", "sha256:0", 1, 2, Fraction(1, 10**6))
+    assert ", half orbits meeting the section 3 times." in catalogue_in_words(atlas, *arguments)
+    assert "times" not in catalogue_in_words(halo().atlas, *arguments)
 
 
 def test_a_huge_number_in_a_row_hinders_no_other() -> None:
