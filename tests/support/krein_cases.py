@@ -238,7 +238,7 @@ def known_half(seed: int, sign: int = 0, bend: Fraction = Fraction(1)) -> KnownH
     half = [_composed(each, [h, *before]) for each in (x1, x2, y1, y2)]
     components = tuple(_composed(each, [h, *half]) for each in after)
     # The columns of D phi^-1 for p_1 and q_2, of which v is half the first less i times what belongs to it.
-    rows = [[each.get(_unit(place), Fraction(0)) for place in (1, 2)] for each in before[:2]]
+    rows = [[each.get(unit(place), Fraction(0)) for place in (1, 2)] for each in before[:2]]
     determinant = rows[0][0] * rows[1][1] - rows[0][1] * rows[1][0]
     a = rows[1][1] / determinant / 2, -rows[1][0] / determinant / 2
     square = a[0] ** 2 + a[1] ** 2
@@ -261,7 +261,7 @@ def _commuting(chance: random.Random, bend: Fraction) -> list[Polynomial]:
             if sum(index) and odd == (row > 1) and (sum(index) == 1 or chance.random() < 0.4):
                 size = Fraction(1) if sum(index) == 1 else bend
                 terms[index] = size * Fraction(chance.randint(-3, 3), 4)
-        terms[_unit(1 + row)] = Fraction(2)
+        terms[unit(1 + row)] = Fraction(2)
         found.append(terms)
     return found
 
@@ -293,12 +293,13 @@ def _indices(variables: int, degree: int) -> Iterator[Exponents]:
             yield index
 
 
-def _unit(place: int) -> Exponents:
+def unit(place: int) -> Exponents:
+    """Of a linear term."""
     return tuple(int(i == place) for i in range(VARIABLES))
 
 
 def _variable(place: int) -> Polynomial:
-    return {_unit(place): Fraction(1)}
+    return {unit(place): Fraction(1)}
 
 
 def _plus(*terms: Polynomial) -> Polynomial:

@@ -143,6 +143,23 @@ def test_random_half_returns_have_the_coefficients_that_they_were_made_with(seed
 
 
 @pytest.mark.parametrize("seed", SEEDS)
+def test_results_are_those_at_the_point_and_not_at_the_centre(seed: int) -> None:
+    half, radius = cases.known_half(seed), Fraction(1, 2**24)
+    found = outcome_of(cases.of_family(radii=(radius,) * 3), half.enclosures(radius, radius / 2))
+    assert isinstance(found, Proved), found
+    results = found.results
+    for ball, known in (
+        (results.parameter, radius / 2),
+        (results.cosine, half.cosine),
+        (results.unfolding, half.unfolding),
+        (results.speed, -4 * (1 - half.cosine**2) * half.unfolding),
+        (results.coefficient, half.coefficient),
+    ):
+        assert ball.overlaps(enclose(known))
+        assert ball.rad() < abs(enclose(known)) / 1000
+
+
+@pytest.mark.parametrize("seed", SEEDS)
 def test_the_discriminant_has_the_derivative_that_is_given(seed: int) -> None:
     with guarded(BITS):
         equations = equations_of(cases.known_half(seed).enclosures(Fraction(1, 4)))
@@ -190,6 +207,20 @@ def test_what_is_false_is_refused() -> None:
     assert refused_by(cases.coupled("1/25")) == "circle"
     # Sigma is a multiple of 1: the discriminant has a double zero.
     assert refused_by(cases.coupled("-1/25", k="0", m="1")) == "point"
+
+
+def test_multipliers_that_meet_on_the_negative_real_line_are_refused() -> None:
+    """L = [[A, X], [1, 1]], A = 1 + h e_21, with (1 - X)^-1 = (1 + Sigma)/2: s = -5/3, N_12 = 1."""
+    components: tuple[cases.Polynomial, ...] = (
+        {cases.unit(1): Fraction(1), cases.unit(3): Fraction(4), cases.unit(4): Fraction(9, 2)},
+        {cases.unit(2): Fraction(1), cases.unit(4): Fraction(4), (1, 1, 0, 0, 0): Fraction(1)},
+        {cases.unit(1): Fraction(1), cases.unit(3): Fraction(1)},
+        {cases.unit(2): Fraction(1), cases.unit(4): Fraction(1)},
+    )
+    half = replace(cases.known_half(0), components=components)
+    found = outcome_of(cases.of_family(), half.enclosures())
+    assert isinstance(found, NotProved)
+    assert found.reason.condition == "circle"
 
 
 def test_claims_that_no_theorem_is_about() -> None:
@@ -294,6 +325,13 @@ def test_a_map_that_is_not_reversible_proves_nothing(enclosed: BreakingEnclosure
         cosine = (2 * arb.pi() * 3 / 10).cos()
         assert abs(cubic_coefficient(jets, cosine).imag) < 1e-6
         assert abs(cubic_coefficient(other, cosine).imag) > 1e-3
+
+
+def test_a_speed_that_may_vanish_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(proved_krein, "newton_image", lambda matrix, residual: [arb(0, 2**200)] * 2)
+    found = outcome_of(cases.of_family(), cases.known_half(0).enclosures())
+    assert isinstance(found, NotProved)
+    assert found.reason.condition == "side"
 
 
 def test_an_enclosure_of_b_that_is_not_real_proves_nothing(
