@@ -72,7 +72,7 @@ class CertifiedRow:
         piece, s, mirrored: the place of the orbit on the curve; nothing if none is shown to start near the row.
         orbit: what is known of it.
         differences: from the row.
-        lacks: why none is shown: "place", "functions" or "nearness".
+        lacks: why none is shown: "functions" or "nearness".
     """
 
     number: Annotated[int, rules(minimum=1)]
@@ -82,7 +82,7 @@ class CertifiedRow:
     mirrored: bool = False
     orbit: OrbitOnCurve | None = None
     differences: Differences | None = None
-    lacks: Literal["place", "functions", "nearness"] | None = None
+    lacks: Literal["functions", "nearness"] | None = None
 
 
 @dataclass(frozen=True)
@@ -200,8 +200,6 @@ def _row(orbits: OrbitsOfCurve, row: CertifiedRow, place: OrbitPlace | None, wit
     row = CertifiedRow(row.number, row.given)
     state = dict(zip(_STATE, row.given, strict=False))
     place = orbits.near(state) if place is None else place
-    if place is None:
-        return replace(row, lacks="place")
     try:
         orbit = orbits.at(place)
     except ValueError:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -98,19 +98,18 @@ class OrbitsOfCurve:
             raise ValueError(f"{place.piece}: the stability of its orbits is not known there; prove it with a list")
         raise ValueError(f"{place.piece}: the curve does not run through that part of it")
 
-    def near(self, state: Mapping[str, Fraction]) -> OrbitPlace | None:
-        """The place next to a point of the state space (section 32.3); `None` if no piece reaches it.
+    def near(self, state: Mapping[str, Fraction]) -> OrbitPlace:
+        """The place next to a point of the state space (section 32.3).
 
         Raises `ValueError` if the points of Fix(R) are not all that the system's claims are about.
         """
         on_fix = [state[self.atlas.system.state[index]] for index in self._fixed]
         found = [
-            (offset, number, place)
+            _beside(stretch, on_fix, self._signs(mirrored), mirrored)
             for mirrored in (False, True) if not mirrored or self.atlas.claim.is_of_symmetric_curve
-            for number, stretch in enumerate(self.curve.chain.stretches)
-            for offset, place in _beside(stretch, on_fix, self._signs(mirrored), mirrored)
+            for stretch in self.curve.chain.stretches
         ]  # fmt: skip
-        return min(found, key=lambda entry: entry[:2])[2] if found else None
+        return min(found, key=lambda entry: entry[0])[1]
 
     def distance(self, orbit: OrbitOnCurve, state: Mapping[str, Fraction]) -> arb:
         """From 0 to a bound of the distance of the orbit's point from a state (section 32.3).
@@ -169,15 +168,14 @@ def _index(stability: Stability) -> arb | None:
 
 def _beside(
     stretch: Stretch, point: Sequence[Fraction], signs: Sequence[int], mirrored: bool
-) -> Iterator[tuple[Fraction, OrbitPlace]]:
-    """The place on a piece next to a point of Fix(R), with its distance from the polynomial in units of the tube."""
+) -> tuple[Fraction, OrbitPlace]:
+    """The place on a stretch next to a point of Fix(R), with its distance from the polynomial in units of the tube."""
     piece = stretch.tube.piece
     rows = inverse(piece.frame)
     assert rows is not None
     shifted = [sign * x - c for sign, x, c in zip(signs, point, piece.centre, strict=True)]
     p = [sum((a * x for a, x in zip(row, shifted, strict=True)), Fraction(0)) for row in rows]
-    s = round_dyadic(p[0] / piece.half_width, _BITS)
-    if stretch.entered <= s <= stretch.leaves:
-        local = piece.local(s)
-        offsets = [abs(x - y) / tube for x, y, tube in zip(p[1:], local[1:], piece.tube, strict=True)]
-        yield max(offsets), OrbitPlace(piece.id, s, mirrored)
+    s = min(max(round_dyadic(p[0] / piece.half_width, _BITS), stretch.entered), stretch.leaves)
+    units = (max(piece.tube), *piece.tube)
+    offset = max(abs(x - y) / unit for x, y, unit in zip(p, piece.local(s), units, strict=True))
+    return offset, OrbitPlace(piece.id, s, mirrored)

@@ -54,7 +54,6 @@ exit codes: 0 every row is certified, or the certificate stands; 1 not; 2 bad in
 """
 
 _LACKS = {
-    "place": "no part of the curve was found beside it",
     "functions": "the curve is proved there without its list (orbitproof verify atlas --complete 1)",
     "nearness": "the orbit beside it is not shown to start so close to it (--within)",
 }
