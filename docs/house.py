@@ -54,7 +54,14 @@ def draw(path: Path) -> None:
                 (left, bottom), width, HEIGHT, "round,pad=0.02", fc=KINDS.get(name, ARGUMENT), ec="#555555", lw=0.6
             )
             axes.add_patch(box)
-            axes.text(left + 0.12, bottom + HEIGHT / 2, name, va="center", fontsize=9, family="monospace")
+            axes.text(
+                left + 0.12,
+                bottom + HEIGHT / 2,
+                name,
+                va="center",
+                fontsize=9 if len(rooms) < 4 else 6.2,
+                family="monospace",
+            )
             words = f"{title_of(room)}, {lines_of(room):,}" if len(rooms) == 1 else f"{lines_of(room):,}"
             axes.text(left + width - 0.12, bottom + HEIGHT / 2, words, va="center", ha="right", fontsize=8)
     handles = [plt.Rectangle((0, 0), 1, 1, fc=color, ec="#555555", lw=0.6) for color in LEGEND.values()]
