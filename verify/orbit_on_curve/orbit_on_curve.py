@@ -10,10 +10,10 @@ from flint import arb, ctx
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.numbers import round_dyadic
-from orbitproof.verify.claim import inverse, signs_on
+from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve import ProvedCurve, Stretch
 from orbitproof.verify.distances import is_distance_of_orbits, ranges_between
-from orbitproof.verify.evidence import enclose, total, up_to
+from orbitproof.verify.evidence import enclose, exact_value, total, up_to
 from orbitproof.verify.orbit import Stability, stability_from
 from orbitproof.verify.stability import Segment, StabilityResult, segments_of
 
@@ -104,11 +104,12 @@ class OrbitsOfCurve:
         Raises `ValueError` if the points of Fix(R) are not all that the system's claims are about.
         """
         on_fix = [state[self.atlas.system.state[index]] for index in self._fixed]
-        found = [
-            _beside(stretch, on_fix, self._signs(mirrored), mirrored)
-            for mirrored in (False, True) if not mirrored or self.atlas.claim.is_of_symmetric_curve
-            for stretch in self.curve.chain.stretches
-        ]  # fmt: skip
+        with ctx.workprec(PRECISION):
+            found = [
+                _beside(stretch, on_fix, self._signs(mirrored), mirrored)
+                for mirrored in (False, True) if not mirrored or self.atlas.claim.is_of_symmetric_curve
+                for stretch in self.curve.chain.stretches
+            ]  # fmt: skip
         return min(found, key=lambda entry: entry[0])[1]
 
     def distance(self, orbit: OrbitOnCurve, state: Mapping[str, Fraction]) -> arb:
@@ -168,14 +169,13 @@ def _index(stability: Stability) -> arb | None:
 
 def _beside(
     stretch: Stretch, point: Sequence[Fraction], signs: Sequence[int], mirrored: bool
-) -> tuple[Fraction, OrbitPlace]:
+) -> tuple[float, OrbitPlace]:
     """The place on a stretch next to a point of Fix(R), with its distance from the polynomial in units of the tube."""
-    piece = stretch.tube.piece
-    rows = inverse(piece.frame)
-    assert rows is not None
-    shifted = [sign * x - c for sign, x, c in zip(signs, point, piece.centre, strict=True)]
-    p = [sum((a * x for a, x in zip(row, shifted, strict=True)), Fraction(0)) for row in rows]
-    s = min(max(round_dyadic(p[0] / piece.half_width, _BITS), stretch.entered), stretch.leaves)
+    tube, piece = stretch.tube, stretch.tube.piece
+    p = tube.to_local([sign * enclose(x) for sign, x in zip(signs, point, strict=True)])
+    s = round_dyadic(exact_value(tube.parameter(p).mid()), _BITS)
+    s = min(max(s, stretch.entered), stretch.leaves)
+    offsets = (p[0] - enclose(piece.half_width * s), *tube.offsets(enclose(s), p))
     units = (max(piece.tube), *piece.tube)
-    offset = max(abs(x - y) / unit for x, y, unit in zip(p, piece.local(s), units, strict=True))
+    offset = max(float(abs(x / enclose(unit)).mid()) for x, unit in zip(offsets, units, strict=True))
     return offset, OrbitPlace(piece.id, s, mirrored)
