@@ -66,9 +66,9 @@ _TYPES = {
         "The collision is subcritical, b > 0. There is a neighbourhood of x, the same for all values of the parameter "
         "near that at x, in which for this value and for those {other} than it only the point of the symmetric orbit "
         "stays under all forward and backward iterates of P^2, on its level or at its parameter: no other periodic "
-        "point and no invariant curve or torus of P^2 lies in it. The orbit of x is not stable. For values {stable} "
-        "than that all points that stay are within a constant times the square root of abs(mu) of the symmetric orbit. "
-        "What these are is not said."
+        "orbit and no invariant curve or torus of P^2 lies in it whole. The orbit of x is not stable. For values near "
+        "it that are {stable} all points that stay are within a constant times the square root of abs(mu) of the "
+        "symmetric orbit. What these are is not said."
     ),
     "supercritical": (
         "The collision is supercritical, b < 0. For all small d and abs(mu) <= d^2, on both sides, the points with "
