@@ -13,10 +13,13 @@ from flint import arb, ctx
 from support import breaking_cases as cases
 
 from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems import FixedLevel, ReversibleSystem
+from orbitproof.shared.systems import FixedLevel, ReversibleSystem, describe
+from orbitproof.shared.systems.system import Reversor
 from orbitproof.verify.certificate import Limits, certify
 from orbitproof.verify.run.second_proofs import compare
-from orbitproof.verify.second_proof import BadCertificate, NotProved, ProvedBirth, read_claim, second_proof
+from orbitproof.verify.second_proof import BadCertificate, NotProved, ProvedBirth, births, read_claim, second_proof
+from orbitproof.verify.second_proof.halves import SymmetricStatement, begun, half_orbit
+from orbitproof.verify.second_proof.jets import CannotFollow, precision
 
 F = Fraction
 SHIFT = F(1, 2**20)
@@ -165,6 +168,59 @@ def test_statements_that_cannot_be_read_are_refused(certificate: dict[str, Any])
     assert "R is not shown" in found.reason
 
 
+def test_a_half_orbit_ends_with_the_crossing_that_is_claimed(certificate: dict[str, Any]) -> None:
+    claim = read_claim(certificate)
+    assert isinstance(claim, SymmetricStatement)
+    with precision(200):
+        values = dict(zip(claim.places, claim.begin(), strict=True))
+        start = begun(claim.system, values, claim.places, 1)
+        end, _ = half_orbit(claim.system, start, arb.pi(), 200)
+        assert abs(end[1][()]) < arb(2) ** -100
+        for time in (arb.pi() - 0.75, arb.pi() + 1, arb.pi() + arb(0, 1)):
+            with pytest.raises(CannotFollow, match="does not end with the crossing"):
+                half_orbit(claim.system, start, time, 200)
+
+
+def test_the_sign_of_the_coordinate_is_the_one_that_is_claimed(certificate: dict[str, Any]) -> None:
+    """The stated function for vy, with which the search begins, is the one of the other sign."""
+    found = second_proof(changed(certificate, lambda c: c["statement"]["candidate"].update(level_sign=-1)))
+    assert isinstance(found, NotProved)
+    assert "sheet is not shown" in found.reason
+
+
+def test_the_integral_tells_the_coordinate_that_is_left_out(
+    certificate: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    slopes = births._Proof.integral_slopes
+    monkeypatch.setattr(births._Proof, "integral_slopes", lambda *at: slopes(*at).map(lambda c: c + arb(0, 100)))
+    found = second_proof(certificate)
+    assert isinstance(found, NotProved)
+    assert "integral is not shown" in found.reason
+
+
+def test_a_side_that_is_not_known_is_not_told(certificate: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    form = births.form
+    monkeypatch.setattr(births, "form", lambda *given: [value + arb(0, 1000) for value in form(*given)])
+    found = second_proof(certificate)
+    assert isinstance(found, NotProved)
+    assert "side is not shown" in found.reason
+
+
+def test_an_integral_that_is_not_kept_is_found(certificate: dict[str, Any]) -> None:
+    """H + x^2 is H on the normal mode, but not beside it."""
+
+    def bent(entry: dict[str, Any]) -> None:
+        *lines, last = entry["statement"]["first_integral"].split("\n")
+        x = next(line.partition(" = ")[0] for line in lines if line.endswith(" = x"))
+        n = len(lines)
+        lines += [f"v{n} = {x} * {x}", f"v{n + 1} = {last.removeprefix('return ')} + v{n}", f"return v{n + 1}"]
+        entry["statement"]["first_integral"] = "\n".join(lines)
+
+    found = second_proof(changed(certificate, bent))
+    assert isinstance(found, NotProved)
+    assert "the first integral is not kept" in found.reason
+
+
 def on_level() -> ReversibleSystem:
     return replace(
         cases.MODES,
@@ -188,6 +244,15 @@ def test_a_family_parameter_on_a_fixed_level_varies(on_fixed_level: dict[str, An
     assert abs(found.parameter - arb(9) / 10) < arb(2) ** -40
     assert compare(on_fixed_level, found).verdict == "agrees", compare(on_fixed_level, found).reason
     assert found.side == on_fixed_level["results"]["side"]
+
+
+def test_the_coordinate_that_follows_from_the_level_is_the_reversors_own(on_fixed_level: dict[str, Any]) -> None:
+    own = Reversor(cases.MODES.reversing_symmetry, "T", "y", "vy")
+    first = {"reversing_symmetry": (-1, 1, 1, -1), "section": "x", "level_coordinate": "vx"}
+    system = replace(on_level(), **first, reversors={"T": own}).under("T")
+    entry = changed(on_fixed_level, lambda c: c["statement"]["candidate"].update(system=describe(system)))
+    found = proved(entry)
+    assert compare(entry, found).verdict == "agrees", compare(entry, found).reason
 
 
 @pytest.mark.slow

@@ -122,7 +122,8 @@ DIFFERENCES: dict[str, Callable[[dict[str, Any]], object]] = {
     "stability parameter 1, real": lambda c: move(c["results"]["stability_parameters"][0]["real"]),
     "stability parameter 1, imag": lambda c: move(c["results"]["stability_parameters"][0]["imaginary"]),
     "stability_parameters: another number": lambda c: c["results"].update(stability_parameters=[]),
-    "multipliers": lambda c: move(c["results"]["multipliers"][0]["real"], F(1, 2)),
+    "multipliers: they": lambda c: move(c["results"]["multipliers"][0]["real"], F(1, 2)),
+    "multipliers: another": lambda c: c["results"].update(multipliers=2 * c["results"]["multipliers"]),
     "stability: unst": lambda c: c["results"].update(stability="unstable"),
     "twist_momentum": lambda c: c["results"].update(twist_momentum="vx"),
     "point.x:": lambda c: move(c["results"]["point"]["x"]),
@@ -143,6 +144,17 @@ def test_what_is_not_shown_here_is_not_confirmed(certificate: dict[str, Any], pr
     assert compare(other, proof).verdict == "cannot follow"
     for name, ball in (("twists", {"y": arb(0, 1)}), ("coordinates", (arb(3, 2), arb(0)))):
         assert compare(certificate, replace(proof, **{name: ball})).verdict == "cannot follow"
+
+
+def test_multipliers_are_confirmed_where_there_are_some(certificate: dict[str, Any], proof: ProvedSymmetric) -> None:
+    around = {"real": {"mid": "0x0", "rad": "0x1p1"}, "imaginary": {"mid": "0x0", "rad": "0x1p1"}}
+    wide = changed(certificate, lambda c: c["results"].update(multipliers=[around]))
+    found = compare(wide, proof)
+    assert (found.verdict, found.reason[:11]) == ("cannot follow", "multipliers"), found.reason
+    none = compare(changed(certificate, lambda c: c["results"].update(multipliers=[])), proof)
+    assert none.verdict == "agrees", none.reason
+    assert "multipliers" not in none.reason
+    assert "multipliers" in compare(certificate, proof).reason
 
 
 def claimed(certificate: dict[str, Any], **values: Any) -> dict[str, Any]:

@@ -23,6 +23,14 @@ from orbitproof.verify.evidence import (
 )
 
 
+def test_a_fractional_power_is_finite_where_its_base_is_positive_alone() -> None:
+    for base in (arb(0), arb(1, 1), arb(0, 1), arb(-1), arb(1, 2), arb("nan")):
+        for exponent in (F(1, 2), F(3, 2), F(-1, 2), F(1, 3)):
+            assert not power(base, exponent).is_finite()
+    assert power(arb(2, 1), F(3, 2)).is_finite()
+    assert power(arb(0, 1), F(2)).is_finite()
+
+
 def test_outside_is_beyond_one_of_the_ends() -> None:
     assert is_outside(arb(-2), F(1))
     assert is_outside(arb(2), F(1))

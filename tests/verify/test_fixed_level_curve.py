@@ -14,7 +14,7 @@ import pytest
 from flint import arb, ctx
 from support.conclusions import conclude
 from support.curve_cases import refusal
-from support.stored import entry_of
+from support.stored import entry_of, values
 
 from orbitproof.explore.orbits import ShootingProblem
 from orbitproof.explore.refinement import refine
@@ -29,7 +29,15 @@ from orbitproof.shared.formats import (
 from orbitproof.shared.systems import FixedLevel, ReversibleSystem, completed
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate import Certificate, certify, write_certificates
-from orbitproof.verify.curve import PieceLimits, PieceResult, ProvedInterval, enclose_other_point, prove_piece
+from orbitproof.verify.curve import (
+    CertifiedPoint,
+    PieceLimits,
+    PieceResult,
+    ProvedInterval,
+    enclose_other_point,
+    prove_piece,
+)
+from orbitproof.verify.curve import conclude as conclude_of_points
 from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.stability import TubeOfOrbits, orbit_functions
@@ -190,6 +198,18 @@ def test_the_other_point_of_an_orbit_counts_on_its_sheet_only() -> None:
         found = enclose_other_point(ORACLE, free, {"P": claimed().centre[0]}, start)
     assert found is not None
     assert found["u2"] < 0
+
+
+def test_the_other_point_of_a_certified_orbit_counts_on_its_sheet_only() -> None:
+    """A certificate says no more of P(x) than its other coordinates, which points of both sheets have in common."""
+    there = dict(certificate().point)
+    away = {**there, "u": there["u"] + 1}
+    point = CertifiedPoint("orbit", "orbit", 1, point=away, other_point=there)
+    (placed,) = conclude_of_points(atlas(), values(results()), [point]).bifurcations
+    assert placed.place is None
+    (placed,) = conclude_of_points(atlas(), values(results()), [point], lambda *_: there).bifurcations
+    assert placed.place is not None
+    assert placed.place.other_point
 
 
 def tube(system: ReversibleSystem) -> TubeOfOrbits:

@@ -35,6 +35,7 @@ from orbitproof.shared.systems import (
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic
 from orbitproof.verify.certificate import Certificate, certify, digest, recheck
 from orbitproof.verify.claim import LevelEquation, check_level, is_in
+from orbitproof.verify.claim.level import on_box
 from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotEstablishedError, enclose, excludes_zero, power
 from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.poincare import IntegratorSettings, at_start, initial_values, level_set, on_sheet
@@ -254,6 +255,12 @@ def test_the_derivative_is_bounded_on_the_whole_interval() -> None:
     for k in range(9):
         y = F(k + 1, 10)
         assert slope.contains(enclose(F(1, 16) + y - y * y))
+    # Over a set: of a and x it is a x^2 + y - y^2.
+    wide = equation.slope([arb("0.25", "0.01"), *arguments[1:4], arb(1, "0.1")])
+    assert wide is not None
+    for x, a in (("0.24", "0.9"), ("0.26", "1.1")):
+        assert wide.contains(arb(a) * arb(x) ** 2 + arb("0.25"))
+    assert equation.slope([arb(0, 1), *arguments[1:4], arb(0, 1)]) is None
     # d/dy = x^2 + y - y^2 at x = 1/4 has its zeros where y = (1 +- 5^(1/2)/2)/2.
     assert LevelEquation.of(on(described(CUBIC), "1/10", "17/16")).slope(arguments) is None
 
@@ -273,6 +280,41 @@ def test_an_integral_that_depends_on_a_function_of_the_coordinate_gives_no_level
         initial_values(system, ARITHMETICS["narrow"][0], point)
     with pytest.raises(NotEstablishedError, match="function of y"):
         check_level(Checklist(), replace(claimed(), system=system, centre=(F(1), F(1, 4))))
+
+
+def test_functions_of_functions_of_the_coordinate_are_functions_of_it() -> None:
+    entry = {
+        **CUBIC,
+        "field": {"x": "vx", "y": "vy", "vx": "-sin(x + sin(y))", "vy": "-sin(x + sin(y))*cos(y)"},
+        "first_integral": "(vx**2 + vy**2)/2 - cos(x + sin(y))",
+    }
+    with pytest.raises(ValueError, match="function of y"):
+        LevelEquation.of(described(entry))
+
+
+def test_the_box_of_a_claim_is_enclosed_where_frames_have_negative_entries() -> None:
+    frame = ((F(1), F(-3)), (F(-2), F(1)))
+    candidate = replace(claimed(), frame=frame, centre=(F(1, 2), F(1, 5)), radii=(F(1, 8), F(1, 16)))
+    balls = dict(zip((*relativistic().state, "a"), on_box(candidate), strict=True))
+    for first in (-1, 1):
+        for second in (-1, 1):
+            p = F(first, 8), F(second, 16)
+            for name, origin, row in zip(("a", "y"), candidate.centre, frame, strict=True):
+                assert balls[name].contains(enclose(origin + row[0] * p[0] + row[1] * p[1]))
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_the_coordinate_is_in_its_interval_on_every_part_of_a_wide_set(side: int) -> None:
+    """px falls as y rises, and leaves the interval at one end of the wide variable."""
+    arithmetic, spread = ARITHMETICS["wide"]
+    point = box(arithmetic, {"a": F(1, 3), "y": F(1, 2)}, spread)
+    point["y"] = point["y"] + arithmetic.polynomial({(0, 0): [F(0), F(side, 64)]})
+    # At y = 1/2 and 1/2 +- 1/64.
+    middle, least, most = (F(sqrt((1.5 - y * y / 2) ** 2 - 1)) for y in (0.5, 0.515625, 0.484375))
+    initial_values(on(relativistic(), least - F(1, 1000), most + F(1, 1000)), arithmetic, point)
+    for low, high in (((middle + least) / 2, F(2)), (F(1, 4), (middle + most) / 2)):
+        with pytest.raises(IntegrationFailure, match="only one in its interval"):
+            initial_values(on(relativistic(), low, high), arithmetic, point)
 
 
 # Claims.
@@ -386,6 +428,17 @@ def test_at_the_image_the_derivative_counts_and_not_the_sign() -> None:
         zero = (0,) * len(next(iter(table.box)))
         far = replace(found, sheet=(arb(1),), image=(replace(table, box={**table.box, zero: arb(2)}),))
         check_sheet(Checklist(), other, far)
+        # Across Fix(R) too: there the derivative is y - y^2 + vx^2.
+        integral = f"{CUBIC['first_integral']} + vx**2*y"
+        across = replace(loss(), system=described({**CUBIC, "first_integral": integral}))
+        ((last,),) = found.iterates
+        for vx, holds in ((arb(2), True), (arb(0, "1e-3"), False)):
+            moved = replace(found, sheet=(arb(1),), iterates=((replace(last, box={**last.box, zero: vx}),),))
+            if holds:
+                check_sheet(Checklist(), across, moved)
+            else:
+                with pytest.raises(NotEstablishedError, match="may vanish"):
+                    check_sheet(Checklist(), across, moved)
 
 
 def test_the_other_points_get_an_interval_of_their_own() -> None:

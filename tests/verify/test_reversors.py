@@ -207,6 +207,20 @@ def test_a_reversor_has_a_section_of_its_own() -> None:
     assert recheck(proof, integrate=True).stands
 
 
+def test_a_reversor_has_a_level_coordinate_of_its_own() -> None:
+    own = described({
+        **{key: value for key, value in TWO.items() if key not in ("format", "version")},
+        "parameters": ["a"], "field": {"x": "vx", "y": "vy", "vx": "-a*x - 2*x*y**2", "vy": "-2*y - 2*x**2*y"},
+        "first_integral": "(vx**2 + vy**2 + a*x**2)/2 + y**2 + x**2*y**2", "family_parameter": "a",
+        "level_coordinate": "vx", "fixed_level": {"value": "1", "sign": 1},
+        "reversors": {"T": {"R": {"y": -1, "vx": -1}, "section": "y", "level_coordinate": "vy"}},
+    }).under("T")  # fmt: skip
+    assert own.original is not None
+    assert (own.original.level_coordinate, own.level_coordinate) == ("vx", "vy")
+    assert (own.original.centre_coordinates, own.centre_coordinates) == (("a", "y"), ("a", "x"))
+    assert described(json.loads(json.dumps(describe(own)))) is own
+
+
 def test_a_section_that_is_not_the_reversors_own_is_found() -> None:
     _, proof = breaking()
     for forge in (lambda t: t.replace('"section": "vy"', '"section": "vx"'), lambda t: t.replace("vy", "vz", 1)):

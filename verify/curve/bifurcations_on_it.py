@@ -144,7 +144,9 @@ def place_bifurcation(
     if isinstance(place, Place):
         return replace(entry, place=place)
     if point_name(atlas.system) is None:
-        second = certified.other_point or partner(atlas.system, atlas.parameters, point, crossings)
+        # On a fixed level that certificate does not say on which sheet P(x) is; its enclosure by integration does.
+        known = certified.other_point if atlas.system.fixed_level is None else None
+        second = known or partner(atlas.system, atlas.parameters, point, crossings)
         found_there = None if second is None else locate(atlas, chain, [second[name] for name in names], False)
         if isinstance(found_there, Place):
             return replace(entry, place=replace(found_there, other_point=True))

@@ -52,7 +52,10 @@ def dyadic_above(bound: arb) -> Fraction:
 
 
 def power(base: arb, exponent: Fraction) -> arb:
-    """A ball that contains the powers of the points of a ball."""
+    """A ball that contains the powers of the points of a ball; not finite where one is not defined (claim 12.6)."""
+    if exponent.denominator > 1 and not is_positive(base):
+        # FLINT has square roots of balls that begin at 0, where a program is not defined.
+        return arb("nan")
     # FLINT takes them as exp(exponent log base) where the midpoint is 0, which is not finite; here they are products.
     if base.mid() == 0 and exponent.denominator == 1 and exponent > 0:
         return (arb_poly([base]) ** exponent.numerator)[0]

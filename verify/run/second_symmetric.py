@@ -45,7 +45,7 @@ def compare_symmetric(certificate: Mapping[str, Any], result: ProvedSymmetric) -
     found = _stability(results, result, pairs)
     if found is not None:
         return found
-    parts = ["kind", "multipliers", f"stability ({results['stability']})"]
+    parts = ["kind", *(["multipliers"] if results["multipliers"] else []), f"stability ({results['stability']})"]
     if result.rotation_number is not None:
         found = _twist(results, result, pairs)
         if found is not None:
@@ -67,9 +67,15 @@ def _stability(results: Mapping[str, Any], result: ProvedSymmetric, pairs: Pairs
     for number, (value, entry) in enumerate(zip(mine, results["stability_parameters"], strict=True), start=1):
         pairs[f"stability parameter {number}, real part"] = value.real, entry["real"]
         pairs[f"stability parameter {number}, imaginary part"] = value.imag, entry["imaginary"]
+    # There are none where it is not known which parameters are real.
+    if len(results["multipliers"]) not in (0, len(mine)):
+        return Comparison("disagrees", "multipliers: another number of them")
     for value, entry in zip(mine, results["multipliers"], strict=False):
         at = _complex(entry)
-        if not ((at + 1 / at) / 2).overlaps(value):
+        belongs = (at + 1 / at) / 2
+        if not belongs.is_finite():
+            return Comparison("cannot follow", "multipliers: an enclosure contains 0 or is not finite")
+        if not belongs.overlaps(value):
             return Comparison("disagrees", "multipliers: they do not belong to the stability parameters")
     stable = all(value.imag == 0 and abs(value) < 1 for value in mine)
     unstable = any(abs(value) > 1 or not value.imag.contains(0) for value in mine)

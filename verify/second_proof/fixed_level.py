@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -12,6 +12,13 @@ from flint import arb
 from .jets import CannotFollow, Jet, ball, implicit
 
 _HALVINGS, _STEPS, _MOST_PARTS = 60, 12, 2000
+
+
+def level_coordinate(system: Mapping[str, Any]) -> Any:
+    """The name of w: of the reversor that stands for R, if it is another than the first and has one of its own."""
+    chosen = system["reversors"][system["reversor"]] if system.get("reversor") else None
+    own = chosen.get("level_coordinate") if isinstance(chosen, dict) else None
+    return own or system["level_coordinate"]
 
 
 @dataclass(frozen=True)

@@ -151,6 +151,8 @@ def flowed(system: Statement, start: list[Jet], duration: arb, bits: int) -> tup
     for steps in range(1, MOST_STEPS + 1):
         step, size = take_step(system, state, size, bits)
         rest = duration - now
+        if not rest > 0:
+            raise CannotFollow("the ball of the period is longer than a step")
         if rest <= step.duration:
             return moving(system, step.at(rest)), steps
         # The last step begins before all times of the ball.

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from .fixed_level import LevelSet
+from .fixed_level import LevelSet, level_coordinate
 from .jets import CannotFollow, Jet, ball
 
 _NUMBER = re.compile(
@@ -231,7 +231,7 @@ def _level_set(certificate: Mapping[str, Any], state: Sequence[str]) -> LevelSet
     named = read(certificate, "statement.candidate", lambda claim: claim.get("system"))
     if not (isinstance(named, dict) and named.get("fixed_level")):
         return None
-    place = read(certificate, "statement.candidate.system.level_coordinate", state.index)
+    place = read(certificate, "statement.candidate.system", lambda system: state.index(level_coordinate(system)))
     value = read(certificate, "statement.candidate.system.fixed_level.value", exact)
     integral = read(certificate, "statement.first_integral", Program.from_text)
     if "between" in named["fixed_level"]:
