@@ -246,6 +246,15 @@ def test_a_family_parameter_on_a_fixed_level_varies(on_fixed_level: dict[str, An
     assert found.side == on_fixed_level["results"]["side"]
 
 
+def test_an_interval_of_the_level_coordinate_is_not_followed(on_fixed_level: dict[str, Any]) -> None:
+    level = {"value": on_fixed_level["statement"]["candidate"]["system"]["fixed_level"]["value"], "between": ["0", "9"]}
+    found = second_proof(
+        changed(on_fixed_level, lambda c: c["statement"]["candidate"]["system"].update(fixed_level=level))
+    )
+    assert isinstance(found, NotProved)
+    assert "not an interval" in found.reason
+
+
 def test_the_coordinate_that_follows_from_the_level_is_the_reversors_own(on_fixed_level: dict[str, Any]) -> None:
     own = Reversor(cases.MODES.reversing_symmetry, "T", "y", "vy")
     first = {"reversing_symmetry": (-1, 1, 1, -1), "section": "x", "level_coordinate": "vx"}

@@ -11,7 +11,7 @@ from typing import Any
 
 import mpmath
 import pytest
-from flint import arb
+from flint import acb, arb
 from support import tori_cases
 from support.springs import BITS, CLAIMS, SMALL, SPRINGS, claim, half, number
 
@@ -144,6 +144,11 @@ def test_what_is_not_shown_here_is_not_confirmed(certificate: dict[str, Any], pr
     assert compare(other, proof).verdict == "cannot follow"
     for name, ball in (("twists", {"y": arb(0, 1)}), ("coordinates", (arb(3, 2), arb(0)))):
         assert compare(certificate, replace(proof, **{name: ball})).verdict == "cannot follow"
+
+
+def test_stability_that_is_not_shown_here_is_not_confirmed(certificate: dict[str, Any], proof: ProvedSymmetric) -> None:
+    found = compare(certificate, replace(proof, stability=(acb(arb(0, 2)),)))
+    assert (found.verdict, found.reason[:10]) == ("cannot follow", "stability:"), found.reason
 
 
 def test_multipliers_are_confirmed_where_there_are_some(certificate: dict[str, Any], proof: ProvedSymmetric) -> None:
