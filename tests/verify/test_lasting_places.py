@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -202,8 +203,9 @@ def test_half_orbits_end_at_the_crossing_of_the_claim(monkeypatch: pytest.Monkey
     monkeypatch.setattr(half_map, "HalfOrbits", lambda *_: SimpleNamespace(half_orbit=half_orbit))
     monkeypatch.setattr(half_map, "parameter_series", lambda *_: {})
     monkeypatch.setattr(half_map, "_around", lambda *_: {})
-    limits = SimpleNamespace(arithmetic=lambda *_: WideArithmetic(Grading((1, 1), 3), 80, 20, 4, width=4))
-    tube = SimpleNamespace(system=FALKNER_SKAN, limits=limits, parameters={}, oracle=None, crossings=3)
+    one_element = SimpleNamespace(arithmetic=None)
+    monkeypatch.setattr(half_map, "_elements", lambda *_: defaultdict(lambda: one_element))
+    tube = SimpleNamespace(system=FALKNER_SKAN, parameters={}, oracle=None, crossings=3)
     half = SimpleNamespace(widths=[Fraction(1, 1024)], steps=0)
     with pytest.raises(IntegrationFailure, match="no further"):
         half_map.return_map(cast(Any, tube), cast(Any, half), cast(Any, None), None)
@@ -220,6 +222,8 @@ def test_stored_are_theta_its_other_form_and_delta(seed: int, monkeypatch: pytes
         for jet in found
     ]
     monkeypatch.setattr(storing, "return_map", lambda *_: jets)
+    # These numbers are rounded, and what reversibility makes zero with them.
+    monkeypatch.setattr(storing, "require_zero", lambda *_: None)
     tube = SimpleNamespace(curve=lambda half: None, arithmetic=own)
     known = storing._twist(cast(Any, tube), cast(Any, None), None)
     s, one = found[0].coefficients[1, 0], Number(1)
