@@ -87,7 +87,7 @@ class Orbit:
     @cached_property
     def _solution(self) -> PeriodicSolution:
         values = [self.parameters[name] for name in self.system.parameters]
-        return PeriodicSolution(self.system, values, self.point, self.period)
+        return PeriodicSolution.symmetric(self.system, values, self.point, self.period)
 
     def __repr__(self) -> str:
         return f"<Orbit of {self.system.name}: period {self.period:.10g}{_level(self)}>"

@@ -6,6 +6,7 @@ _EXTRAS = {
     **dict.fromkeys(("jax", "jaxlib", "diffrax", "equinox", "mpmath", "scipy"), "explore"),
     **dict.fromkeys(("matplotlib", "jinja2", "latex2mathml"), "figures"),
     **dict.fromkeys(("ccsds_ndm", "xsdata", "lxml"), "oem"),
+    "spiceypy": "spk",
     "plotly": "interactive",
     **dict.fromkeys(("distributed", "dask"), "cluster"),
 }

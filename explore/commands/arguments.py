@@ -38,6 +38,7 @@ examples:
   orbitproof explore family --system cr3bp --mass 0.1 --family L1-lyapunov L1-vertical --branches -o families.json
   orbitproof explore family --system cr3bp --mass earth-moon --family L2-halo -o f.json --csv f.csv
   orbitproof explore family --from-catalogue halo.json --catalogue-orbit 700 -o family.json
+  orbitproof explore family --from-orbit branches.json --id earth-moon-L1-halo-k2-1 --orbit 5 -o family.json
   orbitproof explore candidates --system mine.py --start c=0.1 y=0.2 --parameter-max c 1.3 -k 2 3 4 -o c.json
   orbitproof explore family --system falkner-skan --beta-min 1.001 --beta-max 100000 -o family.json
 """
@@ -173,6 +174,22 @@ def _family_options(target: argparse.ArgumentParser) -> None:
         type=common.index,
         metavar="N",
         help="the orbit of that file, counted from 1, from which the family is traced (default: the middle one)",
+    )
+    target.add_argument(
+        "--from-orbit",
+        type=Path,
+        metavar="FILE",
+        help="the family of one orbit of a file: of a branch (which becomes a family), candidates, certificates, an "
+        "atlas, tori, ..; --family says what to call it",
+    )
+    target.add_argument(
+        "--id", metavar="ID", help="with --from-orbit: the branch, candidate or certificate, or the family of a file"
+    )
+    target.add_argument(
+        "--orbit",
+        type=common.place,
+        metavar="N",
+        help="with --from-orbit: which, counted from 1; of a branch from its birth, -1, -2, .. on its other side",
     )
     target.add_argument(
         "--mirror", action="store_true", help="halo families: the mirror image, z < 0 at the first point"

@@ -77,11 +77,21 @@ def add_quiet(parser: Any) -> None:
 def add_orbit_choice(parser: Any) -> None:
     """One orbit of a file: the file, ``--id``, ``--family``, ``--orbit``."""
     parser.add_argument(
-        "file", type=Path, metavar="FILE", help="candidates, certificates, families or a periodic orbit catalogue"
+        "file",
+        type=Path,
+        metavar="FILE",
+        help="candidates, certificates, families, branches, an atlas or its certificate, tori, or a periodic orbit "
+        "catalogue",
     )
-    parser.add_argument("--id", metavar="ID", help="the candidate or certificate")
+    parser.add_argument("--id", metavar="ID", help="the candidate, certificate or branch")
     parser.add_argument("--family", metavar="NAME", help="the family of a family file, for example earth-moon-L2-halo")
-    parser.add_argument("--orbit", type=index, metavar="N", help="the orbit of a family or catalogue, counted from 1")
+    parser.add_argument(
+        "--orbit",
+        type=place,
+        metavar="N",
+        help="the orbit of a family or catalogue, or the piece of an atlas, counted from 1; the orbit of a branch, 1 "
+        "the first from the birth, -1 that on the other side",
+    )
 
 
 def positive(text: str) -> float:
@@ -116,6 +126,15 @@ count = _whole(2, 1_000_000, "a whole number")
 index = _whole(1, 1_000_000, "a whole number")
 """A place in a list, counted from 1."""
 
+
+def place(text: str) -> int:
+    """A place in a list, counted from 1, or from -1 on its other side."""
+    value = int(text)
+    if not 1 <= abs(value) <= 1_000_000:
+        raise argparse.ArgumentTypeError(f"{text!r} is no place: give 1, 2, .. or, of a branch, -1, -2, ..")
+    return value
+
+
 jobs = _whole(1, 1024, "a number of processes")
 
 multiplicity = _whole(1, MAX_MULTIPLICITY, "a multiplicity")
@@ -129,5 +148,5 @@ generations = _whole(0, 20, "a number of generations")
 # argparse names the type in its message about text that is no number at all.
 for _type in (positive, number):
     _type.__name__ = "number"
-for _type in (count, index, jobs, multiplicity, digits, generations):
+for _type in (count, index, place, jobs, multiplicity, digits, generations):
     _type.__name__ = "whole number"

@@ -86,7 +86,12 @@ def run_tori(options: argparse.Namespace) -> int:
             source = find_orbit(options.file, Choice(options.id, options.family, options.orbit))
             if source.system is not CR3BP:
                 raise InputError(f"{options.file}: tori are traced around orbits of cr3bp, not of {source.system.name}")
-            trajectory = trajectory_of(source, 2, 1.0)
+            trajectory = trajectory_of(source)
+            if trajectory.crossings != 1:
+                raise NoCurve(
+                    f"half orbits of {source.title} meet the section y = 0 {trajectory.crossings} times; tori are "
+                    "traced around orbits that meet it once"
+                )
             family = trace_tori(
                 trajectory.orbit,
                 float(source.parameters["mu"]),
@@ -122,6 +127,8 @@ def run_manifold(options: argparse.Namespace) -> int:
         raise InputError(f"--offset {options.offset:g}: too far from the periodic orbit; give at most 0.01")
     if options.longest > 1000:
         raise InputError(f"--longest {options.longest:g}: give at most 1000")
+    import numpy as np
+
     from orbitproof.explore.engines import Reporter
     from orbitproof.explore.invariants import NoManifold, Plane, manifold_of, write_manifold
     from orbitproof.explore.trajectories import Choice, NoOrbit, find_orbit, trajectory_of
@@ -133,19 +140,18 @@ def run_manifold(options: argparse.Namespace) -> int:
             source = find_orbit(options.file, Choice(options.id, options.family, options.orbit))
             if source.system not in THREE_BODY:
                 raise InputError(f"{options.file}: {source.system.name} has no orbits in space")
-            trajectory = trajectory_of(source, 201, 1.0)
+            trajectory = trajectory_of(source)
             plane = Plane("xyz".index(match[1]), value)
-            along = trajectory.states[:, plane.index]
+            along = trajectory.states(np.linspace(0.0, trajectory.period, 201))[:, plane.index]
             if along.min() <= value <= along.max():
                 raise InputError(
                     f"--plane {options.plane}: meets the periodic orbit itself, where the tube begins; give {match[1]} "
                     f"below {along.min():.6g} or above {along.max():.6g}"
                 )
             tube = manifold_of(
-                source.system,
-                trajectory.states[0],
-                trajectory.orbit,
-                float(source.parameters["mu"]),
+                trajectory.solution,
+                trajectory.parameters["mu"],
+                index=trajectory.stability_index,
                 kind=options.kind,
                 side=1 if options.side == "+" else -1,
                 plane=plane,

@@ -17,6 +17,9 @@ from orbitproof.explore.trajectories import Trajectory
 from orbitproof.shared.formats import InputError, read_document, validate_document, write_text
 from orbitproof.shared.numbers import format_exact, parse_exact
 
+PLACES = 201
+"""Of the periodic orbit in a file of its manifold."""
+
 STATUS = "numerics in double precision, nothing is proved"
 
 
@@ -68,7 +71,7 @@ class ManifoldRecord:
 
 
 def _head(kind: str, trajectory: Trajectory) -> dict[str, Any]:
-    source, orbit = trajectory.source, trajectory.orbit
+    source = trajectory.source
     return {
         "format": f"orbitproof-{kind}",
         "version": 1,
@@ -76,8 +79,8 @@ def _head(kind: str, trajectory: Trajectory) -> dict[str, Any]:
         "system": source.system.name,
         "parameters": {name: format_exact(value) for name, value in source.parameters.items()},
         "title": source.title,
-        "jacobi_constant": orbit.first_integral,
-        "period": orbit.period,
+        "jacobi_constant": trajectory.first_integral,
+        "period": trajectory.period,
     }
 
 
@@ -115,7 +118,7 @@ def write_manifold(path: Path, trajectory: Trajectory, manifold: Manifold) -> No
         "offset": manifold.offset,
         "plane": {"coordinate": "xyz"[manifold.plane.index], "value": manifold.plane.value},
         "drift": None if np.isnan(manifold.drift) else manifold.drift,
-        "orbit": trajectory.states[:, :3].tolist(),
+        "orbit": trajectory.states(np.linspace(0.0, trajectory.period, PLACES))[:, :3].tolist(),
         "lines": [
             {
                 "start": start.tolist(),

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from orbitproof.explore.flow import FlowFailure, Matrices, Matrix, Vector, flow_of
-from orbitproof.explore.orbits import SymmetricOrbit, stability_index
+from orbitproof.explore.orbits import PeriodicSolution
 from orbitproof.explore.seeds import distance_to_primaries
 from orbitproof.shared.systems import ReversibleSystem
 
@@ -74,11 +74,10 @@ class Manifold:
 
 
 def manifold_of(
-    system: ReversibleSystem,
-    start: Vector,
-    orbit: SymmetricOrbit,
+    solution: PeriodicSolution,
     mass: float,
     *,
+    index: float | None = None,
     kind: str,
     side: int,
     plane: Plane,
@@ -90,29 +89,33 @@ def manifold_of(
     """The tube of a periodic orbit on one side of it.
 
     Arguments:
-        system: whose flow it is, one of `shared.systems.THREE_BODY`.
-        start: shape (6,), the state at time 0.
+        solution: the orbit, of one of `shared.systems.THREE_BODY`.
+        index: stability index, if it is known better than from one integration along the orbit.
         kind, side, plane, offset: as in `Manifold`.
         count: orbits of the tube.
         longest: time after which an orbit that has not reached the plane is given up.
 
     Raises `NoManifold` if the orbit has no real multiplier far from the unit circle.
     """
-    if stability_index(orbit.stability) < HYPERBOLIC:
-        raise NoManifold(f"the orbit is not unstable: stability index {stability_index(orbit.stability):.6g}")
+    system, start, period = solution.system, solution.starts[0], solution.period
+    assert isinstance(system, ReversibleSystem)
     flow = flow_of(system)
     try:
-        monodromy = flow.derivative(start, orbit.period, [mass]).state_transition
+        monodromy = flow.derivative(start, period, [mass]).state_transition
     except FlowFailure as failure:
         raise NoManifold(str(failure)) from None
     values, vectors = np.linalg.eig(monodromy if kind == "unstable" else np.linalg.inv(monodromy))
-    index = int(np.argmax(np.abs(values)))
-    if abs(values[index].imag) > 1e-6 * abs(values[index]):
+    place = int(np.argmax(np.abs(values)))
+    size = float(np.abs(values[place]))
+    index = (size + 1 / size) / 2 if index is None else index
+    if index < HYPERBOLIC:
+        raise NoManifold(f"the orbit is not unstable: stability index {index:.6g}")
+    if abs(values[place].imag) > 1e-6 * size:
         raise NoManifold("the largest multiplier is not real: its manifold has three dimensions")
-    vector = vectors[:, index].real
-    multiplier = float(values[index].real) if kind == "unstable" else 1 / float(values[index].real)
+    vector = vectors[:, place].real
+    multiplier = float(values[place].real) if kind == "unstable" else 1 / float(values[place].real)
     vector = vector if vector[0] * side > 0 else -vector
-    phases = np.arange(count) * orbit.period / count
+    phases = np.arange(count) * period / count
     starts = np.empty((count, 6))
     for row, phase in enumerate(phases):
         here = flow.derivative(start, float(phase), [mass]) if phase else None

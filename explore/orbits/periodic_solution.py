@@ -1,4 +1,4 @@
-"""A symmetric periodic orbit as a function of time, in double precision."""
+"""A periodic orbit as a function of time, in double precision."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from scipy.integrate import solve_ivp
 
 from orbitproof.explore.flow import Matrix, Vector
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem, System
 
 TOLERANCE = 1e-13
 """Relative and absolute, of a step in time."""
@@ -20,46 +20,84 @@ TOLERANCE = 1e-13
 
 @dataclass(frozen=True)
 class PeriodicSolution:
-    """The solution through a point of Fix(R) that meets Fix(R) again after half a period.
+    """A solution in legs, each integrated from a start of its own, which repeats itself.
 
-    Half of it is integrated, the other half is its image under R.
+    Of an orbit that starts on Fix(R) the legs are half of it, the other half is their image under R. Starts of their
+    own keep an orbit that was found by multiple shooting from being amplified beyond what it is known to.
 
     Attributes:
         parameters: all parameters of the vector field, in its order.
-        point: shape (m,), the state at time 0, on Fix(R).
-        period: in the system's time units.
+        starts: shape (k, m), the state at time 0 and those where the further legs begin.
+        durations: shape (k,), times of the legs, in the system's units.
+        mirrored: whether the legs are half of the orbit.
     """
 
-    system: ReversibleSystem
+    system: ReversibleSystem | System
     parameters: Sequence[float]
-    point: Vector
-    period: float
+    starts: Matrix
+    durations: Vector
+    mirrored: bool = True
+
+    @classmethod
+    def symmetric(
+        cls, system: ReversibleSystem, parameters: Sequence[float], point: Vector, period: float
+    ) -> PeriodicSolution:
+        """The solution through a point of Fix(R), shape (m,), that meets Fix(R) again after half a period."""
+        return cls(system, parameters, np.asarray(point, dtype=float)[None, :], np.array([period / 2]))
+
+    @property
+    def period(self) -> float:
+        """In the system's time units."""
+        return float(self.durations.sum()) * (2 if self.mirrored else 1)
 
     def states(self, times: ArrayLike) -> Matrix:
         """The states at N times of any sign, shape (N, m). Raises `ValueError` for times that are not finite."""
         instants = np.atleast_1d(np.asarray(times, dtype=float))
         if instants.ndim != 1 or not np.all(np.isfinite(instants)):
             raise ValueError("times: give a list of finite numbers")
-        half = self.period / 2
         phase = np.mod(instants, self.period)
-        mirrored = phase > half
+        if not self.mirrored:
+            return self._along(phase)
+        assert isinstance(self.system, ReversibleSystem)
+        later = phase > self.period / 2
         signs = np.array(self.system.reversing_symmetry, dtype=float)
-        found = np.asarray(self._half(np.where(mirrored, self.period - phase, phase)).T, dtype=float)
-        return np.where(mirrored[:, None], found * signs, found)
+        found = self._along(np.where(later, self.period - phase, phase))
+        return np.where(later[:, None], found * signs, found)
 
     @property
     def defect(self) -> float:
-        """How far the state after half a period is from Fix(R): the largest coordinate that vanishes there."""
-        end = self.states(self.period / 2)[0]
-        return float(np.abs(end[np.array(self.system.reversing_symmetry) == -1]).max())
+        """The largest gap between the end of a leg and what comes next, in a coordinate: another start, Fix(R)
+        (coordinates that vanish there), or the state at time 0.
+        """
+        ends = np.array([leg(duration) for leg, duration in zip(self._legs, self.durations, strict=True)])
+        gaps = [np.abs(ends[:-1] - self.starts[1:]).ravel()]
+        if self.mirrored:
+            assert isinstance(self.system, ReversibleSystem)
+            gaps.append(np.abs(ends[-1][np.array(self.system.reversing_symmetry) == -1]))
+        else:
+            gaps.append(np.abs(ends[-1] - self.starts[0]))
+        return float(np.concatenate(gaps).max())
+
+    def _along(self, times: Vector) -> Matrix:
+        """The states at times within the legs."""
+        borders = np.cumsum(self.durations)
+        which = np.minimum(np.searchsorted(borders, times), len(borders) - 1)
+        result = np.empty((len(times), self.starts.shape[1]))
+        for number, leg in enumerate(self._legs):
+            here = which == number
+            if np.any(here):
+                result[here] = np.asarray(leg(times[here] - borders[number] + self.durations[number])).T
+        return result
 
     @cached_property
-    def _half(self) -> Any:
+    def _legs(self) -> list[Any]:
+        return [self._leg(start, duration) for start, duration in zip(self.starts, self.durations, strict=True)]
+
+    def _leg(self, start: Vector, duration: float) -> Any:
         def field(time: float, state: Vector) -> Sequence[float]:
-            return self.system.vector_field(state.tolist(), self.parameters)
+            return [float(value) for value in self.system.vector_field(state.tolist(), self.parameters)]
 
         solution = solve_ivp(
-            field, (0.0, self.period / 2), self.point, method="DOP853", rtol=TOLERANCE, atol=TOLERANCE,
-            dense_output=True,
-        )  # fmt: skip
+            field, (0.0, float(duration)), start, method="DOP853", rtol=TOLERANCE, atol=TOLERANCE, dense_output=True
+        )
         return solution.sol

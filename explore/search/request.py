@@ -27,8 +27,8 @@ from orbitproof.explore.names import (
     system_with,
 )
 from orbitproof.explore.seeds import FirstOrbit
-from orbitproof.shared.formats import InputError, check_writable
-from orbitproof.shared.systems import SYSTEMS, THREE_BODY, ReversibleSystem
+from orbitproof.shared.formats import InputError, check_writable, stated_format
+from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, THREE_BODY, ReversibleSystem
 
 LARGEST_TURNING = 1.0
 TOLERANCES = (1e-14, 1e-6)
@@ -96,20 +96,27 @@ def check(options: argparse.Namespace) -> Request:
         raise InputError("--beta-min: not below --beta-max; give an interval")
     if options.beta_min <= 1:
         raise InputError("--beta-min: the family exists for beta > 1; give a larger value")
-    if options.from_catalogue is not None:
+    for source, named in (("--from-catalogue", options.from_catalogue), ("--from-orbit", options.from_orbit)):
+        if named is None:
+            continue
         for option, value in (
             ("--system", options.system),
             ("--mass", options.mass),
-            ("--family", options.family),
+            ("--family", options.family if source == "--from-catalogue" else None),
             ("--preset", options.preset),
             ("--from-family", options.from_family),
+            ("--from-catalogue", options.from_catalogue if source == "--from-orbit" else None),
             ("--mirror", options.mirror or None),
             ("--start", options.start),
+            ("--half-period", options.half_period),
         ):
             if value is not None:
-                raise InputError(f"{option}: --from-catalogue says which family; leave it out")
+                raise InputError(f"{option}: {source} says which family; leave it out")
         if options.vy_max is not None and len(options.vy_max) > 1:
-            raise InputError("--vy-max: give one value; --from-catalogue says which mass")
+            raise InputError(f"--vy-max: give one value; {source} says which mass")
+    for option, value in (("--id", options.id), ("--orbit", options.orbit)):
+        if value is not None and options.from_orbit is None:
+            raise InputError(f"{option}: belongs to --from-orbit; give that too")
     preset = None if options.preset is None else PRESETS[options.preset]
     if preset is not None:
         for option, value in (
@@ -186,6 +193,8 @@ def _families(options: argparse.Namespace, preset: Preset | None) -> tuple[Famil
         return tuple(family for searched in preset.searched for family in _searched(options, searched))
     if options.from_catalogue is not None:
         return ()
+    if options.from_orbit is not None:
+        return (_through(options),)
     if options.from_family is not None and not options.family and not options.mass:
         if options.mirror:
             raise InputError("--mirror: --from-family says which families; leave it out")
@@ -243,6 +252,37 @@ def _searched(options: argparse.Namespace, searched: PresetFamilies) -> Iterator
                 searched.z_max,
                 searched.multiplicities if options.k is None else None,
             )
+
+
+def _through(options: argparse.Namespace) -> FamilyRequest:
+    """The family of the orbit that a file names. Raises `InputError`."""
+    path, names = options.from_orbit, options.family or []
+    if len(names) > 1:
+        raise InputError("--family: --from-orbit is one orbit; give one name")
+    # Only now: JAX takes a moment to load.
+    from orbitproof.explore.trajectories import Choice, NoOrbit, find_orbit
+
+    in_families = stated_format(path, "give a file that names an orbit") == "family"
+    choice = Choice(None, options.id, options.orbit) if in_families else Choice(options.id, None, options.orbit)
+    try:
+        source = find_orbit(path, choice)
+    except NoOrbit as failure:
+        raise InputError(f"--from-orbit {path}: {failure}; choose another orbit") from None
+    system = source.system
+    if source.unknowns is None or not isinstance(system, ReversibleSystem):
+        raise InputError(
+            f"--from-orbit {path}: R does not map {source.title} to itself; explore periodic follows such orbits"
+        )
+    label = next((key for key, value in MASS_PARAMETERS.items() if source.parameters.get("mu") == value), "")
+    *point, half_period = source.unknowns.tolist()
+    return FamilyRequest(
+        system,
+        names[0] if names else options.id or "family",
+        {name: source.parameters[name] for name in system.fixed_parameters},
+        label if system in THREE_BODY else "",
+        options.vy_max[0] if options.vy_max else None,
+        first=FirstOrbit(tuple(point), half_period),
+    )
 
 
 def started(options: argparse.Namespace, system: ReversibleSystem) -> tuple[FamilyRequest, ...]:

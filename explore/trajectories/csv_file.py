@@ -7,49 +7,72 @@ from pathlib import Path
 
 import numpy as np
 
+from orbitproof.explore.trajectories.interpolation import DEGREE
+from orbitproof.explore.trajectories.sampling import Samples
 from orbitproof.explore.trajectories.trajectory import Trajectory
-from orbitproof.explore.trajectories.units import Units
 from orbitproof.shared.formats import write_text
 from orbitproof.shared.numbers import format_rational
-from orbitproof.shared.systems import THREE_BODY
+from orbitproof.shared.systems import THREE_BODY, ReversibleSystem
+
+NUMERICAL = "computed in double precision; nothing about these states is proved"
 
 
-def write_csv(path: Path, trajectory: Trajectory, units: Units | None) -> None:
-    """Write the file, whole or not at all; `units` `None`: nondimensional. Raises `InputError`."""
-    names, scales = _columns(trajectory, units)
-    rows = np.column_stack([trajectory.times, trajectory.states]) * scales
-    lines = [f"# {line}" for line in description(trajectory, units)]
-    lines.append(",".join(names))
+def write_csv(path: Path, samples: Samples) -> None:
+    """Write the file, whole or not at all. Raises `InputError`."""
+    rows = np.column_stack([samples.times, samples.states])
+    lines = [f"# {line}" for line in description(samples)]
+    lines.append(",".join(_columns(samples)))
     lines += [",".join(f"{value:.17g}" for value in row) for row in rows.tolist()]
     write_text(path, "\n".join(lines) + "\n")
 
 
-def description(trajectory: Trajectory, units: Units | None) -> list[str]:
+def description(samples: Samples) -> list[str]:
     """What a trajectory is, as lines of text that stand in every file of it."""
-    source, orbit = trajectory.source, trajectory.orbit
-    system = source.system
+    trajectory, units = samples.trajectory, samples.units
+    lines = about(trajectory)
+    if trajectory.source.system in THREE_BODY:
+        lines.insert(4, f"frame: {samples.frame.described(trajectory.source.primaries or BODIES)}")
+    if units is not None:
+        lines.append(f"unit of length: {units.length:.15g} km, unit of time: {units.time:.15g} s, {units.source}")
+    if samples.error is not None:
+        unit = "(nondimensional)" if units is None else "km"
+        lines.append(
+            f"{len(samples.times)} states; interpolated with degree {DEGREE} (Hermite, any four neighbouring states) "
+            f"the places are off by at most {samples.error:.1e} {unit}"
+        )
+    return lines
+
+
+BODIES = ("larger primary", "smaller primary")
+
+
+def about(trajectory: Trajectory) -> list[str]:
+    """What an orbit is, as lines of text."""
+    source, system = trajectory.source, trajectory.source.system
     lines = [
         f"{source.title}; {system.title}",
-        "computed in double precision; nothing about these states is proved",
+        NUMERICAL,
         source.verdict,
         *(f"{name} = {format_rational(value)} = {float(value):.17g}" for name, value in source.parameters.items()),
     ]
-    if system.family_parameter is not None:
-        lines.append(f"{system.family_parameter} = {orbit.unknowns[0]:.17g}")
-    if system in THREE_BODY:
-        lines.append("frame: turns with the primaries, origin in their centre of mass, x towards the smaller one")
-    lines.append(f"period: {orbit.period:.15g} (nondimensional)")
-    if orbit.first_integral is not None:
-        lines.append(f"{system.first_integral_name}: {orbit.first_integral:.15g} (nondimensional)")
     lines += [
-        f"multipliers without the trivial pair: {', '.join(complex_text(value) for value in trajectory.multipliers)}",
-        f"stability index: {trajectory.stability_index:.10g}",
-        f"distance from Fix(R) after half a period: {trajectory.defect:.1e} (nondimensional)",
+        f"{name} = {value:.17g}" for name, value in trajectory.parameters.items() if name not in source.parameters
     ]
+    lines.append(f"period: {trajectory.period:.15g} (nondimensional)")
+    if trajectory.first_integral is not None:
+        lines.append(f"{system.first_integral_name}: {trajectory.first_integral:.15g} (nondimensional)")
+    if trajectory.multipliers is not None:
+        lines += [
+            f"multipliers without the trivial pair: {', '.join(map(complex_text, trajectory.multipliers))}",
+            f"stability index: {trajectory.stability_index:.10g}",
+        ]
+    mirrored = trajectory.solution.mirrored and isinstance(system, ReversibleSystem)
+    what = "distance from Fix(R) after half a period" if mirrored else "gap after a period"
+    lines.append(f"{what}: {trajectory.defect:.1e} (nondimensional)")
     if trajectory.drift is not None:
         lines.append(f"largest change of the {system.first_integral_name}: {trajectory.drift:.1e} (nondimensional)")
-    if units is not None:
-        lines.append(f"unit of length: {units.length:.15g} km, unit of time: {units.time:.15g} s, {units.source}")
+    if trajectory.moved:
+        lines.append(f"what the file says was corrected by {trajectory.moved:.1e} (nondimensional)")
     return lines
 
 
@@ -58,11 +81,10 @@ def complex_text(value: complex) -> str:
     return f"{value.real:.10g}" if value.imag == 0 else f"{value.real:.10g}{value.imag:+.10g}i"
 
 
-def _columns(trajectory: Trajectory, units: Units | None) -> tuple[Sequence[str], np.ndarray]:
-    names = trajectory.source.system.state
-    if trajectory.source.system not in THREE_BODY:
-        return ("t", *names), np.ones(1 + len(names))
-    length, time, velocity = ("LU", "TU", "LU/TU") if units is None else ("km", "s", "km/s")
+def _columns(samples: Samples) -> Sequence[str]:
+    names = samples.trajectory.source.system.state
+    if samples.trajectory.source.system not in THREE_BODY:
+        return ("t", *names)
+    length, time, velocity = ("LU", "TU", "LU/TU") if samples.units is None else ("km", "s", "km/s")
     labels = [f"{name} ({unit})" for name, unit in zip(names, [length] * 3 + [velocity] * 3, strict=True)]
-    scales = np.ones(7) if units is None else np.array([units.time, *[units.length] * 3, *[units.velocity] * 3])
-    return (f"t ({time})", *labels), scales
+    return (f"t ({time})", *labels)

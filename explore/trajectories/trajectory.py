@@ -1,83 +1,175 @@
-"""The states of a symmetric periodic orbit over time, with what is known about its stability."""
+"""A periodic orbit as a function of time, with what is known about its stability."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
 from orbitproof.explore.orbits import (
     Correction,
+    CorrectionFailure,
     PeriodicSolution,
     ShootingProblem,
     SymmetricOrbit,
     multipliers,
     stability_index,
 )
-from orbitproof.explore.trajectories.source import NoOrbit, SourceOrbit
+from orbitproof.explore.trajectories.source import Legs, NoOrbit, SourceOrbit
+from orbitproof.shared.systems import ReversibleSystem
 
 CLOSED = 1e-6
-"""Largest distance from Fix(R) after half a period at which a solution counts as periodic."""
+"""Largest gap of a solution at which it counts as periodic."""
+
+NEAR = 1e-5
+"""So far, relative to its size, an orbit of a file may be from the periodic one."""
+
+_EXACT = 1e-11
+"""A gap that no correction makes smaller."""
 
 
 @dataclass(frozen=True)
 class Trajectory:
-    """An orbit at N times, nondimensional units, in double precision.
+    """A periodic orbit, nondimensional units, in double precision.
 
     Attributes:
         source: what it was made from.
-        orbit: the same with its stability.
-        times: shape (N,), 0 at the point on Fix(R).
-        states: shape (N, m), in the order of `system.state`.
-        defect: how far the state after half a period is from Fix(R).
+        solution: its states at any time, 0 at the first point.
+        parameters: all parameters of the vector field, by name.
+        stability: its stability parameters, or `None`: not known.
+        moved: by how much what the file says was corrected, or 0.
     """
 
     source: SourceOrbit
-    orbit: SymmetricOrbit
-    times: Vector
-    states: Matrix
-    defect: float
+    solution: PeriodicSolution
+    parameters: dict[str, float]
+    stability: tuple[complex, ...] | None
+    moved: float = 0.0
 
     @property
-    def multipliers(self) -> tuple[complex, ...]:
+    def period(self) -> float:
+        """In the system's time units."""
+        return self.solution.period
+
+    @property
+    def start(self) -> Vector:
+        """Shape (m,), the state at time 0."""
+        return self.solution.starts[0]
+
+    @property
+    def defect(self) -> float:
+        """The largest gap of the solution."""
+        return self.solution.defect
+
+    def states(self, times: ArrayLike) -> Matrix:
+        """The states at N times, shape (N, m), in the order of `system.state`."""
+        return self.solution.states(times)
+
+    @cached_property
+    def orbit(self) -> SymmetricOrbit:
+        """The same with the derivative of its half return. Raises `NoOrbit` for what is not symmetric."""
+        source = self.source
+        if source.unknowns is None or not isinstance(source.system, ReversibleSystem):
+            raise NoOrbit(f"{source.title}: R does not map this orbit to itself")
+        return _orbit(ShootingProblem(source.system, source.parameters), source)
+
+    @property
+    def crossings(self) -> int:
+        """How often half the orbit meets the section after its start, as far as 2000 states show it. Raises `NoOrbit`
+        for an orbit that is not symmetric.
+        """
+        system = self.source.system
+        if self.source.unknowns is None or not isinstance(system, ReversibleSystem):
+            raise NoOrbit(f"{self.source.title}: R does not map this orbit to itself")
+        heights = self.states(np.linspace(0.0, self.period / 2, 2001)[1:-1])[:, system.section_index]
+        return 1 + int(np.count_nonzero(heights[1:] * heights[:-1] < 0))
+
+    @property
+    def first_integral(self) -> float | None:
+        """Its value on the orbit; `None` for a system without one."""
+        values = self._levels(self.start[None, :])
+        return None if values is None else float(values[0])
+
+    @property
+    def multipliers(self) -> tuple[complex, ...] | None:
         """The eigenvalues of the return map's derivative, without the trivial pair."""
-        return multipliers(self.orbit.stability)
+        return None if self.stability is None else multipliers(self.stability)
 
     @property
-    def stability_index(self) -> float:
+    def stability_index(self) -> float | None:
         """(|lambda| + 1/|lambda|)/2 of the largest multiplier."""
-        return stability_index(self.orbit.stability)
+        return None if self.stability is None else stability_index(self.stability)
 
     @property
     def drift(self) -> float | None:
-        """Largest change of the first integral along the states; `None` for a system without one."""
-        system = self.source.system
-        if system.first_integral is None:
+        """Largest change of the first integral along a period; `None` for a system without one."""
+        values = self._levels(self.states(np.linspace(0.0, self.period, 201)))
+        return None if values is None else float(np.abs(values - values[0]).max())
+
+    def _levels(self, states: Matrix) -> Vector | None:
+        integral = self.source.system.first_integral
+        if integral is None:
             return None
-        parameters = [float(self.source.parameters[name]) for name in system.parameters]
-        values = np.asarray(system.first_integral(self.states.T, parameters)[0])
-        return float(np.abs(values - values[0]).max())
+        values = [integral(state, list(self.parameters.values()))[0] for state in states.tolist()]
+        return np.array(values, dtype=float)
 
 
-def trajectory_of(source: SourceOrbit, count: int, periods: float) -> Trajectory:
-    """`count` states at equal intervals over `periods` periods, both ends included.
+def trajectory_of(source: SourceOrbit) -> Trajectory:
+    """The orbit of a file as a function of time.
 
-    Raises `NoOrbit` if what the file says is no periodic orbit.
+    What nearly closes, as numbers of a few digits do, is corrected, and it is said by how much. Raises `NoOrbit` if
+    what the file says is no periodic orbit.
     """
-    problem = ShootingProblem(source.system, source.parameters)
+    moved, legs, stability = 0.0, source.legs, source.stability
+    parameters = {name: float(value) for name, value in source.parameters.items()}
+    if source.unknowns is not None and isinstance(source.system, ReversibleSystem):
+        problem = ShootingProblem(source.system, source.parameters)
+        if legs is None:
+            source, moved = _corrected(problem, source)
+            assert source.unknowns is not None
+            start = problem.initial_state(source.unknowns)
+            legs = Legs(start[None, :], source.unknowns[-1:], True)
+        values = problem.parameter_values(source.unknowns)
+        parameters = dict(zip(source.system.parameters, values.tolist(), strict=True))
+        if stability is None:
+            stability = _orbit(problem, source).stability
+    assert legs is not None
+    ordered = {name: parameters[name] for name in source.system.parameters}
+    solution = PeriodicSolution(source.system, list(ordered.values()), legs.starts, legs.durations, legs.mirrored)
+    try:
+        gap = solution.defect
+    except (ArithmeticError, ValueError) as failure:
+        raise NoOrbit(f"{source.title}: {failure}") from None
+    if not gap < CLOSED * (1 + float(np.abs(legs.starts).max())):
+        what = "away from Fix(R) after half a period" if legs.mirrored else "between its end and its start"
+        raise NoOrbit(f"{source.title}: no periodic orbit: {gap:.1e} {what}")
+    return Trajectory(source, solution, ordered, stability, moved)
+
+
+def _orbit(problem: ShootingProblem, source: SourceOrbit) -> SymmetricOrbit:
+    assert source.unknowns is not None
     try:
         _, jacobian, flow = problem.evaluate(source.unknowns)
-        orbit = problem.orbit(Correction(source.unknowns, jacobian, flow, 0))
+        return problem.orbit(Correction(source.unknowns, jacobian, flow, 0))
     except (FlowFailure, ZeroDivisionError) as failure:
         raise NoOrbit(f"{source.title}: {failure}") from None
-    solution = PeriodicSolution(
-        source.system,
-        problem.parameter_values(source.unknowns).tolist(),
-        problem.initial_state(source.unknowns),
-        orbit.period,
-    )
-    if not solution.defect < CLOSED:
-        raise NoOrbit(f"{source.title}: no periodic orbit: {solution.defect:.1e} away from Fix(R) after half a period")
-    times = np.linspace(0.0, periods * orbit.period, count)
-    return Trajectory(source, orbit, times, solution.states(times), solution.defect)
+
+
+def _corrected(problem: ShootingProblem, source: SourceOrbit) -> tuple[SourceOrbit, float]:
+    """The source with the periodic orbit next to what it says, if one is that near, and how far that is."""
+    assert source.unknowns is not None
+    unknowns = source.unknowns
+    try:
+        residual, jacobian, _ = problem.evaluate(unknowns)
+        if np.abs(residual).max() < _EXACT:
+            return source, 0.0
+        found = problem.correct(unknowns, problem.tangent(jacobian, np.ones(problem.size))).unknowns
+    except (CorrectionFailure, FlowFailure, ZeroDivisionError):
+        return source, 0.0
+    moved = float(np.abs(found - unknowns).max())
+    if not moved <= NEAR * (1 + float(np.abs(unknowns).max())):
+        return source, 0.0
+    return replace(source, unknowns=found), moved

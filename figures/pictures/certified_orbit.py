@@ -70,7 +70,7 @@ def solution_of(candidate: Candidate, found: OrbitResults | BreakingResults) -> 
         state[index] = point[system.state[index]]
     values = [parameters[name] for name in system.parameters]
     start = np.array(completed(system, state.tolist(), values))
-    return PeriodicSolution(system, values, start, float(found.period.mid()))
+    return PeriodicSolution.symmetric(system, values, start, float(found.period.mid()))
 
 
 def _is_in_space(names: Sequence[str], states: Array) -> bool:

@@ -213,6 +213,11 @@ sys.meta_path.insert(0, Missing())
         ("diffrax", ["-m", "orbitproof.explore", "family", "--system", "falkner-skan", "-o", "f.json"], "explore"),
         ("mpmath", ["-m", "orbitproof.explore", "candidates", "--system", "falkner-skan", "-o", "f.json"], "explore"),
         ("ccsds_ndm", ["-m", "orbitproof", "explore", "trajectory", "claims.json", "--oem", "o.oem"], "oem"),
+        (
+            "spiceypy",
+            ["-m", "orbitproof", "explore", "trajectory", "claims.json", "--frame", "inertial", "--spk", "o.bsp"],
+            "spk",
+        ),
         ("plotly", ["-m", "orbitproof", "figures", "interactive", "claims.json", "-o", "a.html"], "interactive"),
         ("matplotlib", ["-m", "orbitproof", "figures", "family", "claims.json", "-o", "out"], "figures"),
         ("matplotlib", ["-m", "orbitproof.figures", "family", "claims.json", "-o", "out"], "figures"),

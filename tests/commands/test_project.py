@@ -101,6 +101,7 @@ def test_base_install_carries_nothing_of_the_search_side() -> None:
         "explore",
         "figures",
         "oem",
+        "spk",
         "interactive",
         "cluster",
         "docs",

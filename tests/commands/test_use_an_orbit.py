@@ -27,7 +27,7 @@ def test_every_command_of_the_page_runs_and_gives_what_it_says(
     shutil.copy(ROOT / "docs" / "examples" / "gateway-rows.json", tmp_path)
     monkeypatch.chdir(tmp_path)
     lines = [line for block in BLOCKS["sh"] for line in block.splitlines()]
-    assert len(lines) == 9
+    assert len(lines) == 10
     for line in lines:
         program, command, *words = shlex.split(line)
         assert program == "orbitproof"
@@ -52,4 +52,4 @@ def test_the_page_reads_its_ephemeris_by_another_library(tmp_path: Path) -> None
         program = ["-m", "orbitproof", *words] if words else ["-c", BLOCKS["python"][0]]
         done = subprocess.run([sys.executable, *program], cwd=tmp_path, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
-    assert done.stdout == "EARTH-MOON_ROTATING 400\n"
+    assert done.stdout == "EARTH-MOON_ROTATING 66\n"

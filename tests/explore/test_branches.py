@@ -24,7 +24,9 @@ from orbitproof.explore.branches import (
 )
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.orbits import MultipleShooting, SegmentedOrbit, ShootingProblem
+from orbitproof.explore.records import read_families
 from orbitproof.explore.refinement import refine
+from orbitproof.explore.trajectories import Choice, NoOrbit, find_orbit, trajectory_of
 from orbitproof.figures.certified import CertifiedCurves
 from orbitproof.figures.model import read_families as read_sampled
 from orbitproof.figures.pictures import draw_branch, draw_certified, draw_overview
@@ -98,6 +100,27 @@ def test_new_orbits_are_on_fix_r_half_a_period_later_and_not_before(name: str, b
             assert state[system.section_index] == 0.0
             # On Fix(R) before, the orbit would have a smaller period.
             assert np.abs(state[odd]).max() > 1e-5
+
+
+def test_orbits_of_both_sides_of_a_branch_file_become_trajectories_and_families(branches: Any, tmp_path: Path) -> None:
+    path, made = tmp_path / "branches.json", tmp_path / "family.json"
+    write_branches(path, [branches(name).record(None, None) for name in (K2, K3)])
+    for number in (4, -4):
+        orbit = branches(K3).sides[int(number > 0)].orbits[3]
+        found = trajectory_of(find_orbit(path, Choice(K3, None, number)))
+        assert found.period == pytest.approx(2 * orbit.half_period)
+        assert found.stability == orbit.stability
+        after = found.states([orbit.times[0], orbit.half_period, 2 * orbit.half_period])
+        assert after[0] == pytest.approx(orbit.crossings[0], abs=1e-9)
+        assert after[1][[0, 2, 4]] == pytest.approx(orbit.second_point, abs=1e-8)
+        assert after[2] == pytest.approx(found.start, abs=1e-9)
+        with pytest.raises(NoOrbit, match="R does not map"):
+            replace(found, source=replace(found.source, unknowns=None)).crossings  # noqa: B018
+        words = ["--id", K3, "--orbit", str(number), "--max-orbits", "3", "--quiet"]
+        assert main(["family", "--from-orbit", str(path), *words, "-o", str(made)]) == 0
+        (family,) = read_families(made)
+        assert min(np.abs(each.point - orbit.point).max() for each in family.orbits) < 1e-4
+    assert main(["trajectory", str(path), "--id", K2, "--orbit", "-99", "-o", str(tmp_path / "a.csv")]) == 2
 
 
 @pytest.mark.parametrize("name", [K2, K4, FIRST_K4])

@@ -21,6 +21,7 @@ from orbitproof.explore.__main__ import main
 from orbitproof.explore.branches import Branch, branch_point, follow, read_branches, task_of, write_branches
 from orbitproof.explore.periodic import refine_periodic
 from orbitproof.explore.points import refine_at
+from orbitproof.explore.trajectories import Choice, find_orbit, trajectory_of
 from orbitproof.figures.orbits import loop_through
 from orbitproof.figures.pictures import draw_branch
 from orbitproof.figures.style import close, use_style
@@ -60,6 +61,19 @@ def test_new_orbits_close_and_r_exchanges_the_two_sides(branch: Branch) -> None:
         end = _flow(positive.crossings[0], float(positive.times.sum()))
         assert end == pytest.approx(positive.crossings[0], abs=1e-10)
         assert positive.arclength > 0 > negative.arclength
+
+
+def test_new_orbits_become_trajectories_from_the_file_but_no_family_under_r(
+    branch: Branch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "branches.json"
+    write_branches(path, [branch.record("proved", "above")])
+    orbit = branch.sides[0].orbits[2]
+    found = trajectory_of(find_orbit(path, Choice(number=-3)))
+    assert found.period == pytest.approx(float(orbit.times.sum()))
+    assert found.states([found.period, orbit.times[0]]) == pytest.approx(orbit.crossings[:2], abs=1e-9)
+    assert main(["family", "--from-orbit", str(path), "-o", str(tmp_path / "family.json")]) == 2
+    assert "explore periodic follows such orbits" in capsys.readouterr().err
 
 
 def test_stability_is_that_of_the_monodromy_matrix(branch: Branch) -> None:

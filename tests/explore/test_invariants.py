@@ -30,7 +30,7 @@ from orbitproof.explore.invariants import (
 )
 from orbitproof.explore.invariants.curve import measured
 from orbitproof.explore.invariants.torus_family import first_curve
-from orbitproof.explore.trajectories import SourceOrbit, Trajectory, trajectory_of
+from orbitproof.explore.trajectories import Choice, SourceOrbit, Trajectory, find_orbit, trajectory_of
 from orbitproof.shared import InputError
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import CR3BP
@@ -44,7 +44,7 @@ HALO = [1.1380985313, -0.1661640169, -0.2240501116, 1.5452867791]
 @pytest.fixture(scope="module")
 def halo() -> Trajectory:
     source = SourceOrbit(CR3BP, {"mu": MASS}, np.array(HALO), "a halo orbit", "not proved")
-    return trajectory_of(source, 41, 1.0)
+    return trajectory_of(source)
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,7 @@ def test_tori_grow_from_the_periodic_orbit_at_its_jacobi_constant(halo: Trajecto
     states = tori.curves[-1].states(np.linspace(0, 6, 9))
     assert CR3BP.first_integral is not None
     levels = np.asarray(CR3BP.first_integral(states.T, [float(MASS)])[0])
-    assert levels == pytest.approx(np.full(9, halo.orbit.first_integral), abs=1e-12)
+    assert levels == pytest.approx(np.full(9, halo.first_integral), abs=1e-12)
     assert tori.reason == "5 curves"
 
 
@@ -134,17 +134,15 @@ def test_tori_are_read_back_as_they_were(halo: Trajectory, tori: TorusFamily, tm
 
 @pytest.mark.parametrize("kind", ["unstable", "stable"])
 def test_a_tube_tends_to_the_periodic_orbit(kind: str, halo: Trajectory, tmp_path: Path) -> None:
-    tube = manifold_of(
-        CR3BP, halo.states[0], halo.orbit, float(MASS), kind=kind, side=-1, plane=Plane(0, 1 - float(MASS)), count=4
-    )
+    tube = manifold_of(halo.solution, float(MASS), kind=kind, side=-1, plane=Plane(0, 1 - float(MASS)), count=4)
     assert np.all(tube.reached)
     assert tube.ends[:, 0] == pytest.approx(np.full(4, 1 - float(MASS)), abs=1e-9)
     assert tube.drift < 1e-9
     assert abs(tube.multiplier) == pytest.approx(115.57 if kind == "unstable" else 1 / 115.57, rel=1e-3)
     # Against its direction of time the start comes closer to the periodic orbit by the multiplier each period.
     back = -1 if kind == "unstable" else 1
-    state = flow_of(CR3BP).derivative(tube.starts[0], back * halo.orbit.period, [float(MASS)]).state
-    assert np.linalg.norm((state - halo.states[0])[:3]) < 2 * tube.offset / 115
+    state = flow_of(CR3BP).derivative(tube.starts[0], back * halo.period, [float(MASS)]).state
+    assert np.linalg.norm((state - halo.start)[:3]) < 2 * tube.offset / 115
     path = tmp_path / "tube.json"
     write_manifold(path, halo, tube)
     again = read_manifold(path).manifold
@@ -152,10 +150,18 @@ def test_a_tube_tends_to_the_periodic_orbit(kind: str, halo: Trajectory, tmp_pat
     assert (again.kind, again.side, again.plane) == (kind, -1, tube.plane)
 
 
-def test_a_stable_orbit_has_no_tube(halo: Trajectory) -> None:
-    calm = replace(halo.orbit, coefficients=np.poly([0.5, 0.2]))
+def test_a_stable_orbit_has_no_tube() -> None:
+    calm = trajectory_of(find_orbit(CATALOGUE.parent / "tori-candidates.json", Choice()))
     with pytest.raises(NoManifold, match="not unstable"):
-        manifold_of(CR3BP, halo.states[0], calm, float(MASS), kind="unstable", side=1, plane=Plane(0, 1.0), count=2)
+        manifold_of(
+            calm.solution,
+            float(MASS),
+            index=calm.stability_index,
+            kind="unstable",
+            side=1,
+            plane=Plane(0, 1.0),
+            count=2,
+        )
 
 
 @pytest.mark.parametrize("plane", ["w=3", "x=many", "x", "y=inf"])

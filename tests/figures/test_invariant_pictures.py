@@ -33,11 +33,9 @@ HALO = [1.1380985313, -0.1661640169, -0.2240501116, 1.5452867791]
 @pytest.fixture(scope="module")
 def files(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     folder = tmp_path_factory.mktemp("invariants")
-    halo = trajectory_of(SourceOrbit(CR3BP, {"mu": MASS}, np.array(HALO), "a halo orbit", "not proved"), 41, 1.0)
+    halo = trajectory_of(SourceOrbit(CR3BP, {"mu": MASS}, np.array(HALO), "a halo orbit", "not proved"))
     write_tori(folder / "tori.json", halo, trace_tori(halo.orbit, float(MASS), most=3), surfaces=1)
-    tube = manifold_of(
-        CR3BP, halo.states[0], halo.orbit, float(MASS), kind="unstable", side=-1, plane=Plane(0, 0.98785), count=5
-    )
+    tube = manifold_of(halo.solution, float(MASS), kind="unstable", side=-1, plane=Plane(0, 0.98785), count=5)
     write_manifold(folder / "tube.json", halo, tube)
     return folder / "tori.json", folder / "tube.json"
 
