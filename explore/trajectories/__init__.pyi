@@ -1,12 +1,15 @@
+from .csv_file import IN_KM as IN_KM
 from .csv_file import about as about
 from .csv_file import complex_text as complex_text
 from .csv_file import description as description
 from .csv_file import write_csv as write_csv
+from .csv_file import write_table as write_table
 from .ephemeris import Ephemeris as Ephemeris
 from .ephemeris import ephemeris_of as ephemeris_of
 from .ephemeris import ephemeris_text as ephemeris_text
 from .ephemeris import epoch_of as epoch_of
 from .ephemeris import error_of_message as error_of_message
+from .ephemeris import seconds_of as seconds_of
 from .frames import AXES as AXES
 from .frames import Frame as Frame
 from .frames import origin_named as origin_named

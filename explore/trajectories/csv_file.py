@@ -19,11 +19,18 @@ NUMERICAL = "computed in double precision; nothing about these states is proved"
 
 def write_csv(path: Path, samples: Samples) -> None:
     """Write the file, whole or not at all. Raises `InputError`."""
-    rows = np.column_stack([samples.times, samples.states])
-    lines = [f"# {line}" for line in description(samples)]
-    lines.append(",".join(_columns(samples)))
+    write_table(path, description(samples), _columns(samples), np.column_stack([samples.times, samples.states]))
+
+
+def write_table(path: Path, head: Sequence[str], columns: Sequence[str], rows: np.ndarray) -> None:
+    """Write rows of numbers with what they are, whole or not at all."""
+    lines = [f"# {line}" for line in head]
+    lines.append(",".join(columns))
     lines += [",".join(f"{value:.17g}" for value in row) for row in rows.tolist()]
     write_text(path, "\n".join(lines) + "\n")
+
+
+IN_KM = ("t (s)", "x (km)", "y (km)", "z (km)", "vx (km/s)", "vy (km/s)", "vz (km/s)")
 
 
 def description(samples: Samples) -> list[str]:

@@ -59,7 +59,7 @@ class Ephemeris:
     @property
     def seconds(self) -> Vector:
         """TDB seconds past J2000, shape (N,)."""
-        return float((self.epoch - J2000) / np.timedelta64(1, "ns")) * 1e-9 + self.times
+        return seconds_of(self.epoch) + self.times
 
 
 def epoch_of(text: str) -> np.datetime64:
@@ -71,6 +71,11 @@ def epoch_of(text: str) -> np.datetime64:
     if not EARLIEST <= int(str(epoch)[:4]) <= LATEST:
         raise InputError(f"--epoch {text}: outside the years {EARLIEST} to {LATEST}")
     return epoch
+
+
+def seconds_of(epoch: np.datetime64) -> float:
+    """TDB seconds past J2000."""
+    return float((epoch - J2000) / np.timedelta64(1, "ns")) * 1e-9
 
 
 def ephemeris_of(samples: Samples, epoch: np.datetime64, option: str = "--oem") -> Ephemeris:
