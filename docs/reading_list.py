@@ -3,6 +3,9 @@
 These are the module that concludes, those that enclose what it concludes from, and all that they use, directly or by
 way of others, each after what it uses itself. A name that comes through the face of a room counts for the module that
 defines it.
+
+What only some claims need is imported in the branch of a function that such a claim takes: a *door*. What is behind the
+doors follows below, by the claims that open them.
 """
 
 from __future__ import annotations
@@ -61,6 +64,26 @@ OTHER_WORDS = {
 }
 """What else the chapters are called, where the words of the project name them."""
 
+DOORS = {
+    "systems with sin, cos, exp or log": (
+        "shared.systems.defined_coordinates",
+        "verify.claim.functions",
+        "verify.poincare.functions",
+    ),
+    "systems on a fixed level of an integral": (
+        "verify.claim.fixed_level",
+        "verify.poincare.level_set",
+        "verify.poincare.sheets",
+    ),
+    "orbits that are followed in regularised coordinates": ("verify.poincare.regularised",),
+    "families around a libration point, in units of their orbits": (
+        "verify.curve.libration_point",
+        "verify.curve.lyapunov_family",
+    ),
+    "motion in a plane of a larger system": ("verify.out_of_plane.out_of_plane", "verify.stability.across_list"),
+}
+"""The modules that functions import, by the claims for which they do."""
+
 
 @cache
 def path_of(module: str) -> Path | None:
@@ -76,19 +99,25 @@ def tree_of(path: Path) -> ast.Module:
     return ast.parse(path.read_text("utf-8"))
 
 
-def imports(path: Path) -> Iterator[tuple[str, str]]:
-    """Module and name of everything that a file imports from the package, wherever in it, types alone left out."""
-    waiting: list[ast.AST] = [tree_of(path)]
+@cache
+def imports(path: Path, in_functions: bool = False) -> tuple[tuple[str, str], ...]:
+    """Module and name of all that a file imports from the package, or that its functions do, types alone left out."""
+    return tuple(each for each, is_inside in _imports(path) if is_inside == in_functions)
+
+
+def _imports(path: Path) -> Iterator[tuple[tuple[str, str], bool]]:
+    waiting: list[tuple[ast.AST, bool]] = [(tree_of(path), False)]
     while waiting:
-        node = waiting.pop()
+        node, is_inside = waiting.pop()
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
             continue
         if isinstance(node, ast.ImportFrom):
             room = [PACKAGE, *path.relative_to(ROOT).parts[:-1]][: 1 - node.level or None] if node.level else []
             source = ".".join([*room, *([node.module] if node.module else [])])
             if source.startswith(f"{PACKAGE}."):
-                yield from ((source.removeprefix(f"{PACKAGE}."), alias.name) for alias in node.names)
-        waiting += reversed(list(ast.iter_child_nodes(node)))
+                yield from (((source.removeprefix(f"{PACKAGE}."), each.name), is_inside) for each in node.names)
+        is_inside |= isinstance(node, ast.FunctionDef)
+        waiting += [(child, is_inside) for child in reversed(list(ast.iter_child_nodes(node)))]
 
 
 @cache
@@ -122,6 +151,27 @@ def reading_list(modules: Sequence[str]) -> list[str]:
     return list(found)
 
 
+def behind_doors(modules: Sequence[str]) -> dict[str, list[str]]:
+    """What is to be read besides for some claims, as `DOORS` calls them, in order."""
+    always = reading_list(modules)
+    opened: dict[str, list[str]] = {claims: [] for claims in DOORS}
+    waiting = list(always)
+    while waiting:
+        path = path_of(waiting.pop())
+        assert path is not None
+        for door in sorted({definer(*each) for each in imports(path, in_functions=True)} - set(always)):
+            (claims,) = (claims for claims, entries in DOORS.items() if door in entries)
+            if door not in opened[claims]:
+                opened[claims].append(door)
+                waiting += reading_list([door])
+    return {
+        claims: [name for name in reading_list(entries) if name not in always]
+        for claims, entries in opened.items()
+        if entries
+    }
+
+
+@cache
 def length(module: str) -> int:
     """Its lines, all of them."""
     path = path_of(module)
@@ -132,13 +182,18 @@ def length(module: str) -> int:
 def told(last: Sequence[str]) -> str:
     """The list as text: file, lines, and what it is about."""
     modules = reading_list(last)
-    lines = []
-    for name in modules:
-        path = path_of(name)
-        assert path is not None
-        about = (ast.get_docstring(tree_of(path)) or "").partition("\n")[0]
-        lines.append(f"{path.relative_to(ROOT)!s:44}{length(name):6}  {about}")
-    return "\n".join([*lines, "", f"in all {total(modules)}"])
+    lines = [*map(entry, modules), "", f"in all {total(modules)}"]
+    for claims, more in behind_doors(last).items():
+        lines += ["", f"and for {claims}, {total(more)} more", "", *map(entry, more)]
+    return "\n".join(lines)
+
+
+def entry(module: str) -> str:
+    """The line of a module."""
+    path = path_of(module)
+    assert path is not None, module
+    about = (ast.get_docstring(tree_of(path)) or "").partition("\n")[0]
+    return f"{path.relative_to(ROOT)!s:44}{length(module):6}  {about}"
 
 
 def total(modules: Sequence[str]) -> str:
@@ -165,8 +220,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not asked:
         for name, last in CHAPTERS.items():
             modules = reading_list(last)
-            print(f"{name:21}{sum(map(length, modules)):7} lines in {len(modules)} modules, up to {last[-1]}")
-        print(f"\nin all {total(reading_list([name for last in CHAPTERS.values() for name in last]))}")
+            more = sum(map(length, {each for names in behind_doors(last).values() for each in names}))
+            print(f"{name:21}{total(modules)}, {more} more for some claims, up to {last[-1]}")
+        last = [name for last in CHAPTERS.values() for name in last]
+        everything = {*reading_list(last), *(each for names in behind_doors(last).values() for each in names)}
+        print(f"\nin all {total(sorted(everything))}")
         return 0
     chapter = chapter_of(asked)
     last = CHAPTERS.get(chapter, (chapter,))

@@ -1,6 +1,7 @@
 """Systems: vector field, symmetries, section, parameters, as values and as straight-line programs."""
 
-from orbitproof.shared.systems.completion import completed, functions_in_floats, level_root, with_functions
+from orbitproof.shared.systems.completion import completed, functions_in_floats, level_root
+from orbitproof.shared.systems.defined_coordinates import with_functions
 from orbitproof.shared.systems.described_functions import DescriptionError, program_function
 from orbitproof.shared.systems.description import KEYS, describe, described, described_plainly
 from orbitproof.shared.systems.examination import fault
@@ -9,7 +10,8 @@ from orbitproof.shared.systems.hill import HILL
 from orbitproof.shared.systems.known import FALKNER_SKAN, MASS_PARAMETERS, SYSTEMS
 from orbitproof.shared.systems.libration import AROUND, BRANCH_SYSTEMS, OVER_MASSES, SIDES, mass_of_distance
 from orbitproof.shared.systems.names import ID, ID_IN_WORDS, IDENTIFIER, LINE, PIECE, PIECE_IN_WORDS, fits
-from orbitproof.shared.systems.parity import has_parities, parities, signs_with_functions
+from orbitproof.shared.systems.parity import has_parities, parities
+from orbitproof.shared.systems.parity_of_functions import signs_with_functions
 from orbitproof.shared.systems.program import Program, Variable, record
 from orbitproof.shared.systems.program_text import program_from_text
 from orbitproof.shared.systems.regularised import REGULARISATIONS, Regularisation

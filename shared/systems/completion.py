@@ -1,16 +1,14 @@
-"""States whose last coordinates follow from the others: functions of these, and the coordinate of a fixed level.
-
-`completed` is in floating point; not for proofs.
+"""In floating point, states whose last coordinates follow from the others: functions of these, and the coordinate of a
+fixed level. Not for proofs.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from fractions import Fraction
 from math import nan, sqrt
-from typing import Any
 
+from orbitproof.shared.systems.defined_coordinates import with_functions
 from orbitproof.shared.systems.system import ReversibleSystem, System
 
 _MOST_HALVINGS = 60
@@ -19,29 +17,6 @@ _CLOSE = 1e-15
 _FLOATS: Mapping[str, Callable[[float], float]] = {
     "sin": math.sin, "cos": math.cos, "exp": math.exp, "log": math.log,
 }  # fmt: skip
-
-
-def with_functions(
-    system: System,
-    state: Sequence[Any],
-    parameters: Sequence[Any],
-    functions: Mapping[str, Callable[[Any], Any]],
-    constant: Callable[[Fraction], Any] | None = None,
-    power: Callable[[Any, Fraction], Any] | None = None,
-) -> list[Any]:
-    """The state with the coordinates that are functions of others, in any arithmetic; their own entries are not used.
-
-    Args:
-        state: all coordinates.
-        functions: "sin", "cos", "exp" and "log" in this arithmetic.
-        constant, power: as for `Program.evaluate`.
-    """
-    values = list(state)
-    first = len(system.given_state)
-    for place, (each, argument) in enumerate(zip(system.defined, system.argument_programs, strict=True), first):
-        (value,) = argument.evaluate([*values, *parameters], constant, power)
-        values[place] = functions[each.function](value)
-    return values
 
 
 def completed(system: ReversibleSystem, state: Sequence[float], parameters: Sequence[float]) -> list[float]:

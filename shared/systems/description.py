@@ -26,7 +26,7 @@ from orbitproof.shared.systems.formulas import FormulaError
 from orbitproof.shared.systems.functions import FUNCTIONS, Call, FunctionsOf, argument_of, rates_of
 from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
 from orbitproof.shared.systems.names import fits
-from orbitproof.shared.systems.parity import signs_with_functions
+from orbitproof.shared.systems.parity_of_functions import signs_with_functions
 from orbitproof.shared.systems.program import record
 from orbitproof.shared.systems.system import Defined, ParameterRange, ReversibleSystem, Reversor, System
 from orbitproof.shared.systems.titles import LONGEST_TITLE, SYSTEM, is_title

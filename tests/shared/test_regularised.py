@@ -45,7 +45,7 @@ from orbitproof.verify.poincare import (
     enclose_iterates,
     stays_positive,
 )
-from orbitproof.verify.poincare.coordinates import regularised
+from orbitproof.verify.poincare.regularised import regularised
 from orbitproof.verify.poincare.section import onto_section
 
 MU = MASS_PARAMETERS["earth-moon"]

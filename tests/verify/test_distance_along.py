@@ -17,7 +17,8 @@ from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS, Program, record
 from orbitproof.verify.evidence import IntegrationFailure, enclose, hull, sign
 from orbitproof.verify.orbit import DistanceAlong, distance_rates, rates_along
 from orbitproof.verify.orbit.distance import Step
-from orbitproof.verify.poincare.coordinates import physical, regularised
+from orbitproof.verify.poincare.coordinates import physical
+from orbitproof.verify.poincare.regularised import regularised
 
 Interval = tuple[str, int]
 """On which D' ("a") or D'' ("b") has that sign."""

@@ -51,8 +51,8 @@ from orbitproof.verify.evidence import (
 )
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.orbit import OrbitResults
-from orbitproof.verify.poincare import IntegratorSettings, enclose_iterates, initial_values
-from orbitproof.verify.poincare.functions import at_start, function_of
+from orbitproof.verify.poincare import IntegratorSettings, at_start, enclose_iterates, initial_values
+from orbitproof.verify.poincare.functions import function_of
 from orbitproof.verify.stability.level import gradient
 from orbitproof.verify.words.formulas import setting
 from orbitproof.verify.words.lasting import _where

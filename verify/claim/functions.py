@@ -2,14 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from functools import cache
 
-from flint import fmpq_mpoly
+from flint import arb, fmpq_mpoly
 
-from orbitproof.shared.systems import Program, System
+from orbitproof.shared.systems import Program, ReversibleSystem, System, signs_with_functions, with_functions
 from orbitproof.verify.claim.first_integral import AlongFlow, NotShownError, Ring
+from orbitproof.verify.evidence import FUNCTIONS, Evidence, enclose, power
 
 _PARTNERS = {"sin": "cos", "cos": "sin"}
+
+
+def enclose_functions(system: System, state: Sequence[arb], parameters: Sequence[arb]) -> list[arb]:
+    """The state with the coordinates that are functions of others; their own entries are not used."""
+    return with_functions(system, state, parameters, FUNCTIONS, enclose, power)
+
+
+def behind_functions(system: ReversibleSystem, program: Program) -> set[str]:
+    """The inputs in the arguments of the functions that occur in a program, and in the arguments of those in them."""
+    arguments = dict(zip((each.name for each in system.defined), system.argument_programs, strict=True))
+    pending, found = list(program.used_inputs), set[str]()
+    while pending:
+        if (name := pending.pop()) in arguments:
+            new = arguments[name].used_inputs - found
+            found |= new
+            pending += new
+    return found
+
+
+def keeps_functions(system: ReversibleSystem, signs: Sequence[int]) -> bool:
+    """Whether the signs map the states whose last coordinates have their values as functions to such states."""
+    functions = [each.function for each in system.defined]
+    return tuple(signs) == signs_with_functions(functions, system.argument_programs, signs[: len(system.given_state)])
 
 
 def keeps_its_functions(system: System) -> bool:
@@ -32,6 +57,19 @@ def keeps_its_functions(system: System) -> bool:
         if not _moves_so(system.program, argument, kind, given + place, partner):
             return False
     return True
+
+
+def require_functions(evidence: Evidence, system: ReversibleSystem, involutions: Mapping[str, Sequence[int]]) -> None:
+    """Require that orbits, and involutions of these signs, keep the states whose last coordinates are functions."""
+    for name, signs in involutions.items():
+        evidence.require(
+            keeps_functions(system, signs),
+            f"what coordinates are functions of others in the field of {system.name} was not shown to have the "
+            f"symmetry {name}",
+        )
+    evidence.require(
+        keeps_its_functions(system), f"coordinates of {system.name} were not shown to stay functions of the others"
+    )
 
 
 @cache

@@ -10,9 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from orbitproof.shared.systems import Program, ReversibleSystem, has_parities, parities, signs_with_functions
+from orbitproof.shared.systems import Program, ReversibleSystem, has_parities, parities
 from orbitproof.verify.claim.first_integral import is_first_integral
-from orbitproof.verify.claim.functions import keeps_its_functions
 from orbitproof.verify.evidence import Checklist
 
 
@@ -20,12 +19,6 @@ def is_left_alone(program: Program | None, system: ReversibleSystem, symmetry: s
     """Whether a program has one output, which R and the symmetry, if one is named, leave alone, by its parities."""
     involutions = [system.reversing_symmetry, *([] if symmetry is None else [system.symmetries[symmetry]])]
     return program is not None and all(parities(program, signs) == [1] for signs in involutions)
-
-
-def keeps_functions(system: ReversibleSystem, signs: Sequence[int]) -> bool:
-    """Whether the signs map the states whose last coordinates have their values as functions to such states."""
-    functions = [each.function for each in system.defined]
-    return tuple(signs) == signs_with_functions(functions, system.argument_programs, signs[: len(system.given_state)])
 
 
 def signs_on(system: ReversibleSystem, symmetry: str, coordinates: Sequence[str]) -> tuple[int, ...]:
@@ -56,14 +49,12 @@ def check_symmetries(checklist: Checklist, system: ReversibleSystem, symmetry: s
         for name, signs, orientation in involutions:
             shown = has_parities(system.program, signs, [orientation * sign for sign in signs])
             message = f"of {system.name} was not shown to have the symmetry {name}"
-            evidence.require(
-                keeps_functions(system, signs), f"what coordinates are functions of others in the field {message}"
-            )
             evidence.require(shown, f"the vector field {message}")
             evidence.require(integral is None or parities(integral, signs) == [1], f"the first integral {message}")
-        evidence.require(
-            keeps_its_functions(system), f"coordinates of {system.name} were not shown to stay functions of the others"
-        )
+        if system.defined:
+            from orbitproof.verify.claim.functions import require_functions
+
+            require_functions(evidence, system, {name: signs for name, signs, _ in involutions})
         evidence.require(
             distance is None or parities(distance, system.reversing_symmetry) == [1],
             f"the distance of {system.name} from {system.distance_name} was not shown to have the symmetry R",

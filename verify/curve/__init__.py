@@ -9,11 +9,12 @@ from orbitproof.verify.curve.equation import (
     Equation,
     HalfReturn,
     divided_by_wide,
+    parameter_series,
     parts_of_interval,
     tube_points,
 )
 from orbitproof.verify.curve.gluing import Chain, Stretch, follow
-from orbitproof.verify.curve.libration_point import derived_parameter, parameter_series
+from orbitproof.verify.curve.libration_point import derived_parameter
 from orbitproof.verify.curve.lyapunov_family import certified_system, in_units_of_orbit, jacobi_constant, point_name
 from orbitproof.verify.curve.other_point import enclose_other_point
 from orbitproof.verify.curve.piece import PieceLimits, Progress, check_newton, in_units, prove_piece

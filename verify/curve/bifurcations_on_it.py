@@ -8,13 +8,14 @@ from fractions import Fraction
 
 from flint import acb, arb
 
-from orbitproof.shared.formats import ORBIT_KINDS, Atlas
+from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve.gluing import Chain, Stretch
-from orbitproof.verify.curve.lyapunov_family import PLANAR, certified_system, in_units_of_orbit, point_name
 from orbitproof.verify.curve.tube import lower_end, upper_end
 from orbitproof.verify.evidence import EmptyIntersectionError, all_finite, enclose, excludes_zero, is_below, symmetric
+
+LACKS_COORDINATES = "the certificate does not have all coordinates of the point"
 
 Point = Mapping[str, arb]
 Partner = Callable[[ReversibleSystem, Mapping[str, Fraction], Point, int], Point | None]
@@ -116,19 +117,9 @@ def place_bifurcation(
     if crossings != atlas.claim.crossings:
         reason = f"its half orbits meet the section {crossings} times, those of the curve {atlas.claim.crossings}"
         return replace(entry, reason=reason)
-    names = certified_system(atlas.system).centre_coordinates
-    if not set(names) <= set(certified.point):
-        return replace(entry, reason="the certificate does not have all coordinates of the point")
-    point = {name: certified.point[name] for name in names}
-    breaks = entry.kind == "symmetry_breaking"
-    if point_name(atlas.system) is not None and entry.kind in ORBIT_KINDS:
-        return replace(entry, reason="the curve is one of orbits in units of their size")
-    if point_name(atlas.system) is not None:
-        planar = breaks and certified.symmetry == PLANAR
-        carried = in_units_of_orbit(atlas.system, atlas.parameters, point) if planar else None
-        if carried is None:
-            return replace(entry, reason="it is not shown to be a planar orbit away from the libration point")
-        point = carried
+    point = _in_coordinates_of(atlas, certified)
+    if isinstance(point, str):
+        return replace(entry, reason=point)
     entry = replace(
         entry,
         point=point,
@@ -140,17 +131,30 @@ def place_bifurcation(
         return replace(entry, reason="the curve itself is not proved")
     # By what it does: another system of the same name may call another symmetry so.
     own = atlas.system.symmetries.get(str(atlas.claim.symmetry))
-    place = locate(atlas, chain, list(point.values()), breaks and own is not None and certified.signs == own)
+    breaks = entry.kind == "symmetry_breaking" and own is not None and certified.signs == own
+    place = locate(atlas, chain, list(point.values()), breaks)
     if isinstance(place, Place):
         return replace(entry, place=place)
-    if point_name(atlas.system) is None:
+    if not atlas.system.derived_parameters:
         # On a fixed level that certificate does not say on which sheet P(x) is; its enclosure by integration does.
         known = certified.other_point if atlas.system.fixed_level is None else None
         second = known or partner(atlas.system, atlas.parameters, point, crossings)
-        found_there = None if second is None else locate(atlas, chain, [second[name] for name in names], False)
+        found_there = None if second is None else locate(atlas, chain, [second[name] for name in point], False)
         if isinstance(found_there, Place):
             return replace(entry, place=replace(found_there, other_point=True))
     return replace(entry, reason=place)
+
+
+def _in_coordinates_of(atlas: Atlas, certified: CertifiedPoint) -> Point | str:
+    """The point by the coordinates of the curve, in their order, or why it is none of the curve's."""
+    if atlas.system.derived_parameters:
+        from orbitproof.verify.curve.lyapunov_family import carried
+
+        return carried(atlas, certified)
+    names = atlas.system.centre_coordinates
+    if not set(names) <= set(certified.point):
+        return LACKS_COORDINATES
+    return {name: certified.point[name] for name in names}
 
 
 def locate(atlas: Atlas, chain: Chain, point: Sequence[arb], is_symmetry_breaking: bool = False) -> Place | str:

@@ -22,6 +22,20 @@ BEYOND = Fraction(17, 16)
 TUBE = Fraction(1, 2)
 
 
+def parameter_series(
+    arithmetic: Arithmetic, system: ReversibleSystem, parameters: Mapping[str, Fraction]
+) -> dict[str, Series]:
+    """All parameters but the family parameter as constants of the algebra, derived ones with their errors."""
+    result = {name: arithmetic.constant(parameters[name]) for name in system.fixed_parameters}
+    if system.derived_parameters:
+        from orbitproof.verify.curve.libration_point import derived_parameter
+
+        for name in system.derived_parameters:
+            root = derived_parameter(system, name, parameters, arithmetic.bits)
+            result[name] = arithmetic.constant(root.middle).widened(root.radius)
+    return result
+
+
 def tube_points(
     arithmetic: Arithmetic,
     names: Sequence[str],

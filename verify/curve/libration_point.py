@@ -15,7 +15,6 @@ from flint import arb
 
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems import DerivedParameter, Program, ReversibleSystem, record
-from orbitproof.verify.algebra import Arithmetic, Series
 from orbitproof.verify.evidence import GUARD_BITS, IntegrationFailure, enclose, guarded, hull, power, sign
 
 _HALVINGS = 200
@@ -52,17 +51,6 @@ def derived_parameter(system: ReversibleSystem, name: str, parameters: Mapping[s
     given = [parameters[key] for key in system.fixed_parameters]
     with guarded(bits):
         return _Search(system.derived_parameters[name], name, system.fixed_parameters, given).root(bits)
-
-
-def parameter_series(
-    arithmetic: Arithmetic, system: ReversibleSystem, parameters: Mapping[str, Fraction]
-) -> dict[str, Series]:
-    """All parameters but the family parameter as constants of the algebra, derived ones with their errors."""
-    result = {name: arithmetic.constant(parameters[name]) for name in system.fixed_parameters}
-    for name in system.derived_parameters:
-        root = derived_parameter(system, name, parameters, arithmetic.bits)
-        result[name] = arithmetic.constant(root.middle).widened(root.radius)
-    return result
 
 
 class _Search:

@@ -7,7 +7,9 @@ from fractions import Fraction
 
 from flint import arb, ctx
 
+from orbitproof.shared.formats import ORBIT_KINDS, Atlas
 from orbitproof.shared.systems import AROUND, CR3BP, ReversibleSystem
+from orbitproof.verify.curve.bifurcations_on_it import LACKS_COORDINATES, CertifiedPoint
 from orbitproof.verify.curve.libration_point import derived_parameter
 from orbitproof.verify.evidence import IntegrationFailure, enclose, excludes_zero
 
@@ -31,6 +33,18 @@ def libration_point(system: ReversibleSystem, parameters: Mapping[str, Fraction]
     Raises `IntegrationFailure` if it was not enclosed.
     """
     return None if point_name(system) is None else derived_parameter(system, "x_l", parameters, ctx.prec).ball
+
+
+def carried(atlas: Atlas, certified: CertifiedPoint) -> dict[str, arb] | str:
+    """A certified point of the CR3BP by the coordinates of a curve in units of its orbits, or why it is none of it."""
+    names = CR3BP.centre_coordinates
+    if not set(names) <= set(certified.point):
+        return LACKS_COORDINATES
+    if certified.kind in ORBIT_KINDS:
+        return "the curve is one of orbits in units of their size"
+    is_planar = certified.kind == "symmetry_breaking" and certified.symmetry == PLANAR
+    found = in_units_of_orbit(atlas.system, atlas.parameters, certified.point) if is_planar else None
+    return "it is not shown to be a planar orbit away from the libration point" if found is None else found
 
 
 def in_units_of_orbit(

@@ -14,8 +14,7 @@ from flint import arb
 
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
-from orbitproof.verify.claim import is_in
-from orbitproof.verify.curve.libration_point import parameter_series
+from orbitproof.verify.curve.equation import parameter_series
 from orbitproof.verify.evidence import (
     IntegrationFailure,
     all_finite,
@@ -72,9 +71,12 @@ def _half_return(
         # The orbit through x is not symmetric: what was said of x is wrong.
         return None
     at = dict(zip(system.state, state, strict=True))
-    if system.fixed_level is not None and not is_in(system.fixed_level, at[str(system.level_coordinate)]):
-        # The curve consists of points on one sheet of the level (12.5).
-        return None
+    if system.fixed_level is not None:
+        from orbitproof.verify.claim import is_in
+
+        if not is_in(system.fixed_level, at[str(system.level_coordinate)]):
+            # The curve consists of points on one sheet of the level (12.5).
+            return None
     result = {name: at.get(name, point.get(name, arb("nan"))) for name in system.centre_coordinates}
     return result if all_finite(result.values()) else None
 

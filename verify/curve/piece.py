@@ -15,7 +15,7 @@ from math import floor, log2
 from flint import arb
 
 from orbitproof.shared.formats import Piece
-from orbitproof.shared.systems import REGULARISATIONS, ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic
 from orbitproof.verify.curve.equation import (
     BEYOND,
@@ -24,10 +24,10 @@ from orbitproof.verify.curve.equation import (
     HalfReturn,
     divided_by_wide,
     halves,
+    parameter_series,
     parts_of_interval,
     tube_points,
 )
-from orbitproof.verify.curve.libration_point import parameter_series
 from orbitproof.verify.curve.piece_claim import require_piece
 from orbitproof.verify.curve.piece_result import Account, Interval, PieceResult, attempt
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
@@ -119,9 +119,12 @@ def prove_piece(
     limits = PieceLimits() if limits is None else limits
     proof = _Proof(system, parameters, piece, interval, oracle, limits, symmetry, slope_bits, crossings)
     found = proof.result(progress)
-    in_physical = found.computation.coordinates == PHYSICAL and system.name in REGULARISATIONS
     mended = isinstance(found.outcome, NotProved) and found.outcome.reason.condition in _MENDED_BY_COORDINATES
-    if not (in_physical and mended):
+    if not (mended and found.computation.coordinates == PHYSICAL):
+        return found
+    from orbitproof.verify.poincare import is_regularised
+
+    if not is_regularised(system):
         return found
     again = replace(proof, piece=replace(piece, coordinates=REGULARISED)).result(progress)
     return again if again.is_proved else found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.systems import ReversibleSystem
-from orbitproof.verify.claim import LevelEquation, determinant, is_adapted, quadratic_coefficient, signs_on
+from orbitproof.verify.claim import determinant, is_adapted, quadratic_coefficient, signs_on
 from orbitproof.verify.evidence import Evidence
 
 
@@ -45,6 +45,8 @@ def _require_level(evidence: Evidence, system: ReversibleSystem, piece: Piece, s
     """Require what gives the points of a fixed level from the others (section 12.5), and that S keeps to its sheet."""
     name, level = str(system.level_coordinate), system.fixed_level
     if level is not None and level.between is not None:
+        from orbitproof.verify.claim import LevelEquation
+
         try:
             LevelEquation.of(system)
         except ValueError as error:

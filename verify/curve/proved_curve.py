@@ -18,7 +18,6 @@ from orbitproof.verify.curve.bifurcations_on_it import (
 from orbitproof.verify.curve.conclusion import Conclusion, Ends
 from orbitproof.verify.curve.conditions import check_curve, hypotheses_of
 from orbitproof.verify.curve.gluing import Chain
-from orbitproof.verify.curve.lyapunov_family import libration_point
 from orbitproof.verify.curve.piece_result import IntervalResult
 from orbitproof.verify.evidence import (
     Checklist,
@@ -89,14 +88,22 @@ def conclude(
         placed: tuple[Bifurcation, ...] = ()
         try:
             placed = tuple(place_bifurcation(atlas, chain, entry, partner) for entry in bifurcations)
-            x_l = libration_point(atlas.system, atlas.parameters)
-            curve = ProvedCurve(chain, _ends(atlas, chain, placed), times_of(chain), x_l)
+            curve = ProvedCurve(chain, _ends(atlas, chain, placed), times_of(chain), _libration_point(atlas))
         except (EmptyIntersectionError, NotEstablishedError) as error:
             reason = Reason(
                 "bifurcations", f"curve, parameters and certificates contradict each other: {error}", "report this"
             )
             return Conclusion(NotProved(reason, tuple(checklist.hypotheses)), placed)
     return Conclusion(Proved(CurveTheorem(atlas), curve, tuple(checklist.hypotheses)), placed)
+
+
+def _libration_point(atlas: Atlas) -> arb | None:
+    """The libration point on its axis, if the system is written around one."""
+    if not atlas.system.derived_parameters:
+        return None
+    from orbitproof.verify.curve.lyapunov_family import libration_point
+
+    return libration_point(atlas.system, atlas.parameters)
 
 
 def _ends(atlas: Atlas, chain: Chain, placed: Sequence[Bifurcation]) -> Ends:

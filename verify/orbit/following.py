@@ -32,7 +32,6 @@ from orbitproof.verify.poincare import (
     derivative_table,
     initial_values,
     kernel_components,
-    on_sheet,
 )
 
 _BEYOND = Fraction(1, 2**40)
@@ -137,6 +136,8 @@ class _HalfOrbits:
         distance = None
         beyond = system
         if system.fixed_level is not None:
+            from orbitproof.verify.poincare import on_sheet
+
             level_coordinate = state[system.state.index(str(system.level_coordinate))]
             beyond = on_sheet(system, [self._table(level_coordinate).box[(0,) * len(box.scales)]])
         if along is not None:

@@ -3,39 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from orbitproof.shared.stored import stored
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
 from orbitproof.verify.evidence import IntegrationFailure, NotKnown
-from orbitproof.verify.functions import BoundedFunction, StoredFunction, error_of, known_part, restricted
+from orbitproof.verify.functions import StoredFunction, error_of, known_part, restricted
+from orbitproof.verify.out_of_plane.variations import VariationFunctions
 from orbitproof.verify.poincare import HalfOrbits, WideOracle
 
 _VARIATIONS = ("w_1", "w_1'", "w_2", "w_2'")
 _START = (1, 0, 0, 1)
-
-
-@dataclass(frozen=True)
-class VariationFunctions:
-    """The entries of V on an interval, functions of tau, as they are stored."""
-
-    first: StoredFunction = stored("11")
-    second: StoredFunction = stored("12")
-    first_rate: StoredFunction = stored("21")
-    second_rate: StoredFunction = stored("22")
-
-    @property
-    def entries(self) -> tuple[StoredFunction, ...]:
-        """By rows."""
-        return self.first, self.second, self.first_rate, self.second_rate
-
-    @property
-    def known(self) -> KnownVariations:
-        """What they enclose. Raises `ValueError` if they are none that is stored."""
-        return KnownVariations(tuple(entry.enclosed for entry in self.entries))
 
 
 def with_variations(system: ReversibleSystem) -> ReversibleSystem:
@@ -111,20 +91,3 @@ def _flat(element: Series) -> Series:
     arithmetic = element.arithmetic
     assert isinstance(arithmetic, WideArithmetic)
     return Series(replace(arithmetic, degree=0), element.coefs, element.errors)
-
-
-@dataclass(frozen=True)
-class KnownVariations:
-    """The entries of V on an interval, functions of tau."""
-
-    entries: tuple[BoundedFunction, ...]
-
-    @property
-    def parameter(self) -> BoundedFunction:
-        """The stability parameter across the plane, V_11 V_22 + V_12 V_21."""
-        one, two, three, four = self.entries
-        return one * four + two * three
-
-    def mirrored(self) -> KnownVariations:
-        """Those of -s."""
-        return KnownVariations(tuple(entry.mirrored() for entry in self.entries))

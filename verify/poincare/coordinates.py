@@ -7,14 +7,15 @@ decide how long a proof takes and whether it succeeds, not what it says.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from orbitproof.shared.systems import REGULARISATIONS, Program, Regularisation, ReversibleSystem
+from orbitproof.shared.systems import Program, ReversibleSystem
 from orbitproof.verify.algebra import PreparedProgram, prepare
 from orbitproof.verify.poincare.section_field import build_section_program
+
+if TYPE_CHECKING:
+    from orbitproof.shared.systems import Regularisation
 
 PHYSICAL: Final = "physical"
 
@@ -52,23 +53,3 @@ def coordinates_of(name: str, field: Program, size: int, section: int) -> Coordi
 def physical(system: ReversibleSystem) -> Coordinates:
     """The system's own coordinates."""
     return coordinates_of(PHYSICAL, system.program, len(system.state), system.section_index)
-
-
-@cache
-def _prepared(name: str) -> tuple[PreparedProgram, PreparedProgram]:
-    regularisation = REGULARISATIONS[name]
-    size = len(regularisation.state)
-    program = regularisation.program
-    return prepare(program), build_section_program(program, size, regularisation.section_index)
-
-
-def regularised(system: ReversibleSystem, state: Sequence[float], parameters: Sequence[float]) -> Coordinates | None:
-    """Regularised coordinates of the system, if it has any, that suit a point of Fix(R)."""
-    regularisation = REGULARISATIONS.get(system.name)
-    # The same name is not enough: the equations are those of this system only.
-    if regularisation is None or regularisation.system is not system:
-        return None
-    program, section_program = _prepared(system.name)
-    embedding = regularisation.embedding_program(regularisation.branch(state, parameters))
-    field, section = regularisation.program, regularisation.section_index
-    return Coordinates(regularisation.name, field, program, section_program, section, regularisation, embedding)

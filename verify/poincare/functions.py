@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from fractions import Fraction
 from math import factorial, log2
 
 from flint import arb, fmpz_poly
 
-from orbitproof.shared.systems import Program
-from orbitproof.verify.algebra import Series, convolve, evaluate, geometric, inflate, prepare
+from orbitproof.shared.systems import Program, System
+from orbitproof.verify.algebra import Series, convolve, geometric, inflate
 from orbitproof.verify.evidence import IntegrationFailure, enclose, exact_value
+from orbitproof.verify.poincare.without_time import at_start
 
 _MOST_TERMS = 120
 
@@ -60,6 +60,15 @@ def defined_values(
     return values[len(state) :]
 
 
+def with_functions(system: System, values: Sequence[Series]) -> list[Series]:
+    """State and parameters with the state coordinates that are functions of others; their own entries are not used."""
+    given, size = len(system.given_state), len(system.state)
+    defined = [
+        (each.function, argument) for each, argument in zip(system.defined, system.argument_programs, strict=True)
+    ]
+    return [*values[:given], *defined_values(defined, values[:given], values[size:]), *values[size:]]
+
+
 def _last_power(top: int, size: float, bits: int) -> int:
     """Beyond this power the rest of the series is small where the argument depends on the wide variable."""
     last, left = max(2, top + 1), float(bits)
@@ -98,20 +107,3 @@ def _constant(like: Series, value: arb) -> Series:
 
 def _too_far(name: str) -> IntegrationFailure:
     return IntegrationFailure("start", f"{name} of the initial values is not enclosed on the set", "give smaller radii")
-
-
-def without_time(element: Series) -> Series:
-    """An element that does not depend on time, of degree 0 in it. Raises `ValueError` if it does."""
-    arithmetic = element.arithmetic
-    if any(p.length() > arithmetic.stride for p in element.coefs):
-        raise ValueError("an element depends on time")
-    return Series(replace(arithmetic, degree=0), element.coefs, element.errors)
-
-
-def at_start(program: Program, arguments: Sequence[Series]) -> list[Series]:
-    """Values of a program at elements that do not depend on time, so that degree 0 does.
-
-    Raises `ValueError` if one does.
-    """
-    values = evaluate(prepare(program), [without_time(x) for x in arguments])
-    return [Series(arguments[0].arithmetic, x.coefs, x.errors) for x in values]

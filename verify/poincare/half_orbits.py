@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from flint import arb
 
-from orbitproof.shared.systems import Program, Regularisation, record
+from orbitproof.shared.systems import Program, record
 from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, evaluate, prepare
 from orbitproof.verify.evidence import IntegrationFailure, exact_value, excludes_zero, is_positive
 from orbitproof.verify.flow import FlowStep
@@ -21,6 +21,9 @@ from orbitproof.verify.poincare.coordinates import Coordinates
 from orbitproof.verify.poincare.crossing import CrossingCounter, range_of, wide_parts
 from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.returns import Orbits, Returns
+
+if TYPE_CHECKING:
+    from orbitproof.shared.systems import Regularisation
 
 _NEGLIGIBLE_CHANGE = 2.0**-6
 WIDE_PARTS = 8

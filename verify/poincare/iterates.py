@@ -22,7 +22,6 @@ from orbitproof.verify.evidence import Briefs, DerivativeTable, IntegrationFailu
 from orbitproof.verify.flow import LEAST_ERROR
 from orbitproof.verify.poincare.coordinates import PHYSICAL
 from orbitproof.verify.poincare.derivatives import derivative_table
-from orbitproof.verify.poincare.functions import at_start
 from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.returns import (
     AUTO,
@@ -32,6 +31,7 @@ from orbitproof.verify.poincare.returns import (
     initial_values,
     kernel_components,
 )
+from orbitproof.verify.poincare.without_time import at_start
 
 BOX_RATIO = Fraction(1, 4)
 """The box is this fraction of the polydisc on which the orbits are enclosed (section 6)."""

@@ -12,7 +12,8 @@ from orbitproof.verify.algebra import GradedNorm, Series, convolve, geometric, i
 from orbitproof.verify.claim import LevelEquation, level_program, quadratic_coefficient
 from orbitproof.verify.evidence import IntegrationFailure, enclose, guarded, sign
 from orbitproof.verify.poincare.crossing import range_of, wide_parts
-from orbitproof.verify.poincare.functions import at_start, without_time
+from orbitproof.verify.poincare.functions import with_functions
+from orbitproof.verify.poincare.without_time import at_start, without_time
 
 _BISECTIONS = 60
 _MOST_ITERATIONS = 16
@@ -20,6 +21,14 @@ _ATTEMPTS = 3
 _MORE = 17 / 16
 _PARTS = 8
 _INVERSE = record(lambda x: (1 / x[0],), ("x",))
+
+
+def on_fixed_level(system: ReversibleSystem, values: Sequence[Series]) -> list[Series]:
+    """State and parameters at points of a system's fixed level; the entry of the level coordinate is not used."""
+    place = system.state.index(str(system.level_coordinate))
+    values = [*values[:place], on_level(system, values), *values[place + 1 :]]
+    # H depends on no function of the level coordinate (12.1); the field may.
+    return with_functions(system, values)
 
 
 def on_level(system: ReversibleSystem, values: Sequence[Series]) -> Series:

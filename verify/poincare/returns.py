@@ -11,20 +11,22 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from flint import arb
 
-from orbitproof.shared.systems import Regularisation, ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series
 from orbitproof.verify.evidence import IntegrationFailure, enclose, is_positive
 from orbitproof.verify.flow import FlowStep, advance, planned_step, rough
-from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, physical, regularised
+from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, physical
 from orbitproof.verify.poincare.crossing import CrossingCounter, may_touch, range_of, stays_positive
-from orbitproof.verify.poincare.functions import at_start, defined_values
-from orbitproof.verify.poincare.level_set import on_level
 from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.section import onto_section
+from orbitproof.verify.poincare.without_time import at_start
+
+if TYPE_CHECKING:
+    from orbitproof.shared.systems import Regularisation
 
 AUTO: Final = "auto"
 REGULARISED: Final = "regularised"
@@ -212,13 +214,15 @@ class Returns(Orbits):
         super().__init__(self.coordinates, arithmetic, *self._enter(initial, level), oracle)
 
     def _choose(self, wanted: str, initial: Sequence[Series], level: Series | None) -> Coordinates:
-        bits = self.arithmetic.bits
+        own, bits = physical(self.system), self.arithmetic.bits
         if wanted == PHYSICAL or level is None:
-            return physical(self.system)
+            return own
+        from orbitproof.verify.poincare.regularised import regularised
+
         state, parameters, (value,) = (
             rough([int(x.coefs[0][0]) for x in values], bits) for values in (initial, self.parameters, [level])
         )
-        own, other = physical(self.system), regularised(self.system, state, parameters)
+        other = regularised(self.system, state, parameters)
         if other is None or wanted == REGULARISED:
             return other or own
         steps = self.oracle.regularised_steps(own, other, state, parameters, value, self.arithmetic)
@@ -248,13 +252,14 @@ def initial_values(system: ReversibleSystem, arithmetic: Arithmetic, point: Mapp
     names = (*system.state, *system.parameters)
     rest = {name: system.normalised.get(name, Fraction(0)) for name in system.state}
     values = [point[name] if name in point else arithmetic.constant(rest[name]) for name in names]
-    given, size = len(system.given_state), len(system.state)
-    functions = tuple((e.function, p) for e, p in zip(system.defined, system.argument_programs, strict=True))
-    values[given:size] = defined_values(functions, values[:given], values[size:])
+    if system.defined:
+        from orbitproof.verify.poincare.functions import with_functions
+
+        values = with_functions(system, values)
     if system.fixed_level is not None:
-        values[system.state.index(str(system.level_coordinate))] = on_level(system, values)
-        # H depends on no function of the level coordinate (12.1); the field may.
-        values[given:size] = defined_values(functions, values[:given], values[size:])
+        from orbitproof.verify.poincare.level_set import on_fixed_level
+
+        values = on_fixed_level(system, values)
     return values
 
 

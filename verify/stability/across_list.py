@@ -9,7 +9,7 @@ from flint import arb
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.claim import is_left_alone
-from orbitproof.verify.curve import Bifurcation, Chain, jacobi_constant
+from orbitproof.verify.curve import Bifurcation, Chain
 from orbitproof.verify.evidence import excludes_zero
 from orbitproof.verify.stability.complete_list import Finder, orders, resonant_value
 from orbitproof.verify.stability.kinds import Kind, Matter
@@ -44,6 +44,15 @@ def _away_from_centre(point: Point) -> Point:
     """In units of the orbit (18.9): at the libration point itself, where its size is 0, nothing begins."""
     is_birth = point.kind in (Kind.ACROSS_AXIAL, Kind.ACROSS_SYMMETRIC)
     return replace(point, kind=Kind.UNDECIDED) if is_birth and not excludes_zero(point.level) else point
+
+
+def _jacobi_constant(atlas: Atlas, point: Point) -> arb | None:
+    """That of an orbit of a family around a libration point; `None` for others."""
+    if not atlas.system.derived_parameters:
+        return None
+    from orbitproof.verify.curve import jacobi_constant
+
+    return jacobi_constant(atlas.system, atlas.parameters, point.point)
 
 
 def list_across(
@@ -85,5 +94,5 @@ def list_across(
         points[number] = point
     found = CompleteList(plane.order, 1, tuple(points), tuple(gaps), tuple(segments))
     stable, unknown = stable_intervals(chain, found, atlas.claim.kind == "loop")
-    constants = tuple(jacobi_constant(atlas.system, atlas.parameters, point.point) for point in points)
+    constants = tuple(_jacobi_constant(atlas, point) for point in points)
     return ListAcross(found, tuple(stable), tuple(unknown), constants)

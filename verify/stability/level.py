@@ -9,9 +9,9 @@ from fractions import Fraction
 from flint import arb, ctx
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.shared.systems import Program, System, with_functions
+from orbitproof.shared.systems import Program, System
 from orbitproof.verify.claim import atlas_in_words
-from orbitproof.verify.curve import Stretch, derived_parameter
+from orbitproof.verify.curve import Stretch
 from orbitproof.verify.evidence import Checklist, Hypothesis, enclose, excludes_zero, is_positive, power
 from orbitproof.verify.stability.kinds import Matter
 from orbitproof.verify.stability.known_functions import point_over
@@ -72,7 +72,9 @@ def gradient(
     result = []
     for name in names:
         inputs = [_Along(ball, arb(int(name == other))) for ball, other in zip(arguments, program.inputs, strict=True)]
-        if system is not None:
+        if system is not None and system.defined:
+            from orbitproof.shared.systems import with_functions
+
             state, parameters = inputs[: len(system.state)], inputs[len(system.state) :]
             inputs = [*with_functions(system, state, parameters, _FUNCTIONS, _constant, _Along.power), *parameters]
         (value,) = program.evaluate(inputs, _constant, _Along.power)
@@ -92,7 +94,9 @@ class Level:
         self._slopes: dict[str, arb] = {}
         self._known = {name: enclose(system.normalised.get(name, Fraction(0))) for name in system.state}
         self._known |= {name: enclose(value) for name, value in atlas.parameters.items()}
-        if self._program is not None:
+        if self._program is not None and system.derived_parameters:
+            from orbitproof.verify.curve import derived_parameter
+
             for name in system.derived_parameters:
                 self._known[name] = derived_parameter(system, name, atlas.parameters, ctx.prec).ball
 

@@ -46,7 +46,7 @@ from orbitproof.verify.functions import (
     restricted,
     slope,
 )
-from orbitproof.verify.out_of_plane import VariationFunctions, variations_across
+from orbitproof.verify.out_of_plane import VariationFunctions
 from orbitproof.verify.poincare import (
     PHYSICAL,
     REGULARISED,
@@ -54,7 +54,6 @@ from orbitproof.verify.poincare import (
     WideOracle,
     first_integral,
     initial_values,
-    on_sheet,
 )
 from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
 from orbitproof.verify.stability.stored_stability import StabilityFunctions
@@ -212,6 +211,8 @@ class TubeOfOrbits:
         """Variations out of the plane, of motion in one."""
         if self.system.stiffness_across is None:
             return None
+        from orbitproof.verify.out_of_plane import variations_across
+
         start = {name: curve.value(element) for name, element in half.start.items()}
         return variations_across(self.system, flow, start, SHARE, self.crossings, self.oracle)
 
@@ -220,6 +221,8 @@ class TubeOfOrbits:
         system = self.system
         if system.fixed_level is None:
             return system
+        from orbitproof.verify.poincare import on_sheet
+
         there = bounded(restricted(curve.value(state[system.state.index(str(system.level_coordinate))]), SHARE))
         return on_sheet(system, [there.value(part) for part in _PARTS])
 

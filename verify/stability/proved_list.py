@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from flint import ctx
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.verify.curve import Conclusion, CurveTheorem, ProvedCurve
+from orbitproof.verify.curve import Bifurcation, Chain, Conclusion, CurveTheorem, ProvedCurve
 from orbitproof.verify.distances import is_distance_of_orbits
 from orbitproof.verify.evidence import (
     EmptyIntersectionError,
@@ -19,11 +20,13 @@ from orbitproof.verify.evidence import (
     Proved,
     Reason,
 )
-from orbitproof.verify.stability.across_list import ListAcross, list_across
 from orbitproof.verify.stability.complete_list import PRECISION, complete_list
 from orbitproof.verify.stability.linear_stability import StableInterval, stable_intervals
 from orbitproof.verify.stability.list_entries import CompleteList
 from orbitproof.verify.stability.stored_stability import StabilityFunctions, StabilityResult
+
+if TYPE_CHECKING:
+    from orbitproof.verify.stability.across_list import ListAcross
 
 
 @dataclass(frozen=True)
@@ -101,7 +104,7 @@ def conclude_list(
     with ctx.workprec(PRECISION):
         try:
             found = complete_list(atlas, chain, results, order, curve.bifurcations, combinations)
-            across = list_across(atlas, chain, found, curve.bifurcations)
+            across = _across(atlas, chain, found, curve.bifurcations)
         except EmptyIntersectionError as error:
             message = f"the complete list and the certificates contradict each other: {error}"
             return refused(Reason("complete", message, "report this"))
@@ -111,6 +114,15 @@ def conclude_list(
     known = ProvedList(curve.outcome.results, found, tuple(stable), tuple(unknown), across)
     theorem = ListTheorem(CurveTheorem(atlas), order)
     return ListConclusion(curve, order, Proved(theorem, known, curve.outcome.hypotheses))
+
+
+def _across(atlas: Atlas, chain: Chain, plane: CompleteList, bifurcations: Sequence[Bifurcation]) -> ListAcross | None:
+    """The list of variations out of the plane, of motion in one."""
+    if atlas.system.stiffness_across is None:
+        return None
+    from orbitproof.verify.stability.across_list import list_across
+
+    return list_across(atlas, chain, plane, bifurcations)
 
 
 def _without_distance(result: StabilityResult) -> StabilityResult:
