@@ -12,9 +12,11 @@ from typing import Any
 import numpy as np
 
 from orbitproof.figures.certified.curve import Curve, Stretch
+from orbitproof.figures.certified.twist import twist_on
 from orbitproof.figures.orbits import Array
+from orbitproof.shared.formats import Atlas
 from orbitproof.shared.numbers import parse_exact
-from orbitproof.verify.atlas import AtlasCertificate, Result
+from orbitproof.verify.atlas import AtlasCertificate
 from orbitproof.verify.functions import StoredFunction
 from orbitproof.verify.stability import REACH, StabilityFunctions, StabilityResult
 
@@ -31,6 +33,7 @@ class StabilityOnStretch:
         parameters: complex, shape (M, n), at the stretch's s; NaN where nothing is known.
         bounds: shape (M, n), how far the real ones may be off.
         level, half_period: shape (M,); the level is the first integral or the family parameter.
+        twist: shape (M,), NaN where it is not known.
     """
 
     stretch: Stretch
@@ -38,6 +41,7 @@ class StabilityOnStretch:
     bounds: Array
     level: Array
     half_period: Array
+    twist: Array
 
 
 @dataclass(frozen=True)
@@ -92,7 +96,7 @@ class CertifiedStability:
         return cls(
             curve,
             int(listed["order"]),
-            tuple(_on_stretch(stretch, certificate.results) for stretch in curve.stretches),
+            tuple(_on_stretch(stretch, certificate) for stretch in curve.stretches),
             tuple(_point(entry) for entry in listed["points"] if entry["k"]),
             tuple(map(_ends, listed["stable"])),
             tuple((_ends(entry), entry["twist"] == "positive") for entry in lasting["stable"]),
@@ -118,7 +122,9 @@ def _end(entry: Mapping[str, Any], which: int) -> tuple[str, float]:
     return entry["piece"], float(parse_exact(entry["interval"][which]))
 
 
-def _on_stretch(stretch: Stretch, results: Sequence[Result]) -> StabilityOnStretch:
+def _on_stretch(stretch: Stretch, certificate: AtlasCertificate) -> StabilityOnStretch:
+    atlas, results = certificate.atlas, certificate.results
+    twist = twist_on(stretch, atlas, results) if isinstance(atlas, Atlas) else np.full(len(stretch.s), np.nan)
     # As in the list: of two results the one on the shorter interval, at equal lengths the one with more bits.
     known = [
         (float(result.interval[0]), float(result.interval[1]), result.stability)
@@ -138,7 +144,7 @@ def _on_stretch(stretch: Stretch, results: Sequence[Result]) -> StabilityOnStret
         parameters[inside], bounds[inside] = _parameters(entry.characteristic, tau)
         for values, name in ((level, "level"), (half_period, "half_period")):
             values[inside] = _values(getattr(entry, name), tau)[0]
-    return StabilityOnStretch(stretch, parameters, bounds, level, half_period)
+    return StabilityOnStretch(stretch, parameters, bounds, level, half_period, twist)
 
 
 def _parameters(functions: Sequence[StoredFunction], tau: Array) -> tuple[Array, Array]:

@@ -35,7 +35,9 @@ _MANY = 7
 _ROW, _MAGNIFIED, _PANEL = 0.22, 2.0, 1.35
 """Inches of a row of the legend, and of panels that magnify with and without what is around them."""
 _LETTERS = "acdefghij"
-"""Of the panels with stability parameters: the whole curve, then stretches."""
+"""Of the panels with stability parameters: the whole curve, then stretches, without (c) if that is the twist."""
+_TWIST = 1.5
+"""Inches of the panel with the twist."""
 _DECADE = 10.0
 _LOSS = "loss of R"
 """What a list calls such a point."""
@@ -49,17 +51,27 @@ def draw_certified_stability(found: CertifiedStability) -> Figure:
     axis = Along(found.curve)
     stretches = {stretch.piece: stretch for stretch in found.curve.stretches}
     spots = [axis.at(stretches[point.piece], point.s) for point in found.points]
-    close = _magnified(axis, found, spots)
     rows = _legend(found)
-    height = _HEIGHT + _MAGNIFIED * len(close)
+    twisted = any(np.isfinite(part.twist).any() for part in found.parts)
+    letters = _LETTERS.replace("c", "") if twisted else _LETTERS
+    close = _magnified(axis, found, spots)[: len(letters) - 1]
+    height = _HEIGHT + _MAGNIFIED * len(close) + _TWIST * twisted
     figure = plt.figure(figsize=(_WIDTH, height))
     foot = 0.62 + _ROW * len(rows)
     raised = foot + _MAGNIFIED * len(close)
+    ratios = (2.2, 1.0, 1.0)[: 2 + twisted]
     grid = figure.add_gridspec(
-        2, 1, left=0.1, right=0.95, top=1 - 0.58 / height, bottom=raised / height, hspace=0.16, height_ratios=(2.2, 1.0)
+        len(ratios),
+        1,
+        left=0.1,
+        right=0.95,
+        top=1 - 0.58 / height,
+        bottom=raised / height,
+        hspace=0.2,
+        height_ratios=ratios,
     )
     upper = figure.add_subplot(grid[0])
-    lower = figure.add_subplot(grid[1], sharex=upper)
+    lower, *twists = (figure.add_subplot(grid[row], sharex=upper) for row in range(1, len(ratios)))
     panels = [
         figure.add_axes((0.1, (raised - _MAGNIFIED * (number + 1)) / height, 0.85, _PANEL / height))
         for number in range(len(close))
@@ -68,12 +80,20 @@ def draw_certified_stability(found: CertifiedStability) -> Figure:
         _draw_parameters(axes, found, axis)
     for part in found.parts:
         lower.plot(axis.values(part.stretch), part.half_period if axis.is_parameter else part.level, color=CURVE)
-    for axes in (upper, lower, *panels):
+    for axes in twists:
+        _draw_twist(axes, found, axis)
+        lower.tick_params(labelbottom=False)
+    for axes in (upper, lower, *twists, *panels):
         _draw_intervals(axes, found, axis, stretches)
     for point, x_at in zip(found.points, spots, strict=True):
         for axes in (upper, *panels):
             _mark(axes, x_at, point.value, point)
         _mark(lower, x_at, point.half_period if axis.is_parameter else point.level, point)
+        for axes in twists:
+            if point.k <= _NAMED:
+                axes.axvline(
+                    x_at, color=_look(point)["color"], linewidth=1.0, linestyle="dashed", gid=f"twist {point.k}"
+                )
     values = np.concatenate([part.parameters.ravel() for part in found.parts])
     if not (np.abs(values) <= _SHOWN).any():
         text = f"outside of this panel: real parts from about {values.real.min():.4g} to {values.real.max():.4g}"
@@ -81,7 +101,7 @@ def draw_certified_stability(found: CertifiedStability) -> Figure:
     upper.margins(x=0.015)
     upper.tick_params(labelbottom=False)
     lower.set_ylabel("half period" if axis.is_parameter else level_label(found.curve.system).split("  ")[0])
-    (panels[-1] if panels else lower).set_xlabel(axis.label)
+    [lower, *twists, *panels][-1].set_xlabel(axis.label)
     figure.text(0.1, 1 - 0.22 / height, heading_of(found.curve.atlas), color=INK, fontweight="bold", va="center")
     upper.set_title(f"(a)  stability parameters, with all resonances up to 1:{found.order}", color=INK)
     title = "half period" if axis.is_parameter else f"{_parameter(found)} of the orbits"
@@ -89,7 +109,7 @@ def draw_certified_stability(found: CertifiedStability) -> Figure:
     for number, axes in enumerate(panels):
         within = [each for each in range(number) if _contains(close[each], close[number])]
         parent = within[-1] + 1 if within else 0
-        letter, of = _LETTERS[number + 1], _LETTERS[parent]
+        letter, of = letters[number + 1], letters[parent]
         _magnify((upper, *panels)[parent], axes, letter, of, close[number])
     for number, row in enumerate(rows):
         legend_row(figure, row, 0.06 + _ROW * number)
@@ -101,9 +121,7 @@ def _magnified(axis: Along, found: CertifiedStability, spots: Sequence[float]) -
     to, back = (np.log, np.exp) if axis.is_logarithmic else (np.asarray, np.asarray)
     begin, end = (float(to(axis.ends(found.curve.stretches[place])[place])) for place in (0, -1))
     stretches = crowded([(float(to(spot)) - begin) / (end - begin) for spot in spots])
-    return [tuple(float(back(begin + (end - begin) * place)) for place in ends) for ends in stretches][
-        : len(_LETTERS) - 1
-    ]
+    return [tuple(float(back(begin + (end - begin) * place)) for place in ends) for ends in stretches]
 
 
 def _draw_parameters(axes: Axes, found: CertifiedStability, axis: Along) -> None:
@@ -123,6 +141,22 @@ def _draw_parameters(axes: Axes, found: CertifiedStability, axis: Along) -> None
         axes.set_xscale("log")
     axes.set_ylim(-_SHOWN, _SHOWN)
     axes.set_ylabel(r"$(\lambda+1/\lambda)/2$")
+
+
+def _draw_twist(axes: Axes, found: CertifiedStability, axis: Along) -> None:
+    """The twist, which has poles at 1:3, on a scale that is linear near 0."""
+    for part in found.parts:
+        axes.plot(axis.values(part.stretch), part.twist, color=CURVE, gid="twist")
+    values = np.concatenate([part.twist for part in found.parts])
+    sizes = np.abs(values[np.isfinite(values)])
+    axes.set_yscale("asinh", linear_width=float(np.quantile(sizes, 0.2)) or 1.0)
+    largest = int(np.floor(np.log10(sizes.max() or 1.0)))
+    powers = 10.0 ** np.array([largest - 2, largest])
+    axes.set_yticks([*-powers, 0.0, *powers])
+    axes.minorticks_off()
+    axes.axhline(0.0, color=INK, linewidth=0.6)
+    axes.set_ylabel("twist")
+    axes.set_title("(c)  the twist, and resonances up to 1:4", color=INK)
 
 
 def _draw_intervals(axes: Axes, found: CertifiedStability, axis: Along, stretches: Mapping[str, Stretch]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -11,8 +12,9 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from matplotlib.text import Text
+from support.conclusions import with_lasting
 from support.picture_texts import unreadable
-from support.stability_cases import atlas, listed, results
+from support.stability_cases import DATA, atlas, listed, results
 from support.stored import values
 
 from orbitproof.figures.__main__ import main
@@ -176,4 +178,26 @@ def test_stretches_with_many_points_are_drawn_again_until_their_points_are_apart
 def test_few_points_and_points_all_over_the_curve_have_no_panel_of_their_own(spots: tuple[float, ...]) -> None:
     figure = draw_certified_stability(replace(stability(), points=points_at(*spots)))
     assert len(figure.axes) == 2
+    close(figure)
+
+
+def test_the_twist_is_drawn_as_it_is_proved_of_one_orbit() -> None:
+    """-3296.33067 at beta = 400 (section 28.7), by other functions than the stored ones."""
+    found = json.loads((DATA / "lasting-falkner-skan.json").read_text())
+    document = make_atlas_certificate(atlas(), values(found), with_lasting(atlas(), found))
+    stability = CertifiedStability.of(AtlasCertificate(atlas(), document))
+    assert stability is not None
+    beta, twist = (np.concatenate(rows) for rows in zip(*(
+        (part.stretch.points[:, 0], part.twist) for part in stability.parts
+    ), strict=True))  # fmt: skip
+    assert np.interp(400.0, beta, twist) == pytest.approx(-3296.33067, rel=1e-3)
+    assert np.isnan(twist[beta < 340.18]).all()
+    figure = draw_certified_stability(stability)
+    (panel,) = [axes for axes in figure.axes if axes.get_title(loc="left").startswith("(c)")]
+    lines = [line for line in panel.lines if line.get_gid() == "twist"]
+    assert [line.get_ydata().tolist() for line in lines] == [
+        pytest.approx(part.twist.tolist(), nan_ok=True) for part in stability.parts
+    ]
+    assert {line.get_gid() for line in panel.lines} >= {"twist 3", "twist 4"}
+    assert not unreadable(figure)
     close(figure)

@@ -113,6 +113,15 @@ def test_more_precision_is_tried_before_an_interval_is_split() -> None:
     assert run.plan_of("p001").is_proved
 
 
+def test_intervals_that_are_halved_beforehand_are_not_tried_in_whole() -> None:
+    piece = CURVE.pieces[1]
+    whole = full_interval(piece)
+    assert plan(piece, [], [{}], 3, halved=1).missing == tuple((half, 0) for half in halves(whole))
+    assert plan(piece, [], [{}], 0, halved=1).missing == ((whole, 0),)
+    proved = {"piece": "p001", "interval": ["-0x1", "0x1"], "verdict": "proved"}
+    assert plan(piece, values([proved]), [{}], 3, halved=1).is_proved
+
+
 def test_what_takes_too_long_is_split_at_once() -> None:
     piece = CURVE.pieces[1]
     late = {

@@ -484,9 +484,17 @@ def test_stability_may_change_where_a_resonance_up_to_4_or_the_twist_is_open() -
     assert {subject for subject in Matter if not _may_end(subject)} == {Matter.EXTREMA, Matter.COMBINATIONS}
 
 
-def test_at_1_4_a_larger_resonant_term_is_unstable_and_nothing_else_is_said() -> None:
-    for fourth, fate in ((1, "unstable"), (-1, "open"), (0, "open")):
-        assert said(made_up(([], []), fourth=fourth))["exceptions"][-1]["fate"] == fate
+def test_at_1_4_the_larger_one_of_resonant_term_and_twist_decides() -> None:
+    for fourth, fate, words in (
+        (1, "unstable", "unstable"),
+        (-1, "stable", "stable for ever"),
+        (0, "open", "not said"),
+    ):
+        conclusion = with_lasting(atlas(), made_up(([], []), fourth=fourth))
+        exception = conclusion["complete"]["lasting"]["exceptions"][-1]
+        assert (exception["k"], exception["fate"]) == (4, fate)
+        line = [line for line in conclusion["statement"].splitlines() if line.startswith("- 1:4")][-1]
+        assert line.endswith(words)
 
 
 def test_the_twist_is_open_where_it_is_not_decided_between_elliptic_orbits() -> None:
@@ -499,7 +507,9 @@ def test_the_twist_is_open_where_it_is_not_decided_between_elliptic_orbits() -> 
     true = made_up(([], []))
     assert open_on(first, true[0]) == open_on(second, true[1]) == ""
     assert open_on(second, made_up(([], [0.1]))[1]) == ""
-    assert open_on(second, made_up(([], []), error=2.0)[1]) == "zeros"
+    # More precision may part two zeros; where the bound is as large as the function, a shorter interval does more.
+    assert open_on(second, made_up(([], [0.1, 0.1]))[1]) == "zeros"
+    assert open_on(second, made_up(([], []), error=2.0)[1]) == "stability"
     assert open_on(first, made_up(([-0.5, -0.5], []))[0]) == ""
     assert (
         open_on(second, {**true[1], "twist": {"reason": {"condition": "x", "message": "y", "remedy": ""}}})

@@ -11,7 +11,7 @@ from flint import arb
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.curve import Chain, Stretch
-from orbitproof.verify.evidence import is_positive, sign
+from orbitproof.verify.evidence import sign
 from orbitproof.verify.functions import REACH, BoundedFunction
 from orbitproof.verify.lasting.stored import LastingResult, TwistFunctions
 from orbitproof.verify.stability import (
@@ -43,6 +43,7 @@ _BESIDE = "the twist may vanish next to a resonance"
 class Fate(Enum):
     """What is shown of an exception, on its own."""
 
+    STABLE = "stable"
     UNSTABLE = "unstable"
     OPEN = "open"
 
@@ -220,7 +221,7 @@ def _twist_on(segment: Segment, stretch: Stretch, results: Sequence[LastingResul
 
 
 def _fate(chain: Chain, found: CompleteList, results: Sequence[LastingResult], point: Point) -> Fate:
-    """What is shown of a resonance of order 3 or 4 (Lemmas 29.6, 29.7)."""
+    """What is shown of a resonance of order 3 or 4 (Lemmas 29.6 to 29.8)."""
     if point.k not in (3, 4):
         return Fate.OPEN
     low, high = ends_of(point.s)
@@ -230,6 +231,7 @@ def _fate(chain: Chain, found: CompleteList, results: Sequence[LastingResult], p
             tau = segment.tau_of(point.s)
             if twist is None:
                 return Fate.OPEN
-            shown = twist.sign(tau) != 0 if point.k == 3 else is_positive(twist.fourth.value(tau))
-            return Fate.UNSTABLE if shown else Fate.OPEN
+            if point.k == 3:
+                return Fate.UNSTABLE if twist.sign(tau) else Fate.OPEN
+            return {1: Fate.UNSTABLE, -1: Fate.STABLE, 0: Fate.OPEN}[sign(twist.fourth.value(tau))]
     return Fate.OPEN

@@ -12,12 +12,14 @@ from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.functions import error_of, finite, function, inverse, known_part, restricted
 from orbitproof.verify.lasting.jets import ORDER, FunctionJet, compose, inverse_of_plane_map, solved
 from orbitproof.verify.poincare import PHYSICAL, HalfOrbits, first_integral
-from orbitproof.verify.stability import SHARE, CurveInTube, TubeOfOrbits, stability_slope_bits
+from orbitproof.verify.stability import SHARE, CurveInTube, TubeOfOrbits
 
 Jet = FunctionJet[Series]
 
 _FRAME = 2**16
 """Denominator of the directions that are chosen at both points."""
+_SLOPE_BITS = 56
+"""Significant bits of derivatives of order 3, at least; those of lower order have more, as their errors spread."""
 
 
 def return_map(
@@ -96,8 +98,7 @@ def _on_level(tube: TubeOfOrbits, level: Jet, points: Mapping[str, Jet]) -> Mapp
 def _elements(tube: TubeOfOrbits, points: Mapping[str, Jet], width: Fraction) -> Mapping[str, Series]:
     """Points, and the parameters, as elements whose variables are the increments over `width`."""
     size = len(next(iter(next(iter(points.values())).coefficients)))
-    slope_bits = stability_slope_bits(tube.limits.precision)
-    flow = tube.limits.arithmetic([width] * size, slope_bits, ORDER)
+    flow = tube.limits.arithmetic([width] * size, max(_SLOPE_BITS, tube.limits.precision // 2), ORDER)
     found = parameter_series(flow, tube.system, tube.parameters)
     for name, jet in points.items():
         errors = flow.zero_errors()

@@ -8,11 +8,13 @@ from flint import ctx
 
 from orbitproof.shared.formats import Piece
 from orbitproof.verify.evidence import is_positive
-from orbitproof.verify.functions import REACH
+from orbitproof.verify.functions import REACH, StoredFunction
 from orbitproof.verify.lasting.stored import LastingResult, TwistFunctions
 from orbitproof.verify.stability import PRECISION, StabilityFunctions, between, zeros_on
 
 _PARTS = 32
+_HOPELESS = 2**10
+"""A shorter interval helps, and more precision little, where a bound is not so many times as small as its function."""
 
 
 def twist_open_on(piece: Piece, result: LastingResult) -> str:
@@ -27,10 +29,15 @@ def twist_open_on(piece: Piece, result: LastingResult) -> str:
     parts = [(first + number * step, first + (number + 1) * step) for number in range(_PARTS)]
     with ctx.workprec(PRECISION):
         s = result.stability.characteristic[0].enclosed
-        functions = [each.enclosed for each in (result.twist.twist, result.twist.exchanged)]
+        stored = result.twist.twist, result.twist.exchanged
+        functions = [each.enclosed for each in stored]
         for low, high in parts[1:-1]:
             values = s.value(between(low, high))
             elliptic = is_positive(1 - values * values)
             if elliptic and all(zeros_on(function, low, high).undecided for function in functions):
-                return "zeros"
+                return "stability" if all(map(_is_wide, stored)) else "zeros"
     return ""
+
+
+def _is_wide(function: StoredFunction) -> bool:
+    return _HOPELESS * function.error > sum(map(abs, function.coefficients), Fraction(0))

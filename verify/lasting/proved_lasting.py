@@ -16,7 +16,7 @@ from orbitproof.verify.stability import PRECISION, ListConclusion, ListTheorem, 
 
 @dataclass(frozen=True)
 class LastingTheorem(ListTheorem):
-    """The same with the stability for ever of the orbits (Theorem 29.8)."""
+    """The same with the stability for ever of the orbits (Theorem 29.9)."""
 
 
 @dataclass(frozen=True)

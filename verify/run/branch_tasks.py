@@ -65,8 +65,10 @@ def attempts_of(atlas: AnyAtlas, limits: RunLimits) -> tuple[Settings, ...]:
 _MORE_BITS, _MORE_ORDER, _MORE_WIDTH = 48, 8, 8
 _FOR_STABILITY = {"precision": 96, "order": 40, "width": 60}
 """More than a proof takes: of n parameters of stability one may be small and the others large."""
-_FOR_LASTING = {"precision": 112, "order": 40, "width": 60}
+_FOR_LASTING = {"precision": 112, "order": 44, "width": 36}
 """Each derivative of the return map loses some digits more."""
+HALVED_FOR_LASTING = 1
+"""Derivatives converge more slowly along the curve: with a smaller width halves of a piece take less time together."""
 
 
 def task_of(

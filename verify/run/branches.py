@@ -26,7 +26,7 @@ from orbitproof.verify.evidence import exact_interval_text
 from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, is_known_of, twist_open_on
 from orbitproof.verify.run import Answer, Display, Engine, Task, Work, Workplace
 from orbitproof.verify.run.branch_checks import checked_side_by_side, placing
-from orbitproof.verify.run.branch_tasks import RunLimits, attempts_of, result_of, task_of
+from orbitproof.verify.run.branch_tasks import HALVED_FOR_LASTING, RunLimits, attempts_of, result_of, task_of
 from orbitproof.verify.run.splitting import NOT_FOR_SPLITTING, Plan, full_interval, made_with, plan
 from orbitproof.verify.stability import open_on
 
@@ -97,7 +97,8 @@ class AtlasRun:
         engine.run(work, self._next, progress, finished)
 
     def _plan(self, piece: AnyPiece) -> Plan:
-        return plan(piece, self._results[piece.id], self._attempts, self.limits.max_splits, self._lacks)
+        halved = HALVED_FOR_LASTING if self.limits.lasting else 0
+        return plan(piece, self._results[piece.id], self._attempts, self.limits.max_splits, self._lacks, halved)
 
     def _lacks(self, result: Result) -> str:
         """What a list of resonances leaves open on a proved interval."""

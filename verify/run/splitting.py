@@ -70,6 +70,7 @@ def plan(
     attempts: Sequence[Settings],
     max_splits: int,
     lacks: Callable[[Result], str] = lambda result: "",
+    halved: int = 0,
 ) -> Plan:
     """What is left to do for a piece, given the results of its intervals.
 
@@ -77,6 +78,7 @@ def plan(
 
     Args:
         lacks: what else is wanted of a proved result and is not there, as a condition; empty for nothing.
+        halved: how often intervals are halved before they are tried, `max_splits` times at most.
     """
     proved, enough = [], []
     against: dict[Interval, list[tuple[Result, str]]] = {}
@@ -101,12 +103,12 @@ def plan(
         if any(condition in NOT_FOR_SPLITTING for condition in conditions):
             (done if only_lacks else failed).append(interval)
             return
-        wide = any(condition in FOR_SPLITTING for condition in conditions)
+        wide = splits < min(halved, max_splits) or any(condition in FOR_SPLITTING for condition in conditions)
         tried = [result for result, _ in against.get(interval, [])]
         untried = [n for n, settings in enumerate(attempts) if not any(made_with(r, settings) for r in tried)]
         if untried and not wide:
             missing.append((interval, untried[0]))
-        elif splits >= (min(max_splits, _SPLITS_FOR_LIST) if only_lacks else max_splits):
+        elif splits >= (min(max_splits, halved + _SPLITS_FOR_LIST) if only_lacks else max_splits):
             (done if only_lacks else failed).append(interval)
         else:
             for half in halves(interval):

@@ -17,7 +17,11 @@ from orbitproof.verify.lasting import (
 from orbitproof.verify.stability import level_name
 from orbitproof.verify.words.complete_list import gap_in_words, half, interval_in_words, part, point_in_words
 
-_FATES = {Fate.UNSTABLE: "unstable", Fate.OPEN: "whether it is stable is not said"}
+_FATES = {
+    Fate.STABLE: "stable for ever",
+    Fate.UNSTABLE: "unstable",
+    Fate.OPEN: "whether it is stable is not said",
+}
 _SIGNS = {1: "positive", -1: "negative"}
 
 
