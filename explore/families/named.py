@@ -2,8 +2,10 @@
 
 - cr3bp: ``L1-lyapunov`` (planar), ``L1-vertical`` and ``L1-halo``, which branches off where the symmetry S of the
   planar family breaks first; ``L1-halo-2``, ``L1-halo-3``, .. branch off where it does so the next times. The same for
-  L2 and L3. ``L2-butterfly`` branches off, with twice the period, at the last 1:2 resonance of the L2 halo family.
-  ``dro``, the distant retrograde orbits, are planar orbits around the smaller primary, from small circles outwards.
+  L2 and L3. ``L1-butterfly``, ``L1-dragonfly`` and those of L2 have twice the period (`explore.families.doubled`).
+  ``dro``, the distant retrograde orbits, are planar orbits around the smaller primary, from small circles outwards;
+  ``dpo``, ``lpo-east``, ``lpo-west`` go round it the other way (`explore.families.prograde`), ``resonant-3-1`` and others
+  round the larger one (`explore.families.resonant`).
 - cr3bp-planar, the CR3BP in the plane z = 0: ``dro`` again, by the crossing beyond the smaller primary, so that x
   increases outwards.
 - cr3bp-axial, the CR3BP under its second reversor, the half turn about the x axis: ``L1-axial`` branches off where S
@@ -24,7 +26,7 @@ from fractions import Fraction
 import numpy as np
 
 from orbitproof.explore.engines import Progress
-from orbitproof.explore.families.branching import Sign, after_breakings, branch_seed, doubling_seed
+from orbitproof.explore.families.branching import Sign, after_breakings, branch_seed
 from orbitproof.explore.families.continuation import (
     RETURNED,
     Course,
@@ -36,11 +38,14 @@ from orbitproof.explore.families.continuation import (
     in_fixed_space,
     trace,
 )
-from orbitproof.explore.families.detection import detect, symmetry_breaking_near, symmetry_breakings
+from orbitproof.explore.families.detection import symmetry_breaking_near, symmetry_breakings
+from orbitproof.explore.families.doubled import DOUBLED, doubled_seed
 from orbitproof.explore.families.limits import Limits
+from orbitproof.explore.families.prograde import PROGRADE, distant_prograde, greatest_level, prograde_circle
+from orbitproof.explore.families.resonant import resonant_seed, while_resonant
 from orbitproof.explore.families.step_control import CONTROL, StepControl
 from orbitproof.explore.flow import FlowFailure, Matrix
-from orbitproof.explore.names import branch_number, is_family_name
+from orbitproof.explore.names import branch_number, is_family_name, resonance_of
 from orbitproof.explore.numerics import bracketed_zero
 from orbitproof.explore.orbits import CorrectionFailure, ShootingProblem, SymmetricOrbit
 from orbitproof.explore.seeds import LinearOrbit, detuning, libration_point, limit_orbit, lyapunov_orbit, vertical_orbit
@@ -74,7 +79,7 @@ def trace_family(
 
     Arguments:
         parameters: exact fixed parameters of the system.
-        mirrored: the mirror image of a halo family under S (z < 0 at the first point).
+        mirrored: the mirror image under S of a halo family (z < 0 at the first point), or of one that branches off it.
 
     Raises `FamilyFailure` if no first orbit is found and `ValueError` for an unknown name.
     """
@@ -86,9 +91,13 @@ def trace_family(
             return tracer.falkner_skan()
         if name == "dro":
             return tracer.grown(*tracer.retrograde_start())
+        if name in PROGRADE:
+            return tracer.prograde(name)
+        if (resonance := resonance_of(name)) is not None:
+            return tracer.resonant(*resonance)
         point, kind = name.split("-")[:2]
-        if kind == "butterfly":
-            return tracer.butterfly(point)
+        if kind in DOUBLED:
+            return tracer.doubled(point, kind, -1 if mirrored else 1)
         if kind == "lyapunov":
             return tracer.grown(*tracer.planar_start(point))
         if kind == "vertical":
@@ -215,18 +224,47 @@ class _Tracer:
         )
         return self.problem((*(hill for _ in names), 1.0), None if planar else "S"), start
 
-    def butterfly(self, point: str) -> Family:
-        """The branch of doubled period at the last 1:2 resonance of the halo family."""
+    def prograde(self, name: str) -> Family:
+        """One of `PROGRADE`; the eastern and the distant ones begin where the Jacobi constant is greatest between them."""
+        mass = float(self.parameters["mu"])
+        hill = float((mass / 3) ** (1 / 3))
+        problem = self.problem((hill, hill, hill, 1.0), "S")
+        if name == "lpo-west":
+            return self.grown(problem, Start(*prograde_circle(mass, RETROGRADE_RADIUS * hill)))
+        near = Limits(PLANAR_ORBITS, min_distance=self.limits.min_distance)
+        way = Course(greatest_level(_stop(problem, near, ())), self.control, near.max_orbits, self._report_start(name))
+        family = extend(distant_prograde(problem), way)
+        if family.outcome == "interrupted":
+            raise KeyboardInterrupt
+        seed = replace(family.turned(), beginning=None)
+        if name == "lpo-east":
+            first = replace(family.orbits[-1], arclength=0.0)
+            seed = replace(family, orbits=(first,), tangents=family.tangents[-1:])
+        return continue_family(seed, self.limits, control=self.control, progress=self.progress)
+
+    def resonant(self, p: int, q: int, near: bool) -> Family:
+        """Both ways from an ellipse that is followed to the mass, half of the orbits each way."""
+        seed, mass = resonant_seed(self.parameters, p, q, near, self.control.tolerance), float(self.parameters["mu"])
+        half = replace(self.limits, max_orbits=(self.limits.max_orbits + 1) // 2)
+
+        def way(family: Family, limits: Limits) -> Course:
+            course = self.course(family.problem, limits, family.orbits)
+            return replace(course, stop=while_resonant(p, q, mass, course.stop))
+
+        family = extend(seed.turned(), way(seed, half)).turned()
+        if family.beginning is not None and family.beginning.outcome == "interrupted":
+            return replace(family, outcome="interrupted", beginning=None)
+        return extend(family, way(family, self.limits))
+
+    def doubled(self, point: str, kind: str, sign: Sign) -> Family:
+        """The branch of doubled period at a 1:2 resonance of the halo family."""
         far = Limits(PLANAR_ORBITS, min_distance=self.limits.min_distance)
-        halo = _Tracer(self.system, self.parameters, far, self.control, self.progress).halo(point, 1, 1)
+        halo = _Tracer(self.system, self.parameters, far, self.control, self.progress).halo(point, 1, sign)
         if halo.outcome == "interrupted":
             raise KeyboardInterrupt
         if self.progress is not None:
             self.progress("1:2 resonances of the halo family", 0.0)
-        resonances = detect(halo, [2]).resonances
-        if not resonances:
-            raise CorrectionFailure(f"no 1:2 resonance on the halo family: {halo.reason}")
-        branch = doubling_seed(halo.problem, resonances[-1])
+        branch = doubled_seed(halo, kind)
         return continue_family(branch, self.limits, control=self.control, progress=self.progress)
 
     def halo(self, point: str, number: int, sign: Sign) -> Family:
@@ -234,7 +272,7 @@ class _Tracer:
         planar, start = self.planar_start(point)
         near = Limits(PLANAR_ORBITS, min_distance=self.limits.min_distance)
         stop = after_breakings(planar, number, _stop(planar, near, ()))
-        family = trace(planar, start, Course(stop, self.control, near.max_orbits, self._planar_report()))
+        family = trace(planar, start, Course(stop, self.control, near.max_orbits, self._report_start("planar")))
         if family.outcome == "interrupted":
             raise KeyboardInterrupt
         breakings = symmetry_breakings(family)
@@ -244,11 +282,11 @@ class _Tracer:
         branch = branch_seed(planar, breakings[number - 1], sign)
         return continue_family(branch, self.limits, control=self.control, progress=self.progress)
 
-    def _planar_report(self) -> Callable[[SymmetricOrbit], None] | None:
+    def _report_start(self, name: str) -> Callable[[SymmetricOrbit], None] | None:
         progress = self.progress
         if progress is None:
             return None
-        return lambda orbit: progress("tracing the planar family", 0.0)
+        return lambda orbit: progress(f"on the way from the {name} family's start", 0.0)
 
     def falkner_skan(self) -> Family:
         """Starts at beta = 100, or where the range begins above it, goes down to its lower end and then up."""

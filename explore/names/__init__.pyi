@@ -5,6 +5,7 @@ from .exact_numbers import mass_parameter as mass_parameter
 from .family_names import FAMILY_NAMES as FAMILY_NAMES
 from .family_names import POINTS as POINTS
 from .family_names import PRESETS as PRESETS
+from .family_names import WITHOUT_SYMMETRY as WITHOUT_SYMMETRY
 from .family_names import Preset as Preset
 from .family_names import PresetFamilies as PresetFamilies
 from .family_names import branch_name as branch_name
@@ -13,6 +14,7 @@ from .family_names import families_to_give as families_to_give
 from .family_names import family_name as family_name
 from .family_names import is_family_name as is_family_name
 from .family_names import mirrored_name as mirrored_name
+from .family_names import resonance_of as resonance_of
 from .family_names import system_with as system_with
 from .own_systems import bounds_of as bounds_of
 from .own_systems import exact_parameters as exact_parameters

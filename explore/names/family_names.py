@@ -6,12 +6,20 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from math import gcd
+
+RESONANCES = ("1:1", "1:2", "1:3", "1:4", "2:1", "2:3", "3:1", "3:2", "3:4", "4:1", "4:3")
+"""Of the resonant families that are listed; p:q goes round p times while the primaries do so q times."""
 
 FAMILY_NAMES: Mapping[str, tuple[str, ...]] = {
     "cr3bp": (
         *(f"{point}-{kind}" for kind in ("halo", "lyapunov", "vertical") for point in ("L1", "L2", "L3")),
-        "L2-butterfly",
+        *(f"{point}-{kind}" for kind in ("butterfly", "dragonfly") for point in ("L1", "L2")),
         "dro",
+        "dpo",
+        "lpo-east",
+        "lpo-west",
+        *(f"resonant-{ratio.replace(':', '-')}" for ratio in RESONANCES),
     ),
     "cr3bp-axial": ("L1-axial", "L2-axial", "L3-axial"),
     "cr3bp-planar": ("dro",),
@@ -19,36 +27,61 @@ FAMILY_NAMES: Mapping[str, tuple[str, ...]] = {
 }
 """The families that can be asked for, by system; `explore.families.named` traces them."""
 
+WITHOUT_SYMMETRY = ("L4-short", "L4-long", "L5-short", "L5-long")
+"""Families of the CR3BP whose orbits no reversor maps to themselves."""
+
 _ALIASES: Mapping[str, str] = {
     "distant-retrograde": "dro",
+    "distant-prograde": "dpo",
+    **{f"{word}-{side}": f"lpo-{side}" for word in ("lpo", "low-prograde") for side in ("east", "west")},
+    **{f"{word}-{side}ern": f"lpo-{side}" for word in ("lpo", "low-prograde") for side in ("east", "west")},
+    "lpo-e": "lpo-east",
+    "lpo-w": "lpo-west",
     "butterfly": "L2-butterfly",
+    "dragonfly": "L2-dragonfly",
     # Near-rectilinear halo orbits are the far parts of the halo families.
     "nrho": "L2-halo",
     "l1-nrho": "L1-halo",
     "l2-nrho": "L2-halo",
+    **{f"{point}-{kind}": f"{point}-{kind[:-1]}" for point in ("l4", "l5") for kind in ("shortp", "longp")},
+    **{f"{point}-{kind}-period": f"{point}-{kind}" for point in ("l4", "l5") for kind in ("short", "long")},
 }
 
 _BRANCH = re.compile(r"L[123]-halo(?:-([2-9]|[1-9][0-9]))?")
+_RESONANT = re.compile(r"resonant-([1-9])-([1-9])(-near)?")
+_RATIO = re.compile(r"(?:resonant[- ])?([1-9])[:-]?([1-9])(-near)?")
 
 
 def family_name(text: str) -> str:
     """The name of a family that is asked for, in any case or by its long name; other texts as they are."""
     wanted = text.casefold()
     wanted = _ALIASES.get(wanted, wanted)
-    known = {name.casefold(): name for names in FAMILY_NAMES.values() for name in names}
+    listed = [name for names in FAMILY_NAMES.values() for name in names]
+    known = {name.casefold(): name for name in (*listed, *WITHOUT_SYMMETRY)}
     if _BRANCH.fullmatch(f"{wanted[:1].upper()}{wanted[1:]}") is not None:
         return f"{wanted[:1].upper()}{wanted[1:]}"
+    if (ratio := _RATIO.fullmatch(wanted)) is not None:
+        return f"resonant-{ratio[1]}-{ratio[2]}{ratio[3] or ''}"
     return known.get(wanted.casefold(), text)
 
 
+def resonance_of(name: str) -> tuple[int, int, bool] | None:
+    """p, q and whether "-near" follows in the name of a resonant family, p and q without a common divisor."""
+    match = _RESONANT.fullmatch(name)
+    if match is None or gcd(int(match[1]), int(match[2])) != 1:
+        return None
+    return int(match[1]), int(match[2]), match[3] is not None
+
+
 def is_family_name(system: str, name: str) -> bool:
-    """Whether a family of that name can be asked for: one of `FAMILY_NAMES`, or L1-halo-2, L1-halo-3, .."""
-    return name in FAMILY_NAMES.get(system, ()) or (system == "cr3bp" and _BRANCH.fullmatch(name) is not None)
+    """Whether a family of that name can be asked for: one of `FAMILY_NAMES`, L1-halo-2, L1-halo-3, .., or a resonance."""
+    numbered = _BRANCH.fullmatch(name) is not None or resonance_of(name) is not None
+    return name in FAMILY_NAMES.get(system, ()) or (system == "cr3bp" and numbered)
 
 
 def families_to_give(system: str, name: str) -> str:
     """Which families there are of a system, for one who has asked for another: first those with nearly that name."""
-    names = FAMILY_NAMES.get(system, ())
+    names = (*FAMILY_NAMES.get(system, ()), *(WITHOUT_SYMMETRY if system == "cr3bp" else ()))
     close = get_close_matches(name.casefold(), [known.casefold() for known in names], 3, 0.5)
     return ", ".join(sorted(names, key=lambda known: known.casefold() not in close))
 
@@ -73,7 +106,8 @@ def branch_number(name: str) -> int | None:
 
 def mirrored_name(name: str) -> str:
     """The name of the mirror image under S of a family that does not map to itself."""
-    return name if branch_number(name) is None else f"{name}-mirror"
+    has_image = branch_number(name) is not None or name.endswith(("-butterfly", "-dragonfly"))
+    return f"{name}-mirror" if has_image else name
 
 
 POINTS = ("one", "distinct", "all")

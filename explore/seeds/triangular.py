@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from math import pi, sqrt
 
-TRIANGULAR = ("L4-short", "L4-long", "L5-short", "L5-long")
+from orbitproof.explore.names import WITHOUT_SYMMETRY as TRIANGULAR
+
 _AMPLITUDE = 0.02
 
 
