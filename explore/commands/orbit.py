@@ -297,7 +297,7 @@ def _is_there(task: OrbitTask, kept: Mapping[str, Candidate], word: str) -> bool
 
 def _catalogue(options: argparse.Namespace) -> int:
     """Orbits near rows of a catalogue: refined, or compared with their certificates."""
-    from orbitproof.explore.catalogue import compare_certificates, read_catalogue
+    from orbitproof.explore.catalogues import compare_certificates, read_catalogue
 
     for option in ("system", "mass", "family", "start", "from_family", "half_period"):
         if getattr(options, option) is not None:

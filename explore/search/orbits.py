@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from orbitproof.explore.catalogue import ROW, Catalogue
+from orbitproof.explore.catalogues import ROW, Catalogue
 from orbitproof.explore.families import Family, family_of
 from orbitproof.explore.flow import flow_batch
 from orbitproof.explore.numerics import bracketed_zero

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from orbitproof.explore.catalogue import (
+from orbitproof.explore.catalogues import (
     Catalogue,
     catalogue_of,
     libration_places,

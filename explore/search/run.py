@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from orbitproof.explore.catalogue import CatalogueStart, catalogue_start
+from orbitproof.explore.catalogues import CatalogueStart, catalogue_start
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import (
     Limits,

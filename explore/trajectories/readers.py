@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from orbitproof.explore.branches import NoBranch, branch_point, numbered, read_branches
-from orbitproof.explore.catalogue import Catalogue, correct_catalogue, read_catalogue
+from orbitproof.explore.catalogues import Catalogue, correct_catalogue, read_catalogue
 from orbitproof.explore.flow import Vector
 from orbitproof.explore.orbits import ShootingProblem
 from orbitproof.explore.periodic import read_periodic_family

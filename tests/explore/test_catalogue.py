@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.catalogue import (
+from orbitproof.explore.catalogues import (
     Catalogue,
     CorrectedCatalogue,
     correct_catalogue,
@@ -21,7 +21,7 @@ from orbitproof.explore.catalogue import (
     write_catalogue_csv,
     write_catalogue_json,
 )
-from orbitproof.explore.catalogue.file import decimal_text
+from orbitproof.explore.catalogues.file import decimal_text
 from orbitproof.explore.families import Family, Limits, continue_both_ways, trace_family
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.orbits import stability_index

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from orbitproof.explore.catalogue.file import Catalogue, decimal_text, read_catalogue
-from orbitproof.explore.catalogue.orbits import CorrectedCatalogue, correct_catalogue
+from orbitproof.explore.catalogues.file import Catalogue, decimal_text, read_catalogue
+from orbitproof.explore.catalogues.orbits import CorrectedCatalogue, correct_catalogue
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import Family, in_fixed_space
 from orbitproof.explore.orbits import CorrectionFailure

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from orbitproof.explore.catalogue.file import Catalogue
+from orbitproof.explore.catalogues.file import Catalogue
 from orbitproof.shared.formats import InputError, read_document
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import CR3BP

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from orbitproof.explore.catalogue.file import Catalogue
+from orbitproof.explore.catalogues.file import Catalogue
 from orbitproof.explore.families import Family
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
 from orbitproof.explore.numerics import SHOOTING
