@@ -231,10 +231,9 @@ def trace(
 
     >>> from orbitproof import explore
     >>> from orbitproof.shared import CR3BP, EARTH_MOON
-    >>> explore.trace(CR3BP, "L7-halo", mu=EARTH_MOON)
+    >>> explore.trace(CR3BP, "L7-halo", mu=EARTH_MOON)  # doctest: +ELLIPSIS
     Traceback (most recent call last):
-    ValueError: name: 'L7-halo' is no family of cr3bp; there are L1-halo, L2-halo, L3-halo, L1-lyapunov, L2-lyapunov, \
-L3-lyapunov, L1-vertical, L2-vertical, L3-vertical, L2-butterfly, dro
+    ValueError: name: 'L7-halo' is no family of cr3bp; there are L1-halo, L2-halo, L3-halo, L1-lyapunov, ...
     >>> explore.trace(CR3BP, "L1-halo")
     Traceback (most recent call last):
     ValueError: mu: missing; give the mass parameter of cr3bp, in (0, 1), for example shared.EARTH_MOON

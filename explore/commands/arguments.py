@@ -153,9 +153,10 @@ def _family_options(target: argparse.ArgumentParser) -> None:
         nargs="+",
         type=family_name,
         metavar="NAME",
-        help=f"families to trace ({families}; in any case, dro also as distant-retrograde), or what to call the one "
-        "of --start; L1-halo-2, L1-halo-3, .. branch "
-        "off at the next symmetry breakings of L1-lyapunov, the same for L2 and L3",
+        help=f"families to trace ({families}; in any case, with aliases such as nrho, distant-retrograde, 3:1), or "
+        "what to call the one of --start; L1-halo-2, L1-halo-3, .. branch off at the next symmetry breakings of "
+        "L1-lyapunov, the same for L2 and L3; resonant-P-Q goes round the larger primary P times in Q turns of "
+        "the smaller one, resonant-P-Q-near in the phase that comes closer to that",
     )
     target.add_argument(
         "--from-family",

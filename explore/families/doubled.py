@@ -1,7 +1,8 @@
 """Families of doubled period that branch off from the halo families: butterflies and dragonflies.
 
-On its way to the smaller primary a halo family meets 1:2 resonances. At the last of them before its nearest orbit the
-butterflies begin, at the one before that the dragonflies, whose orbits come down to the plane.
+On its way to the smaller primary a halo family meets 1:2 resonances. At the last of those that pass it at a distance
+the dragonflies begin, whose orbits come down to the plane; at the last of the near-rectilinear ones, if there are any,
+the butterflies.
 """
 
 from __future__ import annotations
@@ -15,19 +16,27 @@ from orbitproof.explore.orbits import CorrectionFailure, SymmetricOrbit
 from orbitproof.explore.seeds import primaries
 
 DOUBLED = ("dragonfly", "butterfly")
-"""The kinds, in the order of their resonances along a halo family."""
+
+NEAR_RECTILINEAR, NEAREST = 0.1, 0.003
+"""Halo orbits that come so close to the smaller primary, in units of (mu/3)^(1/3), count as such, and are looked at up
+to there."""
 
 
 def doubled_seed(halo: Family, kind: str) -> Family:
     """The branch of one of `DOUBLED` from a traced halo family, not traced yet. Raises `CorrectionFailure`."""
     _, smaller = primaries(float(halo.problem.parameters["mu"]))
+    near = NEAR_RECTILINEAR * float((halo.problem.parameters["mu"] / 3) ** (1 / 3))
     nearest = min(halo.orbits, key=lambda orbit: _distance(orbit, smaller))
-    found = [each for each in detect(halo, [2]).resonances if each.orbit.arclength <= nearest.arclength]
-    back = len(DOUBLED) - DOUBLED.index(kind)
-    if len(found) < back:
-        known = f"{len(found)} 1:2 resonances" if found else "no 1:2 resonance"
-        raise CorrectionFailure(f"{known} on the halo family before its nearest orbit: {halo.reason}")
-    return doubling_seed(halo.problem, found[-back])
+    found = [
+        each
+        for each in detect(halo, [2]).resonances
+        if each.orbit.arclength <= nearest.arclength
+        and (_distance(each.orbit, smaller) < near) == (kind == "butterfly")
+    ]
+    if not found:
+        which = "near-rectilinear" if kind == "butterfly" else "other"
+        raise CorrectionFailure(f"no {which} halo orbit in 1:2 resonance before the family's nearest: {halo.reason}")
+    return doubling_seed(halo.problem, found[-1])
 
 
 def _distance(orbit: SymmetricOrbit, place: np.ndarray) -> float:

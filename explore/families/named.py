@@ -4,8 +4,8 @@
   planar family breaks first; ``L1-halo-2``, ``L1-halo-3``, .. branch off where it does so the next times. The same for
   L2 and L3. ``L1-butterfly``, ``L1-dragonfly`` and those of L2 have twice the period (`explore.families.doubled`).
   ``dro``, the distant retrograde orbits, are planar orbits around the smaller primary, from small circles outwards;
-  ``dpo``, ``lpo-east``, ``lpo-west`` go round it the other way (`explore.families.prograde`), ``resonant-3-1`` and others
-  round the larger one (`explore.families.resonant`).
+  ``dpo``, ``lpo-east``, ``lpo-west`` go round it the other way (`explore.families.prograde`), ``resonant-3-1`` and
+  others round the larger one (`explore.families.resonant`).
 - cr3bp-planar, the CR3BP in the plane z = 0: ``dro`` again, by the crossing beyond the smaller primary, so that x
   increases outwards.
 - cr3bp-axial, the CR3BP under its second reversor, the half turn about the x axis: ``L1-axial`` branches off where S
@@ -39,7 +39,7 @@ from orbitproof.explore.families.continuation import (
     trace,
 )
 from orbitproof.explore.families.detection import symmetry_breaking_near, symmetry_breakings
-from orbitproof.explore.families.doubled import DOUBLED, doubled_seed
+from orbitproof.explore.families.doubled import DOUBLED, NEAREST, doubled_seed
 from orbitproof.explore.families.limits import Limits
 from orbitproof.explore.families.prograde import PROGRADE, distant_prograde, greatest_level, prograde_circle
 from orbitproof.explore.families.resonant import resonant_seed, while_resonant
@@ -225,7 +225,7 @@ class _Tracer:
         return self.problem((*(hill for _ in names), 1.0), None if planar else "S"), start
 
     def prograde(self, name: str) -> Family:
-        """One of `PROGRADE`; the eastern and the distant ones begin where the Jacobi constant is greatest between them."""
+        """One of `PROGRADE`; eastern and distant ones begin where the Jacobi constant is greatest between them."""
         mass = float(self.parameters["mu"])
         hill = float((mass / 3) ** (1 / 3))
         problem = self.problem((hill, hill, hill, 1.0), "S")
@@ -258,7 +258,8 @@ class _Tracer:
 
     def doubled(self, point: str, kind: str, sign: Sign) -> Family:
         """The branch of doubled period at a 1:2 resonance of the halo family."""
-        far = Limits(PLANAR_ORBITS, min_distance=self.limits.min_distance)
+        hill = float((self.parameters["mu"] / 3) ** (1 / 3))
+        far = Limits(PLANAR_ORBITS, min_distance=max(self.limits.min_distance or 0.0, NEAREST * hill))
         halo = _Tracer(self.system, self.parameters, far, self.control, self.progress).halo(point, 1, sign)
         if halo.outcome == "interrupted":
             raise KeyboardInterrupt

@@ -3,8 +3,8 @@
 In Hill's problem, the limit of small masses, circles around the primary grow into a family of orbits that are symmetric
 about both axes (M. Hénon's g), from which two families branch off, mirror images of one another, one to each side. With
 a mass the point breaks up into two curves. On one of them the small circles become orbits that reach out to L1: the
-low prograde orbits of the west. The other curve has a greatest Jacobi constant: on one side of it lie those that reach out
-to L2, of the east, on the other what remains of the doubly symmetric orbits: the distant prograde orbits.
+low prograde orbits of the west. The other curve has a greatest Jacobi constant: on one side of it lie those that reach
+out to L2, of the east, on the other what remains of the doubly symmetric orbits: the distant prograde orbits.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Planar resonant orbits: p times round the larger primary while the smaller one goes round q times.
 
-Without the smaller mass they are Kepler's ellipses of every eccentricity, seen in the turning frame. Symmetric ones have
-an apse on the axis; there are two phases, in one of which the orbit keeps farther away from the smaller primary. With the mass
-one family of each phase remains: an ellipse is followed to the mass that is asked for.
+Without the smaller mass they are Kepler's ellipses of every eccentricity, seen in the turning frame. Symmetric ones
+have an apse on the axis; there are two phases, in one of which the orbit keeps farther away from the smaller primary.
+With the mass one family of each phase remains: an ellipse is followed to the mass that is asked for.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def while_resonant(p: int, q: int, mass: float, limits: Stop) -> Stop:
 
 
 def half_turns(states: Matrix, mass: float) -> int:
-    """How many times half a turn the sampled half of a symmetric orbit goes round the larger primary in the turning frame."""
+    """How many half turns about the larger primary the half of a symmetric orbit makes in the turning frame."""
     angles = np.unwrap(np.arctan2(states[:, 1], states[:, 0] + mass))
     return round(float(angles[-1] - angles[0]) / np.pi)
 

@@ -74,7 +74,7 @@ def resonance_of(name: str) -> tuple[int, int, bool] | None:
 
 
 def is_family_name(system: str, name: str) -> bool:
-    """Whether a family of that name can be asked for: one of `FAMILY_NAMES`, L1-halo-2, L1-halo-3, .., or a resonance."""
+    """Whether a family of that name can be traced: one of `FAMILY_NAMES`, L1-halo-2, L1-halo-3, .., or a resonance."""
     numbered = _BRANCH.fullmatch(name) is not None or resonance_of(name) is not None
     return name in FAMILY_NAMES.get(system, ()) or (system == "cr3bp" and numbered)
 

@@ -16,6 +16,7 @@ from orbitproof.explore.families import StepControl
 from orbitproof.explore.names import (
     FAMILY_NAMES,
     PRESETS,
+    WITHOUT_SYMMETRY,
     Preset,
     PresetFamilies,
     families_to_give,
@@ -216,6 +217,11 @@ def _families(options: argparse.Namespace, preset: Preset | None) -> tuple[Famil
     if not names:
         raise InputError(f"--family: missing; give one or more of {', '.join(known)}")
     for name in names:
+        if name in WITHOUT_SYMMETRY:
+            raise InputError(
+                f"--family {name}: no reversor maps its orbits to themselves; give it to explore catalogue, or "
+                f"follow it with explore periodic --system cr3bp --triangular {name} --along level .."
+            )
         if not is_family_name(system.name, name):
             other = system_with([name])
             beside = "" if other is None else f", or --system {other}"

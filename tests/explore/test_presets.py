@@ -12,7 +12,14 @@ import orbitproof.explore.refinement.tasks
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.commands.arguments import parser
 from orbitproof.explore.families import TraceTask
-from orbitproof.explore.names import FAMILY_NAMES, families_to_give, family_name, is_family_name, system_with
+from orbitproof.explore.names import (
+    FAMILY_NAMES,
+    WITHOUT_SYMMETRY,
+    families_to_give,
+    family_name,
+    is_family_name,
+    system_with,
+)
 from orbitproof.explore.records import read_families
 from orbitproof.explore.refinement import Refined, Task, refine_tasks
 from orbitproof.explore.search import check
@@ -97,7 +104,7 @@ def test_families_are_named_in_any_case(text: str, name: str) -> None:
 
 def test_names_close_to_one_that_is_not_known_come_first() -> None:
     assert families_to_give("cr3bp", "L2-vertcal").startswith("L1-vertical, L2-vertical, L3-vertical, ")
-    assert set(families_to_give("cr3bp", "zzz").split(", ")) == set(FAMILY_NAMES["cr3bp"])
+    assert set(families_to_give("cr3bp", "zzz").split(", ")) == {*FAMILY_NAMES["cr3bp"], *WITHOUT_SYMMETRY}
     assert families_to_give("cr3bp", "L7-halo").split(", ")[:3] == ["L1-halo", "L2-halo", "L3-halo"]
     assert families_to_give("hill", "dro") == ""
 
