@@ -54,8 +54,8 @@ $(VENV)/dev.stamp: pyproject.toml setup.py | $(BIN)/python
 	@touch $@ $(VENV)/demo.stamp
 
 $(VENV)/docs.stamp: pyproject.toml setup.py | $(BIN)/python
-	@echo "installing orbitproof with the extras explore, figures and docs" >&2
-	@$(BIN)/python -m pip install --editable '.[explore,figures,docs]'
+	@echo "installing orbitproof with the extras explore, figures, oem, spk and docs" >&2
+	@$(BIN)/python -m pip install --editable '.[explore,figures,oem,spk,docs]'
 	@touch $@ $(VENV)/demo.stamp
 
 # The verifier runs in processes of its own in which the search side cannot be imported: verify/alone comes

@@ -9,8 +9,6 @@ from .periodic.scripting import periodic_atlas as periodic_atlas
 from .periodic.scripting import refine_periodic as refine_periodic
 from .points import refine_at as refine_at
 from .refinement import RefinementFailure as RefinementFailure
-from .scripting import Orbit as Orbit
-from .scripting import OrbitFamily as OrbitFamily
 from .scripting import ResonantOrbit as ResonantOrbit
 from .scripting import families_of as families_of
 from .scripting import refine as refine
@@ -18,3 +16,8 @@ from .scripting import resonances as resonances
 from .scripting import trace as trace
 from .scripting import trace_from as trace_from
 from .seeds import triangular_orbit as triangular_orbit
+from .trajectories import NoOrbit as NoOrbit
+from .trajectories import Units as Units
+from .values import Orbit as Orbit
+from .values import OrbitFamily as OrbitFamily
+from .values import read_orbit as read_orbit

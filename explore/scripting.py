@@ -5,17 +5,13 @@ Everything is in nondimensional units and in double precision, except what `refi
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
-from html import escape
-from importlib import import_module
 from math import inf
-from typing import Any, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import (
@@ -37,129 +33,14 @@ from orbitproof.explore.names import (
     is_family_name,
     label_of,
 )
-from orbitproof.explore.orbits import PeriodicSolution, ShootingProblem, SymmetricOrbit
 from orbitproof.explore.refinement import RefinementFailure, refine_tasks
 from orbitproof.explore.search import Target, targets_of
 from orbitproof.explore.seeds import FirstOrbit
+from orbitproof.explore.trajectories import UNITS
+from orbitproof.explore.values import Orbit, OrbitFamily, level_text, orbit_value
 from orbitproof.shared.formats import Candidate, InputError
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
-from orbitproof.shared.wording import counted
-
-
-@dataclass(frozen=True, repr=False)
-class Orbit:
-    """A symmetric periodic orbit, in double precision.
-
-    Attributes:
-        system: what it is an orbit of.
-        parameters: all parameters of the vector field, by name.
-        point: shape (m,), the state at time 0, on Fix(R).
-        period: the full period, in the system's time units (CR3BP: 2 pi for one turn of the primaries).
-        first_integral: the Jacobi constant in the CR3BP; `None` for a system with a family parameter.
-        stability: the n stability parameters (lambda + 1/lambda)/2; between -1 and 1: stable in that direction.
-        arclength: along its family from the first orbit, in the family's scaled unknowns.
-    """
-
-    system: ReversibleSystem
-    parameters: Mapping[str, float]
-    point: NDArray[np.float64]
-    period: float
-    first_integral: float | None
-    stability: tuple[complex, ...]
-    arclength: float
-
-    def states(self, times: ArrayLike) -> NDArray[np.float64]:
-        """The states at given times, of any sign; the orbit is periodic.
-
-        Arguments:
-            times: shape (N,), in the system's time units, 0 at `point`.
-
-        Returns shape (N, m), columns in the order of `system.state` (CR3BP: x, y, z, vx, vy, vz).
-        """
-        return self._solution.states(times)
-
-    def trajectory(self, count: int = 200) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """`count` equidistant times over one period, shape (count,), and the states, shape (count, m)."""
-        times = np.linspace(0.0, self.period, count)
-        return times, self.states(times)
-
-    @cached_property
-    def _solution(self) -> PeriodicSolution:
-        values = [self.parameters[name] for name in self.system.parameters]
-        return PeriodicSolution.symmetric(self.system, values, self.point, self.period)
-
-    def __repr__(self) -> str:
-        return f"<Orbit of {self.system.name}: period {self.period:.10g}{_level(self)}>"
-
-
-@dataclass(frozen=True, repr=False)
-class OrbitFamily(Sequence[Orbit]):
-    """A family of symmetric periodic orbits: a sequence of `Orbit`, in order along the family.
-
-    Attributes:
-        name: as asked for, for example "L1-halo".
-        system: what they are orbits of.
-        outcome: "limit", "closed" or "failed".
-        reason: the same in words, with the place.
-    """
-
-    name: str
-    system: ReversibleSystem
-    outcome: str
-    reason: str
-    _traced: TracedFamily
-
-    def __len__(self) -> int:
-        return len(self._traced.family.orbits)
-
-    @overload
-    def __getitem__(self, index: int) -> Orbit: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Orbit]: ...
-    def __getitem__(self, index: int | slice) -> Orbit | list[Orbit]:
-        family = self._traced.family
-        if isinstance(index, slice):
-            return [_orbit(family.problem, orbit) for orbit in family.orbits[index]]
-        return _orbit(family.problem, family.orbits[index])
-
-    def __iter__(self) -> Iterator[Orbit]:
-        return (self[index] for index in range(len(self)))
-
-    def to_dataframe(self) -> Any:
-        """A `pandas.DataFrame`, one row for each orbit.
-
-        Columns: the state at time 0 by its names, `period`, the first integral (or the family parameter), the
-        stability parameters `s1`, `s2`, .. and `arclength`. Raises `ModuleNotFoundError` where pandas is missing.
-        """
-        try:
-            pandas = import_module("pandas")
-        except ModuleNotFoundError:
-            raise ModuleNotFoundError("to_dataframe needs pandas: pip install pandas", name="pandas") from None
-        return pandas.DataFrame([self._row(orbit) for orbit in self])
-
-    def _row(self, orbit: Orbit) -> dict[str, float | complex]:
-        row: dict[str, Any] = dict(zip(self.system.state, orbit.point.tolist(), strict=True))
-        row["period"] = orbit.period
-        if self.system.family_parameter is not None:
-            row[self.system.family_parameter] = orbit.parameters[self.system.family_parameter]
-        elif orbit.first_integral is not None:
-            row[self.system.first_integral_name or "first integral"] = orbit.first_integral
-        for number, value in enumerate(orbit.stability, start=1):
-            row[f"s{number}"] = value.real if value.imag == 0 else value
-        row["arclength"] = orbit.arclength
-        return row
-
-    def __repr__(self) -> str:
-        return f"<OrbitFamily {self.name} of {self.system.name}: {counted(len(self), 'orbit')}, ends: {self.reason}>"
-
-    def _repr_html_(self) -> str:
-        """The table that a notebook shows: the first and the last orbits."""
-        ends = [self[index] for index in sorted({*range(min(3, len(self))), *range(max(0, len(self) - 3), len(self))})]
-        rows = [self._row(orbit) for orbit in ends]
-        head = "".join(f"<th>{escape(name)}</th>" for name in rows[0])
-        body = "".join("<tr>" + "".join(f"<td>{v:.8g}</td>" for v in row.values()) + "</tr>" for row in rows)
-        return f"<table><caption>{escape(repr(self)[1:-1])}</caption><tr>{head}</tr>{body}</table>"
 
 
 @dataclass(frozen=True, repr=False)
@@ -182,7 +63,7 @@ class ResonantOrbit:
     _target: Target
 
     def __repr__(self) -> str:
-        return f"<ResonantOrbit {self.id}: {self.kind}{_level(self.orbit)}>"
+        return f"<ResonantOrbit {self.id}: {self.kind}{level_text(self.orbit)}>"
 
 
 def families_of(system: ReversibleSystem) -> tuple[str, ...]:
@@ -261,7 +142,8 @@ def trace(
         family = trace_family(system, name, parameters, limits, mirrored=mirrored, progress=report.update)
     if family.outcome == "interrupted":
         raise KeyboardInterrupt
-    return OrbitFamily(name, system, family.outcome, family.reason, TracedFamily(name, label, family))
+    traced = TracedFamily(name, label, family)
+    return OrbitFamily(name, system, family.outcome, family.reason, traced, UNITS.get(label))
 
 
 def trace_from(
@@ -358,7 +240,7 @@ def resonances(
     return [
         ResonantOrbit(
             target.id, target.resonance.kind, target.resonance.k,
-            _orbit(traced.family.problem, target.resonance.orbit), target.guess, target,
+            orbit_value(traced.family.problem, target.resonance.orbit), target.guess, target,
         )
         for target in targets_of(replace(traced, detection=detection), points)
     ]  # fmt: skip
@@ -399,23 +281,3 @@ def _parameters(system: ReversibleSystem, mu: Fraction | float | str | None) -> 
     if not 0 < value < 1:
         raise ValueError(f"mu: {mu} lies outside (0, 1); give the smaller mass over the total mass")
     return {"mu": value}
-
-
-def _orbit(problem: ShootingProblem, orbit: SymmetricOrbit) -> Orbit:
-    values = problem.parameter_values(orbit.unknowns)
-    return Orbit(
-        system=problem.system,
-        parameters=dict(zip(problem.system.parameters, values.tolist(), strict=True)),
-        point=problem.initial_state(orbit.unknowns),
-        period=orbit.period,
-        first_integral=orbit.first_integral,
-        stability=orbit.stability,
-        arclength=orbit.arclength,
-    )
-
-
-def _level(orbit: Orbit) -> str:
-    name = orbit.system.family_parameter
-    if name is not None:
-        return f", {name} = {orbit.parameters[name]:.10g}"
-    return f", {orbit.system.first_integral_name} = {orbit.first_integral:.10g}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from orbitproof.shared.formats import InputError
@@ -25,6 +26,12 @@ class Units:
     def velocity(self) -> float:
         """km/s."""
         return self.length / self.time
+
+
+UNITS: Mapping[str, Units] = {
+    "jpl-earth-moon": Units(389703.264829278, 382981.289129055, "of the periodic orbit catalogue"),
+}
+"""Of systems by the name of their mass, as in `docs/examples/gateway-rows.json`."""
 
 
 def chosen_units(wanted: str, length: float | None, time: float | None, known: Units | None) -> Units | None:

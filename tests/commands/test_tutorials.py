@@ -53,6 +53,7 @@ NOTEBOOKS = {
     "certificates": ["stands INTEGRATION", "DOES NOT STAND", "**Theorem 1**"],
     "from-a-guess-in-python": ["11.6", "k = 2 tupling, proved, below, C = 3.0216193266007"],
     "periodic-orbit-of-lorenz": ["period [1.5586522107161747", "there is no zero in the set", "multiplier [4.7129472"],
+    "mission-design": ["6.649 days", "read back to 1.0 m", "6 of 6 orbits reach x = 0.98785"],
     "own-system-in-python": ["not reversible under R", "k = 3 touch-and-go, proved, both, c = 0.27634323081200157"],
 }
 

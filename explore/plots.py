@@ -1,0 +1,64 @@
+"""Pictures of orbits for scripts and notebooks, by matplotlib; all of it is numerical, and nothing is judged."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from orbitproof.explore.flow import Matrix, Vector
+from orbitproof.explore.seeds import primaries
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_INK, _GREY = "#1f4e79", "#888888"
+
+
+def draw_orbits(title: str, states: Sequence[Matrix], names: Sequence[str], mass: float | None) -> Figure:
+    """Orbits in two projections; with a mass parameter the primaries that are near enough to be in the picture.
+
+    Arguments:
+        states: of each orbit, shape (N, m).
+        names: of the coordinates.
+        mass: `None` for other systems than the three-body problem in space.
+    """
+    plt: Any = import_module("matplotlib.pyplot")
+    flat = max(float(np.abs(each[:, 2]).max()) for each in states) == 0 if len(names) > 2 else True
+    pairs = [(0, 1)] if flat else [(0, 1), (0, 2)]
+    figure, panels = plt.subplots(1, len(pairs), figsize=(4.2 * len(pairs), 3.6), squeeze=False, layout="constrained")
+    for axes, (first, second) in zip(panels[0], pairs, strict=True):
+        for number, each in enumerate(states):
+            shade = 0.25 + 0.75 * (number + 1) / len(states)
+            axes.plot(each[:, first], each[:, second], color=_INK, alpha=shade, linewidth=1.0)
+        axes.set_xlabel(names[first])
+        axes.set_ylabel(names[second])
+        if mass is not None:
+            axes.set_aspect("equal", adjustable="datalim")
+            _bodies(axes, states, (first, second), mass)
+    figure.suptitle(f"{title} (numerical)", fontsize="medium")
+    return figure  # type: ignore[no-any-return]
+
+
+def _bodies(axes: Any, states: Sequence[Matrix], pair: tuple[int, int], mass: float) -> None:
+    all_states = np.vstack(states)[:, :3]
+    low, high = all_states.min(axis=0), all_states.max(axis=0)
+    reach = float(np.max(high - low))
+    for place in primaries(mass):
+        if np.all(place >= low - reach) and np.all(place <= high + reach):
+            axes.plot(place[pair[0]], place[pair[1]], "o", color=_GREY, markersize=5)
+
+
+def draw_family(title: str, levels: Vector, level_name: str, periods: Vector, indices: Vector) -> Figure:
+    """Period and stability index along a family, over its level or parameter."""
+    plt: Any = import_module("matplotlib.pyplot")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.4, 3.6), layout="constrained")
+    left.plot(levels, periods, ".-", color=_INK, linewidth=1.0, markersize=3)
+    right.semilogy(levels, indices, ".-", color=_INK, linewidth=1.0, markersize=3)
+    for axes, name in ((left, "period"), (right, "stability index")):
+        axes.set_xlabel(level_name)
+        axes.set_ylabel(name)
+    figure.suptitle(f"{title} (numerical)", fontsize="medium")
+    return figure  # type: ignore[no-any-return]
