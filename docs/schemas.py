@@ -12,10 +12,12 @@ from typing import Annotated, Any
 
 from orbitproof.explore.periodic import PeriodicFamilyRecord
 from orbitproof.shared.claims import BoxClaim, StoredAtlas
+from orbitproof.shared.claims.web import Web
 from orbitproof.shared.formats.schemas import document_schema, schema_text
 from orbitproof.shared.stored import rules
 from orbitproof.verify.atlas.catalogue import CatalogueDocument
 from orbitproof.verify.atlas.document import BranchDocument
+from orbitproof.verify.atlas.web import WebDocument
 from orbitproof.verify.certificate.document import Software
 from orbitproof.verify.certificate.entry import Entry
 
@@ -55,10 +57,15 @@ def schemas() -> dict[str, dict[str, Any]]:
         "and what follows.",
         "catalogue-certificate": "Rows of a catalogue, and what a proved curve says of the orbits that start near "
         "them, in the units of the CR3BP.",
+        "web": "Which proved curves of periodic orbits meet which certified orbits, and how, as it is claimed.",
+        "web-certificate": "A graph of proved curves of periodic orbits that meet in certified ones.",
         "periodic-family": "A family of periodic orbits without symmetry in a parameter, or over the levels of a first "
         "integral, from double precision, in the units of its system. Nothing is proved.",
     }
-    kinds = (Candidates, Certificates, StoredAtlas, BranchDocument, CatalogueDocument, PeriodicFamilyRecord)
+    kinds = (
+        *(Candidates, Certificates, StoredAtlas, BranchDocument, CatalogueDocument),
+        *(Web, WebDocument, PeriodicFamilyRecord),
+    )
     return {
         # The parameters of a surface stand in its pieces.
         name: document_schema(name, words[name], kind, ["parameters"] if kind is StoredAtlas else [])

@@ -4,6 +4,7 @@ from .atlas.certificate import AtlasCertificate as AtlasCertificate
 from .atlas.listed import ListedInterval as ListedInterval
 from .atlas.listed import ListedPoint as ListedPoint
 from .atlas.places import Placed as Placed
+from .atlas.web import WebCertificate as WebCertificate
 from .certificate.certificate import Certificate as Certificate
 from .certificate.certificate import Computation as Computation
 from .certificate.levels import Finding as Finding
@@ -18,12 +19,15 @@ from .scripting import InputError as InputError
 from .scripting import certify as certify
 from .scripting import certify_atlas as certify_atlas
 from .scripting import certify_catalogue as certify_catalogue
+from .scripting import certify_web as certify_web
 from .scripting import places as places
 from .scripting import prove_again as prove_again
 from .scripting import read as read
 from .scripting import read_atlas as read_atlas
 from .scripting import read_catalogue as read_catalogue
+from .scripting import read_web as read_web
 from .scripting import recheck as recheck
 from .scripting import recheck_rows as recheck_rows
+from .scripting import recheck_web as recheck_web
 from .scripting import write as write
 from .scripting import write_atlas as write_atlas

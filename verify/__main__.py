@@ -1,4 +1,4 @@
-"""Command line of the verifier: hands over to the command for rows, branches, catalogues, or second proofs."""
+"""Command line of the verifier: hands over to the command for rows, branches, catalogues, webs, or second proofs."""
 
 from __future__ import annotations
 
@@ -20,6 +20,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from orbitproof.verify.run.catalogue_command import main as verify_catalogue
 
         return verify_catalogue(words[1:])
+    if words[:1] == ["web"]:
+        from orbitproof.verify.run.web_command import main as verify_web
+
+        return verify_web(words[1:])
     if "--second-proof" in words:
         from orbitproof.verify.run.second_proofs import main as prove_again
 

@@ -7,6 +7,7 @@ from contextlib import closing, suppress
 from fractions import Fraction
 from pathlib import Path
 
+from orbitproof.shared.claims.web import Web
 from orbitproof.shared.formats import (
     AnyAtlas,
     BoxClaim,
@@ -17,17 +18,21 @@ from orbitproof.shared.formats import (
     check_writable,
     read_catalogue_rows,
 )
+from orbitproof.shared.formats import read_web as read_claim_of_web
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.atlas import (
     WITHIN,
     AtlasCertificate,
     CatalogueCertificate,
     Placed,
+    WebCertificate,
     kind_of,
     read_atlas_certificate,
     read_catalogue_certificate,
+    read_web_certificate,
     write_atlas_certificate,
     write_catalogue_certificate,
+    write_web_certificate,
 )
 from orbitproof.verify.certificate import Certificate, Limits, Recheck, read_certificates, repeated, write_certificates
 from orbitproof.verify.run import GIBIBYTE, CheckLimits, Workplace
@@ -38,6 +43,7 @@ from orbitproof.verify.run.catalogue_command import certify_rows, check_again
 from orbitproof.verify.run.checking_again import checked_again
 from orbitproof.verify.run.rows import RowRun
 from orbitproof.verify.run.second_proofs import Comparison, SecondProofs, problem_of
+from orbitproof.verify.run.web_command import certify_the_web, check_web_again
 
 
 def certify(
@@ -271,6 +277,59 @@ def recheck_rows(
 def read_catalogue(path: str | Path) -> CatalogueCertificate:
     """The certificate of a catalogue's rows. Raises `InputError` if the file is none, or was changed."""
     return CatalogueCertificate(read_catalogue_certificate(Path(path)))
+
+
+def certify_web(
+    web: str | Path | Web,
+    certificates: Iterable[Certificate | AtlasCertificate],
+    *,
+    output: str | Path | None = None,
+    jobs: int = 1,
+    timeout: float | None = None,
+    memory: float = CheckLimits.memory / GIBIBYTE,
+    quiet: bool = False,
+) -> WebCertificate:
+    """Whether proved curves meet in certified orbits as a web claims, and hang together.
+
+    Arguments:
+        web: a file, or a `Web`.
+        certificates: of its arcs and vertices, checked up to their conclusions first; others are left out.
+        output: a file for the certificate.
+        jobs, timeout, memory, quiet: as for `recheck`.
+
+    Returns the certificate, whatever is proved. Raises `InputError` if a certificate that the web names is not given.
+    """
+    if output is not None:
+        check_writable(Path(output))
+    claim = web if isinstance(web, Web) else read_claim_of_web(Path(web))
+    workplace = Workplace(_jobs(jobs), None, timeout, int(memory * GIBIBYTE), quiet)
+    certificate = certify_the_web(claim, list(certificates), workplace)
+    if output is not None:
+        write_web_certificate(Path(output), certificate.document)
+    return certificate
+
+
+def recheck_web(
+    certificate: WebCertificate,
+    certificates: Iterable[Certificate | AtlasCertificate],
+    *,
+    integrate: bool = False,
+    jobs: int = 1,
+    timeout: float | None = None,
+    memory: float = CheckLimits.memory / GIBIBYTE,
+    quiet: bool = False,
+) -> Recheck:
+    """Check the certificate of a web again, by those of its arcs and vertices; with `integrate` they are proved again.
+
+    Arguments as for `certify_web`; returns a `Recheck`.
+    """
+    workplace = Workplace(_jobs(jobs), None, timeout, int(memory * GIBIBYTE), quiet)
+    return check_web_again(certificate, list(certificates), integrate, workplace)
+
+
+def read_web(path: str | Path) -> WebCertificate:
+    """The certificate of a web. Raises `InputError` if the file is none, or was changed after it was written."""
+    return read_web_certificate(Path(path))
 
 
 def prove_again(

@@ -205,6 +205,8 @@ _FORMATS = {
     "certificates": "certificates, to check again with: orbitproof verify --recheck {}",
     "atlas": "an atlas, to prove with: orbitproof verify atlas {}",
     "atlas-certificate": "the certificate of an atlas, to check again with: orbitproof verify atlas --recheck {}",
+    "web": "a web, to prove with: orbitproof verify web {}",
+    "web-certificate": "the certificate of a web, to check again with: orbitproof verify web --recheck {}",
     "family": "families, to search with: orbitproof explore candidates --from-family {}",
     "branches": "branches",
     "portraits": "portraits",

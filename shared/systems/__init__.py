@@ -24,5 +24,5 @@ from orbitproof.shared.systems.system import (
     ReversibleSystem,
     System,
 )
-from orbitproof.shared.systems.three_body import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, THREE_BODY
+from orbitproof.shared.systems.three_body import AXIAL, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, THREE_BODY
 from orbitproof.shared.systems.titles import SYSTEM, TITLE, is_title, shown

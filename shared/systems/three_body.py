@@ -55,7 +55,10 @@ CR3BP = ReversibleSystem(
     reversors={"axial": Reversor((1, -1, -1, -1, 1, 1), "the half turn about the x axis")},
 )
 
-CR3BP_AXIAL = CR3BP.under("axial")
+AXIAL = "axial"
+"""The name of R S, the half turn about the x axis, among the reversing symmetries of the CR3BP."""
+
+CR3BP_AXIAL = CR3BP.under(AXIAL)
 
 
 def _pulls_in_plane(state: Sequence[Any], parameters: Sequence[Any]) -> tuple[Any, Any]:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from orbitproof.shared.formats import Atlas, InputError, read_system
-from orbitproof.shared.systems import SYSTEMS
+from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
 from orbitproof.verify.certificate import Certificate, Recheck
 from orbitproof.verify.certificate.stated_system import stated
-from orbitproof.verify.curve import CertifiedPoint, certified_system
+from orbitproof.verify.curve import CertifiedPoint, certified_systems
 
 Examine = Callable[[Certificate], Recheck]
 """Shows that a certificate's conclusion follows from what it stores."""
@@ -17,9 +17,9 @@ Examine = Callable[[Certificate], Recheck]
 def certified_point(atlas: Atlas, certificate: Certificate, examine: Examine) -> CertifiedPoint:
     """What a certificate that fits its schema proves of a point, for a curve."""
     name, kind, k = certificate.id, certificate.kind, certificate.k
-    foreign = _other_system(atlas, certificate)
-    if foreign:
-        return CertifiedPoint(name, kind, k, foreign, True)
+    system = _own_system(atlas, certificate)
+    if isinstance(system, str):
+        return CertifiedPoint(name, kind, k, system, True)
     if not certificate.proved:
         return CertifiedPoint(name, kind, k, f"the certificate says {certificate.verdict!r}")
     examined = examine(certificate)
@@ -31,6 +31,7 @@ def certified_point(atlas: Atlas, certificate: Certificate, examine: Examine) ->
         name,
         kind,
         k,
+        reversor=system.reversor,
         crossings=candidate.get("crossings", 1),
         symmetry=candidate.get("symmetry"),
         signs=None if signs is None else tuple(signs),
@@ -42,18 +43,18 @@ def certified_point(atlas: Atlas, certificate: Certificate, examine: Examine) ->
     )
 
 
-def _other_system(atlas: Atlas, certificate: Certificate) -> str:
-    """Why a certificate is about another system than the atlas; empty if it is not."""
+def _own_system(atlas: Atlas, certificate: Certificate) -> ReversibleSystem | str:
+    """The system of a certificate, which is one in which points of the curve are certified; or why it is another."""
     statement = certificate.statement
-    wanted = certified_system(atlas.system)
+    own_systems = {system.name: system for system in certified_systems(atlas.system)}
     try:
         # The system of the atlas may be one that is not known here, described by its certificate alone.
-        known = {**SYSTEMS, wanted.name: wanted}
-        system, parameters = read_system(statement["candidate"], "statement.candidate", known)
+        system, parameters = read_system(statement["candidate"], "statement.candidate", {**SYSTEMS, **own_systems})
     except (InputError, KeyError, ValueError) as error:
         return f"the certificate cannot be read: {error}"
-    if system.name != wanted.name:
+    if system.name not in own_systems:
         return f"it is about another system, {system.name}"
+    wanted = own_systems[system.name]
     if system.fixed_level != wanted.fixed_level:
         return "it is about another level"
     if (system.section, system.reversing_symmetry) != (wanted.section, wanted.reversing_symmetry):
@@ -70,4 +71,4 @@ def _other_system(atlas: Atlas, certificate: Certificate) -> str:
         return f"it is about other functions in the field than those of {system.name} now"
     if wanted.fixed_level is not None and statement.get("first_integral") != own["first_integral"]:
         return f"it is about another first integral than that of {system.name} now"
-    return ""
+    return system

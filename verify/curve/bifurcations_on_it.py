@@ -34,6 +34,7 @@ class CertifiedPoint:
         problem: why it counts for nothing; empty if all else holds.
         is_foreign: whether that is since it is about another system, section, reversing symmetry, level or other
             parameters than the curve, or not readable here.
+        reversor: the name of its reversing symmetry, if that is not R.
         crossings: how often half orbits meet the section.
         symmetry, signs: name and signs of the symmetry that breaks; `None` if none does.
         point: enclosures of its coordinates, by name.
@@ -47,6 +48,7 @@ class CertifiedPoint:
     k: int
     problem: str = ""
     is_foreign: bool = False
+    reversor: str | None = None
     crossings: int = 1
     symmetry: str | None = None
     signs: tuple[int, ...] | None = None
@@ -87,6 +89,7 @@ class Bifurcation:
         parameter: its enclosure, or `None`.
         is_foreign: whether it is about another system, section, reversing symmetry, level or other parameters than the
             curve, or not readable here.
+        reversor: the name of its reversing symmetry, if that is not R.
         stability: enclosures of the stability parameters of one orbit; none of a bifurcation.
     """
 
@@ -99,6 +102,7 @@ class Bifurcation:
     parameter_name: str = ""
     parameter: arb | None = None
     is_foreign: bool = False
+    reversor: str | None = None
     stability: tuple[acb, ...] = ()
 
 
@@ -125,6 +129,7 @@ def place_bifurcation(
         point=point,
         parameter_name=certified.parameter_name,
         parameter=certified.parameter,
+        reversor=certified.reversor,
         stability=certified.stability,
     )
     if chain is None:

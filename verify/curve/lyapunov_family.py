@@ -8,7 +8,7 @@ from fractions import Fraction
 from flint import arb, ctx
 
 from orbitproof.shared.formats import ORBIT_KINDS, Atlas
-from orbitproof.shared.systems import AROUND, CR3BP, ReversibleSystem
+from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, ReversibleSystem
 from orbitproof.verify.curve.bifurcations_on_it import LACKS_COORDINATES, CertifiedPoint
 from orbitproof.verify.curve.libration_point import derived_parameter
 from orbitproof.verify.evidence import IntegrationFailure, enclose, excludes_zero
@@ -22,9 +22,12 @@ def point_name(system: ReversibleSystem) -> str | None:
     return next((name for name, known in AROUND.items() if known is system), None)
 
 
-def certified_system(system: ReversibleSystem) -> ReversibleSystem:
-    """The system in which points of a curve of `system` are certified: the CR3BP, or `system` itself."""
-    return system if point_name(system) is None else CR3BP
+def certified_systems(system: ReversibleSystem) -> tuple[ReversibleSystem, ...]:
+    """The systems in which points of a curve of `system` are certified: `system` itself, or the CR3BP.
+
+    In the plane both reversing symmetries of the CR3BP are the same, so a planar orbit may break S under either (16.5).
+    """
+    return (system,) if point_name(system) is None else (CR3BP, CR3BP_AXIAL)
 
 
 def libration_point(system: ReversibleSystem, parameters: Mapping[str, Fraction]) -> arb | None:
@@ -37,8 +40,7 @@ def libration_point(system: ReversibleSystem, parameters: Mapping[str, Fraction]
 
 def carried(atlas: Atlas, certified: CertifiedPoint) -> dict[str, arb] | str:
     """A certified point of the CR3BP by the coordinates of a curve in units of its orbits, or why it is none of it."""
-    names = CR3BP.centre_coordinates
-    if not set(names) <= set(certified.point):
+    if not {"x", "vy"} <= set(certified.point):
         return LACKS_COORDINATES
     if certified.kind in ORBIT_KINDS:
         return "the curve is one of orbits in units of their size"
@@ -50,11 +52,11 @@ def carried(atlas: Atlas, certified: CertifiedPoint) -> dict[str, arb] | str:
 def in_units_of_orbit(
     system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Mapping[str, arb]
 ) -> dict[str, arb] | None:
-    """(eps, vy) of a point of the CR3BP's Fix(R) that `PLANAR` fixes, as in (16.2).
+    """(eps, vy) of a point of the CR3BP's Fix(R) or Fix(R S) that `PLANAR` fixes, as in (16.2).
 
     Args:
         parameters: the mass parameter, exact.
-        point: enclosures of x and vy; that z = 0 is for the caller.
+        point: enclosures of x and vy; that z = 0 and vz = 0 is for the caller.
 
     Returns:
         enclosures by name; `None` if the point is not shown to differ from the libration point.

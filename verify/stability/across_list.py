@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from flint import arb
 
 from orbitproof.shared.formats import Atlas
+from orbitproof.shared.systems import AXIAL
 from orbitproof.verify.claim import is_left_alone
 from orbitproof.verify.curve import Bifurcation, Chain
 from orbitproof.verify.evidence import excludes_zero
@@ -89,9 +90,11 @@ def list_across(
         points = [_away_from_centre(point) for point in points]
     points.sort(key=lambda entry: (entry.stretch, entry.s.mid()))
     births = [entry for entry in bifurcations if entry.kind == "symmetry_breaking"]
-    symmetric = [number for number, point in enumerate(points) if point.kind is Kind.ACROSS_SYMMETRIC]
-    for number, point in zip(symmetric, with_certificates([points[n] for n in symmetric], gaps, births), strict=True):
-        points[number] = point
+    for kind, reversor in ((Kind.ACROSS_SYMMETRIC, None), (Kind.ACROSS_AXIAL, AXIAL)):
+        here = [number for number, point in enumerate(points) if point.kind is kind]
+        own = [entry for entry in births if entry.reversor == reversor]
+        for number, point in zip(here, with_certificates([points[n] for n in here], gaps, own), strict=True):
+            points[number] = point
     found = CompleteList(plane.order, 1, tuple(points), tuple(gaps), tuple(segments))
     stable, unknown = stable_intervals(chain, found, atlas.claim.kind == "loop")
     constants = tuple(_jacobi_constant(atlas, point) for point in points)

@@ -5,3 +5,4 @@ from orbitproof.verify.words.catalogue import catalogue_in_words
 from orbitproof.verify.words.formulas import equations, setting
 from orbitproof.verify.words.place import place_in_words
 from orbitproof.verify.words.row_in_full import in_full, theorem_in_words
+from orbitproof.verify.words.web import web_in_words

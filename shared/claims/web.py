@@ -1,0 +1,65 @@
+"""Webs: which proved curves of periodic orbits are claimed to meet which certified orbits, and how."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Final, Literal, get_args
+
+from orbitproof.shared.claims.fields import Id, Line
+from orbitproof.shared.stored import rules
+
+How = Literal["ends at", "passes through", "branches off at"]
+ENDS, PASSES, BRANCHES = get_args(How)
+LIBRATION_POINTS: Final = ("L1", "L2", "L3")
+"""Vertices that need no certificate: the family around such a point proves that it shrinks to it."""
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """The claim that an arc meets a vertex.
+
+    Attributes:
+        vertex: the id of a certificate of a bifurcation or of one orbit, or one of `LIBRATION_POINTS`.
+        how: one of the words of `How` (section 33.2).
+    """
+
+    vertex: Id
+    how: How
+
+
+@dataclass(frozen=True)
+class WebArc:
+    """An arc: the id of its certificate, and the vertices that it is claimed to meet."""
+
+    id: Id
+    meets: Annotated[tuple[Meeting, ...], rules(maxItems=10000)] = ()
+
+
+@dataclass(frozen=True)
+class Web:
+    """A graph of proved curves of periodic orbits, as it is claimed.
+
+    Attributes:
+        id: short name.
+        title: what people read.
+        arcs: each once.
+        connected: whether it is claimed that the arcs hang together.
+    """
+
+    id: Id
+    title: Line
+    arcs: Annotated[tuple[WebArc, ...], rules(minItems=1, maxItems=10000)]
+    connected: bool = True
+
+    @property
+    def vertices(self) -> tuple[str, ...]:
+        """The ids of the vertices, each once, in the order in which arcs meet them."""
+        return tuple(dict.fromkeys(meeting.vertex for arc in self.arcs for meeting in arc.meets))
+
+    @property
+    def certificates(self) -> tuple[str, ...]:
+        """The ids of the certificates that it needs, those of the arcs first."""
+        return (
+            *(arc.id for arc in self.arcs),
+            *(name for name in self.vertices if name not in LIBRATION_POINTS),
+        )

@@ -1,0 +1,417 @@
+"""Certificates of webs: which proved curves meet in which certified orbits (section 33.6)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+from flint import arb
+
+from orbitproof.shared.claims.fields import Crossings, Id, Identifier, PieceId, Title
+from orbitproof.shared.claims.web import LIBRATION_POINTS, How, Web, WebArc
+from orbitproof.shared.formats import Atlas, InputError, json_text, read_document, web_from_json, write_text
+from orbitproof.shared.formats import validate_document as validated
+from orbitproof.shared.stored import rules
+from orbitproof.shared.systems import shown
+from orbitproof.verify.atlas.certificate import AtlasCertificate
+from orbitproof.verify.atlas.certified import certified_point
+from orbitproof.verify.atlas.conclusion import partner
+from orbitproof.verify.atlas.kinds import kind_of
+from orbitproof.verify.atlas.listed import ListedInterval
+from orbitproof.verify.certificate import (
+    UNCHECKED_REASON,
+    CannotBeCheckedError,
+    Certificate,
+    Examination,
+    Finding,
+    Level,
+    Recheck,
+    climb,
+    differences,
+    digest,
+    digest_findings,
+    other_hypotheses,
+    unknown_reason,
+)
+from orbitproof.verify.certificate.document import Digest, Software, Verdict
+from orbitproof.verify.certificate.stored_balls import from_json, to_json
+from orbitproof.verify.curve import conclude
+from orbitproof.verify.evidence import Hypothesis, Proved, Reason, software
+from orbitproof.verify.web import Arc, Incidence, KnownArc, ProvedWeb, WebTheorem, conclude_web
+from orbitproof.verify.words import web_in_words
+
+SCHEMA = "web-certificate"
+
+Resting = AtlasCertificate | Certificate
+"""What a web rests on: an arc's certificate, or that of a vertex."""
+
+
+@dataclass(frozen=True)
+class RestsOn:
+    """A certificate that it rests on, of an arc or of a vertex."""
+
+    id: Id
+    kind: Literal["arc", "vertex"]
+    digest: Digest
+
+
+@dataclass(frozen=True)
+class StoredMeeting:
+    """How an arc meets a vertex, and where on the arc the orbit is; nowhere of a libration point.
+
+    Attributes:
+        mirrored: whether its mirror image lies in the piece.
+        other_point: whether its other point on Fix(R) does.
+    """
+
+    vertex: Id
+    how: How
+    piece: PieceId | None = None
+    s: arb | None = None
+    mirrored: bool = False
+    other_point: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class StoredArc:
+    """An arc.
+
+    Attributes:
+        id: of its certificate.
+        system: of its states.
+        reversor: the reversing symmetry of its orbits, if it is not R.
+        kind, symmetry, crossings: of its claim.
+        level, period: contain those of all its orbits; absent where they are not known.
+        order: up to which all resonances of it are listed, if they are.
+        stable: between which orbits its own list says that they are linearly stable.
+    """
+
+    id: Id
+    system: Title
+    reversor: Identifier | None = None
+    kind: Annotated[str, rules(enum=("arc", "symmetric-arc", "symmetric-loop", "loop"))]
+    symmetry: Identifier | None = None
+    crossings: Crossings = 1
+    level: arb | None = None
+    period: arb | None = None
+    meets: tuple[StoredMeeting, ...]
+    order: int | None = None
+    stable: tuple[ListedInterval, ...] = ()
+
+
+@dataclass(frozen=True)
+class StoredVertex:
+    """A certified orbit or a libration point, and its level."""
+
+    id: Id
+    kind: Identifier
+    k: int
+    level: arb
+
+
+@dataclass(frozen=True)
+class StoredSwitch:
+    """At a vertex the arc `onto` branches off from the planar arc `along`, and there is no third one."""
+
+    vertex: Id
+    along: Id
+    onto: Id
+
+
+@dataclass(frozen=True, kw_only=True)
+class WebStatement:
+    """The claim, and what is proved, in words; absent if that is nothing."""
+
+    claim: Web
+    theorem: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class WebDocument:
+    """A graph of proved curves of periodic orbits.
+
+    Attributes:
+        id: that of the claim.
+        reason: why it is not proved. Failure to verify is not a proof that the claim is false.
+        rests_on: the certificates of arcs and vertices.
+        arcs, vertices: what is proved of them; nothing if the claim is not proved.
+        switches: where one arc is all that branches off from another.
+        parts: the ids of arcs that hang together.
+        software: names and versions of what made this certificate, with a digest of the sources.
+        digest: SHA-256 of the certificate without this key, as JSON with sorted keys and no spaces.
+    """
+
+    id: Id
+    verdict: Verdict
+    reason: Reason | None
+    statement: WebStatement
+    rests_on: Annotated[tuple[RestsOn, ...], rules(minItems=1, maxItems=20000)]
+    hypotheses: tuple[Hypothesis, ...]
+    arcs: tuple[StoredArc, ...] = ()
+    vertices: tuple[StoredVertex, ...] = ()
+    switches: tuple[StoredSwitch, ...] = ()
+    parts: tuple[tuple[Id, ...], ...] = ()
+    software: Software
+    digest: Digest
+
+    stored_rules: ClassVar[Mapping[str, Any]] = {}
+
+
+@dataclass(frozen=True, repr=False)
+class WebCertificate:
+    """The certificate of a web. It says what its maker wrote; whether that follows is what checks decide.
+
+    Attributes:
+        document: fits the schema and its digest.
+    """
+
+    document: Mapping[str, Any]
+
+    def __repr__(self) -> str:
+        return f"<WebCertificate {self.id!r}: {self.verdict}, {len(self.document['arcs'])} arcs>"
+
+    @property
+    def id(self) -> str:
+        """That of the claim."""
+        return str(self.document["id"])
+
+    @property
+    def verdict(self) -> str:
+        """ "proved" or "not proved", which never means "shown to be false"."""
+        return str(self.document["verdict"])
+
+    @property
+    def is_proved(self) -> bool:
+        """Whether it says "proved"."""
+        return self.verdict == "proved"
+
+    @property
+    def theorem(self) -> str | None:
+        """What its maker says is proved, in the maker's words; `None` if nothing is."""
+        theorem: str | None = self.document["statement"].get("theorem")
+        return theorem
+
+    @property
+    def reason(self) -> Reason | None:
+        """Why it is not proved, in words of the run that made it; `None` if it is."""
+        reason = self.document["reason"]
+        return None if reason is None else Reason(reason["condition"], reason["message"], reason["remedy"])
+
+    @property
+    def claim(self) -> Web:
+        """What was claimed."""
+        return web_from_json(self.document["statement"]["claim"], f"certificate {self.id!r}: statement.claim")
+
+    @property
+    def arcs(self) -> tuple[StoredArc, ...]:
+        """What it says of the arcs, in the order of the claim."""
+        return from_json(tuple[StoredArc, ...], self.document["arcs"], "arcs")
+
+    @property
+    def vertices(self) -> tuple[StoredVertex, ...]:
+        """What it says of the vertices."""
+        return from_json(tuple[StoredVertex, ...], self.document["vertices"], "vertices")
+
+
+def resting(web: Web, given: Sequence[Resting]) -> tuple[Resting, ...]:
+    """Those of the certificates that a web names, in its order. Raises `InputError` if one is not there, or twice."""
+    arcs = {arc.id for arc in web.arcs}
+    found: dict[str, Resting] = {}
+    for entry in given:
+        if entry.id in LIBRATION_POINTS:
+            raise InputError(
+                f"the certificate {shown(entry.id)}: has the name of a libration point; give it another id"
+            )
+        if entry.id not in web.certificates:
+            continue
+        if entry.id in found:
+            raise InputError(f"the certificate {shown(entry.id)}: appears twice; give each once")
+        if isinstance(entry, AtlasCertificate) != (entry.id in arcs):
+            is_one, wanted = ("a curve", "a vertex") if entry.id not in arcs else ("one orbit", "an arc")
+            raise InputError(
+                f"the certificate {shown(entry.id)}: is about {is_one}; the web claims that it is {wanted}"
+            )
+        # Where it lies on a curve is found again.
+        found[entry.id] = entry if isinstance(entry, AtlasCertificate) else entry.without_place()
+    for name in web.certificates:
+        if name not in found:
+            raise InputError(f"the web names {shown(name)}, and no such certificate is given; give its file")
+    return tuple(found[name] for name in web.certificates)
+
+
+def certified_web(web: Web, certificates: Sequence[Resting], checks: Mapping[str, Recheck]) -> dict[str, Any]:
+    """The certificate of a web, as JSON.
+
+    Args:
+        certificates: as `resting` gives them.
+        checks: of each, by id, up to the conclusion or further. Raises `ValueError` if one is that of another.
+    """
+    for entry in certificates:
+        if checks[entry.id].stands_without_place and checks[entry.id].digest != _digest_of(entry):
+            raise ValueError(f"checks: {entry.id!r}: is the check of another certificate")
+    arcs = {entry.id: entry for entry in certificates if isinstance(entry, AtlasCertificate)}
+    vertices = {entry.id: entry for entry in certificates if isinstance(entry, Certificate)}
+    points = [_arc(arcs[arc.id], arc, vertices, checks) for arc in web.arcs]
+    outcome = conclude_web(web, points)
+    rests_on = tuple(
+        RestsOn(entry.id, "arc" if isinstance(entry, AtlasCertificate) else "vertex", _digest_of(entry))
+        for entry in certificates
+    )
+    claim, reason = WebStatement(claim=web), None if isinstance(outcome, Proved) else outcome.reason
+    known: dict[str, Any] = {}
+    if isinstance(outcome, Proved):
+        assert isinstance(outcome.theorem, WebTheorem)
+        found = outcome.results
+        words = web_in_words(outcome.theorem, found, {entry.id: entry.digest for entry in rests_on})
+        claim = WebStatement(claim=web, theorem=words)
+        known = {
+            "arcs": tuple(_stored_arc(each, found, arcs[each.arc.id]) for each in found.arcs),
+            "vertices": tuple(StoredVertex(each.id, each.kind, each.k, each.level) for each in found.vertices),
+            "switches": tuple(StoredSwitch(each.vertex, each.along, each.onto) for each in found.switches),
+            "parts": found.parts,
+        }
+    document = WebDocument(
+        id=web.id, verdict="not proved" if reason else "proved", reason=reason,
+        statement=claim, rests_on=rests_on, hypotheses=outcome.hypotheses, **known, software=software(), digest="",
+    )  # fmt: skip
+    certificate = {"format": f"orbitproof-{SCHEMA}", "version": 1, **_LISTS, **to_json(document)}
+    return {**certificate, "digest": digest(certificate)}
+
+
+_LISTS: Mapping[str, Any] = {name: [] for name in ("arcs", "vertices", "switches", "parts")}
+
+
+def _digest_of(entry: Resting) -> str:
+    document = entry.document if isinstance(entry, AtlasCertificate) else entry.to_json()
+    return str(document.get("digest", ""))
+
+
+def _arc(
+    certificate: AtlasCertificate, claimed: WebArc, vertices: Mapping[str, Certificate], checks: Mapping[str, Recheck]
+) -> Arc:
+    """What a certificate proves of a curve, and where on it the vertices lie that it is claimed to meet."""
+    atlas, check = certificate.atlas, checks[certificate.id]
+    problem = ""
+    if not isinstance(atlas, Atlas) or not kind_of(atlas).holds_points:
+        raise InputError(
+            f"the certificate {shown(certificate.id)}: is about no curve of symmetric orbits; leave it out"
+        )
+    if not certificate.is_proved:
+        problem = f"the certificate says {certificate.verdict!r}"
+    elif not check.stands or check.level < Level.CONCLUSION:
+        problem = f"the certificate does not stand: {check.why or 'it was not checked'}"
+    if problem:
+        return Arc(atlas, None, problem)
+    wanted = [vertices[meeting.vertex] for meeting in claimed.meets if meeting.vertex in vertices]
+    points = [certified_point(atlas, entry, lambda entry: checks[entry.id]) for entry in wanted]
+    conclusion = conclude(atlas, certificate.results, points, partner)
+    if not isinstance(conclusion.outcome, Proved):
+        return Arc(atlas, None, conclusion.outcome.reason.message)
+    return Arc(atlas, conclusion.outcome.results, "", {entry.id: entry for entry in conclusion.bifurcations})
+
+
+def _stored_arc(known: KnownArc, web: ProvedWeb, certificate: AtlasCertificate) -> StoredArc:
+    atlas = known.arc.atlas
+    listed = (certificate.document["conclusion"] or {}).get("complete")
+    return StoredArc(
+        id=atlas.id,
+        system=known.arc.system.title,
+        reversor=known.arc.system.reversor,
+        kind=atlas.claim.kind,
+        symmetry=atlas.claim.symmetry,
+        crossings=atlas.claim.crossings,
+        level=_if_finite(known.level),
+        period=_if_finite(known.period),
+        meets=tuple(_stored_meeting(entry) for entry in web.incidences if entry.arc == atlas.id),
+        order=None if listed is None else int(listed["order"]),
+        stable=certificate.stable,
+    )
+
+
+def _if_finite(ball: arb) -> arb | None:
+    return ball if ball.is_finite() else None
+
+
+def _stored_meeting(entry: Incidence) -> StoredMeeting:
+    place = entry.place
+    if place is None:
+        return StoredMeeting(entry.vertex, entry.how)
+    return StoredMeeting(entry.vertex, entry.how, place.piece, place.s, place.mirrored, place.other_point)
+
+
+def recheck_web(document: Mapping[str, Any], certificates: Sequence[Resting], checks: Mapping[str, Recheck]) -> Recheck:
+    """Check the certificate of a web that fits the schema again, as far as those that it rests on were checked.
+
+    `certificates`, `checks` as in `certified_web`.
+    """
+    levels = [checks[entry.id].level for entry in certificates]
+    stands = all(checks[entry.id].stands_without_place for entry in certificates)
+    steps = [partial(_form, document, certificates)]
+    if min(levels) >= Level.CONCLUSION or not stands:
+        steps.append(partial(_conclusion, document, certificates, checks))
+    if min(levels) is Level.INTEGRATION:
+        steps.append(partial(_integration, checks))
+    return climb(document, steps)
+
+
+def _form(document: Mapping[str, Any], certificates: Sequence[Resting], examination: Examination) -> Iterator[Finding]:
+    yield from digest_findings(document)
+    validated(document, SCHEMA, "the certificate")
+    web = web_from_json(document["statement"]["claim"], "statement.claim")
+    names = [entry["id"] for entry in document["rests_on"]]
+    if names != list(web.certificates):
+        yield Finding("rests_on", "does not name the certificates that the claim needs, in its order")
+        return
+    for stored, entry in zip(document["rests_on"], certificates, strict=True):
+        if stored["digest"] != _digest_of(entry):
+            words = (
+                f"{shown(entry.id)}: rests on {stored['digest']}; given is {_digest_of(entry) or 'one without digest'}"
+            )
+            yield Finding("rests_on", words)
+    expected = WebTheorem(web).hypotheses
+    if document["verdict"] == "proved":
+        yield from other_hypotheses([each["name"] for each in document["hypotheses"]], expected, document)
+    else:
+        yield from unknown_reason(document["reason"] or {"condition": ""}, expected)
+        examination.notes += (UNCHECKED_REASON,)
+
+
+def _conclusion(
+    document: Mapping[str, Any],
+    certificates: Sequence[Resting],
+    checks: Mapping[str, Recheck],
+    examination: Examination,
+) -> Iterator[Finding]:
+    for entry in certificates:
+        check = checks[entry.id]
+        if document["verdict"] == "proved" and not check.stands_without_place:
+            raise CannotBeCheckedError(f"the certificate {shown(entry.id)} does not stand: {check.why}")
+    web = web_from_json(document["statement"]["claim"], "statement.claim")
+    fresh = certified_web(web, certificates, checks)
+    examination.hypotheses = len(fresh["hypotheses"])
+    apart = ("software", "digest")
+    old, new = ({key: value for key, value in entry.items() if key not in apart} for entry in (document, fresh))
+    yield from examination.in_data(differences(old, new, ""), {**new, **{key: document[key] for key in apart}})
+
+
+def _integration(checks: Mapping[str, Recheck], examination: Examination) -> Iterator[Finding]:
+    """Nothing here rests on an integration but the certificates, which were integrated again."""
+    examination.precision = min(check.precision for check in checks.values())
+    yield from ()
+
+
+def write_web_certificate(path: Path, document: Mapping[str, Any]) -> None:
+    """Write a certificate, whole or not at all. Raises `InputError` if it cannot be written."""
+    validated(document, SCHEMA, f"{SCHEMA} to be written")
+    write_text(path, json_text(document, (("arcs",), ("rests_on",))) + "\n")
+
+
+def read_web_certificate(path: Path) -> WebCertificate:
+    """Read a certificate. Raises `InputError` if it is none, or was changed after it was written."""
+    document = read_document(path, SCHEMA)
+    if document["digest"] != digest(document):
+        raise InputError(f"{path}: field digest: does not fit the content, which was changed; write it again")
+    return WebCertificate(document)

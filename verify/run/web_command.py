@@ -1,0 +1,164 @@
+"""Command line for webs: ``orbitproof verify web web.json --certificates FILE.. -o web-certificate.json``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from contextlib import closing
+from pathlib import Path
+
+from orbitproof.shared.claims.web import Web
+from orbitproof.shared.formats import InputError, as_options, check_writable, read_web, refused, stated_format
+from orbitproof.shared.interrupts import INTERRUPTED, run_command
+from orbitproof.shared.systems import shown
+from orbitproof.verify.atlas import (
+    Resting,
+    WebCertificate,
+    certified_web,
+    read_atlas_certificate,
+    read_web_certificate,
+    recheck_web,
+    resting,
+    write_web_certificate,
+)
+from orbitproof.verify.certificate import Recheck, not_checked, read_certificates
+from orbitproof.verify.run import (
+    LONG_CHECK_SECONDS,
+    ArgumentParser,
+    CheckLimits,
+    Display,
+    Failure,
+    Workplace,
+    apart,
+    positive_seconds,
+    whole_number,
+)
+from orbitproof.verify.run.checking_again import checked_again
+from orbitproof.verify.run.row_tables import recheck_table
+
+_EXAMPLES = """\
+examples:
+  orbitproof verify web web.json --certificates planar.json halo.json certificates.json -o web-certificate.json
+      whether these proved curves meet in these certified orbits as the web claims, and hang together
+  orbitproof verify web --recheck web-certificate.json --certificates planar.json halo.json certificates.json
+      check that all it states follows from the certificates that it rests on
+  orbitproof verify web --recheck --integrate web-certificate.json --certificates .. --jobs 2
+      and prove all of these again, in another way
+
+exit codes: 0 the graph is proved, or the certificate stands; 1 not; 2 bad input; 130 interrupted
+"""
+
+
+def _parser() -> ArgumentParser:
+    words = "Join proved curves of periodic orbits into a graph: which meets which in which certified orbit."
+    parser = ArgumentParser("orbitproof verify web", words, _EXAMPLES)
+    parser.add_argument("file", type=Path, help="web (JSON, docs/formats.md); with --recheck, certificate of one")
+    words = "certificates of curves, and files of certificates of bifurcations and orbits, as far as the web names them"
+    parser.add_argument("--certificates", type=Path, nargs="+", required=True, metavar="FILE", help=words)
+    parser.add_argument("-o", "--output", type=Path, help="certificate of the web")
+    parser.add_argument("--recheck", action="store_true", help="check the certificate of a web again")
+    words = "with --recheck: prove all that it rests on again, in another way"
+    parser.add_argument("--integrate", action="store_true", help=words)
+    parser.number("--jobs", "N", "checks side by side (default: 1)", whole_number(1), 1)
+    words = f"give a check up after this time (default: {LONG_CHECK_SECONDS:g})"
+    parser.number("--timeout", "SECONDS", words, positive_seconds, None)
+    parser.memory_option("each check")
+    parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    workplace = Workplace(options.jobs, None, options.timeout, options.memory, options.quiet)
+    try:
+        return _recheck(options, workplace) if options.recheck else _run(options, workplace)
+    except InputError as error:
+        return refused(error)
+    except KeyboardInterrupt:
+        print("interrupted: nothing is known yet", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _run(options: argparse.Namespace, workplace: Workplace) -> int:
+    if options.integrate:
+        raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
+    if options.output is not None:
+        check_writable(options.output)
+    certificate = certify_the_web(read_web(options.file), _read(options.certificates), workplace)
+    if options.output is not None:
+        write_web_certificate(options.output, certificate.document)
+    reason = certificate.reason
+    if reason is None:
+        print(f"PROVED\n\n{certificate.theorem}", flush=True)
+        return 0
+    print(f"NOT PROVED: {reason.condition}: {reason.message}; {as_options(reason.remedy)}", flush=True)
+    return 1
+
+
+def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
+    if options.output is not None:
+        raise InputError("--output: --recheck writes no file; leave it out")
+    certificate = read_web_certificate(options.file)
+    found = check_web_again(certificate, _read(options.certificates), options.integrate, workplace)
+    print(recheck_table([found.id], {found.id: found}), flush=True)
+    for finding in found.findings[:1]:
+        print(f"FAILED {shown(found.id)}: {finding.place}: {finding.message}", file=sys.stderr)
+    return 0 if found.stands else 1
+
+
+def _read(paths: Sequence[Path]) -> list[Resting]:
+    """The certificates in files of both kinds."""
+    found: list[Resting] = []
+    for path in paths:
+        if stated_format(path, "give the path of a file with certificates") == "atlas-certificate":
+            found.append(read_atlas_certificate(path))
+        else:
+            found += read_certificates(path).values()
+    return found
+
+
+def certify_the_web(web: Web, given: Sequence[Resting], workplace: Workplace) -> WebCertificate:
+    """The certificate of a web by certificates that are checked up to their conclusions first.
+
+    Raises `InputError` if one that the web names is not given, or the work is not brought to an end.
+    """
+    certificates = resting(web, given)
+    checks = _checks(certificates, False, workplace)
+    limits = CheckLimits(workplace.timeout, workplace.memory, LONG_CHECK_SECONDS)
+    found = apart(certified_web, web.id, (web, certificates, checks), limits)
+    if isinstance(found, Failure):
+        raise InputError(f"the web was not put together: {found.message}")
+    return WebCertificate(found)
+
+
+def check_web_again(
+    certificate: WebCertificate, given: Sequence[Resting], integrate: bool, workplace: Workplace
+) -> Recheck:
+    """The certificate of a web checked again, up to its conclusion, or with `integrate` to the end.
+
+    Raises `InputError` if a certificate that the web names is not given.
+    """
+    certificates = resting(certificate.claim, given)
+    checks = _checks(certificates, integrate, workplace)
+    limits = CheckLimits(workplace.timeout, workplace.memory, LONG_CHECK_SECONDS)
+    found = apart(recheck_web, certificate.id, (certificate.document, certificates, checks), limits)
+    if isinstance(found, Failure):
+        return not_checked(certificate.id, certificate.verdict, found)
+    return found
+
+
+def _checks(certificates: Sequence[Resting], integrate: bool, workplace: Workplace) -> dict[str, Recheck]:
+    display = Display({entry.id: 1.0 for entry in certificates}, workplace.quiet)
+    found: dict[str, Recheck] = {}
+    quiet = Workplace(workplace.jobs, None, workplace.timeout, workplace.memory, True)
+    with display.shown(), closing(checked_again(certificates, None, integrate, quiet)) as checks:
+        for check in checks:
+            found[check.id] = check
+            display.finish(check.id, "stands" if check.stands else "does not stand")
+    return found
+
+
+if __name__ == "__main__":
+    sys.exit(run_command(main))

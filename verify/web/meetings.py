@@ -1,0 +1,70 @@
+"""When an arc meets a vertex, and how (section 33.2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from orbitproof.shared.claims.web import BRANCHES, ENDS, LIBRATION_POINTS, PASSES, How, Meeting
+from orbitproof.verify.curve import Place, lower_end, upper_end
+from orbitproof.verify.web.arc import Arc, libration_vertex
+
+
+@dataclass(frozen=True)
+class Incidence:
+    """An arc meets a vertex.
+
+    Attributes:
+        arc, vertex: their ids.
+        how: as in the claim.
+        place: of the vertex's orbit on the arc; `None` for a libration point.
+    """
+
+    arc: str
+    vertex: str
+    how: How
+    place: Place | None
+
+
+def meeting_shown(arc: Arc, meeting: Meeting) -> Incidence | str:
+    """The meeting of a proved arc with a vertex if it is as claimed, or why that is not shown (Lemma 33.2)."""
+    if meeting.vertex in LIBRATION_POINTS or meeting.how == ENDS:
+        if meeting.how != ENDS or meeting.vertex not in LIBRATION_POINTS:
+            return "arcs end at libration points, and at nothing else"
+        if libration_vertex(arc) != meeting.vertex:
+            return f"it is not proved to be the family that shrinks to {meeting.vertex}"
+        return Incidence(arc.id, meeting.vertex, meeting.how, None)
+    entry = arc.placed.get(meeting.vertex)
+    if entry is None or entry.place is None:
+        return "its certificate was not looked for" if entry is None else entry.reason
+    is_symmetric = _is_symmetric_point(arc, entry.place)
+    if meeting.how == BRANCHES:
+        if not is_symmetric:
+            return (
+                "it is an orbit of the arc, but no symmetric point of it, where the arc would leave the symmetric ones"
+            )
+    elif meeting.how != PASSES:
+        return "there is no such way to meet"
+    elif is_symmetric:
+        return "it is the symmetric point of the arc, which branches off there"
+    elif not _is_inside(arc, entry.place):
+        return "it is not shown to lie before the end of the arc"
+    return Incidence(arc.id, meeting.vertex, meeting.how, entry.place)
+
+
+def _is_symmetric_point(arc: Arc, place: Place) -> bool:
+    """Whether the place is a point of the curve that its symmetry fixes: s = 0 of a symmetric piece (15.8)."""
+    symmetric = {piece.id for piece in arc.atlas.curve_pieces() if piece.is_symmetric}
+    return place.piece in symmetric and place.s.is_zero() and not place.other_point
+
+
+def _is_inside(arc: Arc, place: Place) -> bool:
+    """Whether the place certainly is none of the ends of the curve."""
+    assert arc.curve is not None
+    claim, stretches = arc.atlas.claim, arc.curve.chain.stretches
+    if claim.is_closed:
+        return True
+    first, last = stretches[0], stretches[-1]
+    # The beginning of a symmetric arc is its symmetric point, on both sides of which it goes on.
+    if not claim.is_of_symmetric_curve and place.piece == first.tube.piece.id and lower_end(place.s) <= first.entered:
+        return False
+    return not (place.piece == last.tube.piece.id and upper_end(place.s) >= last.leaves)
