@@ -1,0 +1,465 @@
+"""Webs: proved curves that meet in certified orbits, and graphs that are false."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import arb
+from support.chain_cases import (
+    Case,
+    alone,
+    certificate,
+    circle,
+    circle_point,
+    loop,
+    stands,
+    symmetric_arc,
+    symmetric_loop,
+)
+from support.claims import known
+from support.conclusions import conclude
+from support.forgeries import atlas_certificate, fabricated, forged, of_parabola
+from support.stored import values
+
+from orbitproof import verify
+from orbitproof.shared.claims import Claim
+from orbitproof.shared.claims.web import BRANCHES, ENDS, PASSES, Meeting, Web, WebArc
+from orbitproof.shared.formats import InputError, read_atlas, read_web, web_from_json
+from orbitproof.verify.__main__ import main
+from orbitproof.verify.atlas import (
+    AtlasCertificate,
+    Resting,
+    certified_web,
+    check_of_conclusion,
+    recheck_web,
+    resting,
+)
+from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck, certify, recheck
+from orbitproof.verify.curve import CertifiedPoint
+from orbitproof.verify.curve import conclude as conclude_of_points
+from orbitproof.verify.curve.bifurcations_on_it import place_bifurcation
+from orbitproof.verify.evidence import NotProved, Proved
+from orbitproof.verify.stability import conclude_list
+from orbitproof.verify.web import Arc, ProvedWeb, conclude_web
+from orbitproof.verify.words import web_in_words
+
+DATA = Path(__file__).parents[1] / "data"
+BREAKING: dict[str, Any] = {"kind": "symmetry_breaking", "k": 1, "symmetry": "S"}
+
+
+def symmetric_point(name: str, x: int, vy: int) -> Certificate:
+    """Of a symmetry breaking at a point of the circle in the plane."""
+    point = {"x": arb(x, 2**-80), "z": arb(0), "vy": arb(vy, 2**-80)}
+    return certificate(point, name=name, **BREAKING)
+
+
+def arc(case: Case, name: str, *vertices: Certificate) -> Arc:
+    """A fabricated arc on which certificates are looked for."""
+    atlas, results = case
+    conclusion = conclude(replace(atlas, id=name), results, vertices, stands, alone)
+    assert isinstance(conclusion.outcome, Proved)
+    return Arc(replace(atlas, id=name), conclusion.outcome.results, "", {e.id: e for e in conclusion.bifurcations})
+
+
+def web(meets: Mapping[str, Mapping[str, str]], connected: bool = True) -> Web:
+    """A claim, by arcs and vertices."""
+    arcs = (
+        WebArc(name, tuple(Meeting(vertex, how) for vertex, how in vertices.items()))  # type: ignore[arg-type]
+        for name, vertices in meets.items()
+    )
+    return Web("a web", "a web", tuple(arcs), connected)
+
+
+def refusal(claim: Web, *arcs: Arc) -> str:
+    """Why a web is not proved."""
+    outcome = conclude_web(claim, arcs)
+    assert isinstance(outcome, NotProved)
+    assert outcome.hypotheses[-1].holds is False
+    return f"{outcome.reason.condition}: {outcome.reason.message}"
+
+
+def proof(claim: Web, *arcs: Arc) -> ProvedWeb:
+    outcome = conclude_web(claim, arcs)
+    assert isinstance(outcome, Proved), outcome
+    return outcome.results
+
+
+ONE, OTHER = symmetric_point("one", 1, 2), symmetric_point("other", -1, 4)
+INSIDE = certificate(circle_point(0.7), name="inside")
+
+
+@cache
+def halo() -> Arc:
+    return arc(symmetric_loop(), "halo", ONE, OTHER, INSIDE)
+
+
+def shifted(case: Case) -> Case:
+    """The same curve in pieces that are written otherwise: their polynomials have one more coefficient, 0."""
+    atlas, results = case
+    zero = (Fraction(0),)
+    pieces = tuple(
+        replace(piece, polynomial=tuple(row + zero for row in piece.polynomial)) for piece in atlas.curve_pieces()
+    )
+    return replace(atlas, pieces=pieces), results
+
+
+def test_a_loop_branches_off_at_its_symmetric_points_and_passes_through_others() -> None:
+    claim = web({"halo": {"one": BRANCHES, "other": BRANCHES, "inside": PASSES}})
+    found = proof(claim, halo())
+    assert [(entry.vertex, entry.how) for entry in found.incidences] == [
+        ("one", BRANCHES), ("other", BRANCHES), ("inside", PASSES)
+    ]  # fmt: skip
+    assert found.parts == (("halo",),)
+    assert found.switches == ()
+
+
+def test_the_ranges_contain_levels_and_periods_of_random_orbits_of_the_arc() -> None:
+    found = proof(web({"halo": {}}), halo()).arcs[0]
+    integral = halo().system.first_integral_program
+    assert integral is not None
+    for number in range(200):
+        angle = number * math.pi / 200
+        at = {
+            "x": math.cos(angle),
+            "y": 0,
+            "z": math.sin(angle),
+            "vx": 0,
+            "vy": 3 - math.cos(angle),
+            "vz": 0,
+            "mu": 1 / 80,
+        }
+        (level,) = integral.evaluate(
+            [at[name] for name in integral.inputs], float, lambda base, power: base ** float(power)
+        )
+        assert found.level.contains(arb(level, 1e-5)), angle
+    assert found.level.is_finite()
+    assert found.period.contains(arb(6))
+    assert not found.period.contains(arb(7))
+
+
+FALSE: dict[str, tuple[dict[str, str], str]] = {
+    "a branch at a point off the plane": ({"inside": BRANCHES}, "no symmetric point of it"),
+    "a passage at a symmetric point": ({"one": PASSES}, "branches off there"),
+    "an end at a libration point": ({"L1": ENDS}, "the family that shrinks to L1"),
+    "a passage through a libration point": ({"L2": PASSES}, "end at libration points, and at nothing else"),
+    "an end at an orbit": ({"inside": ENDS}, "end at libration points, and at nothing else"),
+    "a vertex that was not looked for": ({"elsewhere": PASSES}, "was not looked for"),
+}
+
+
+@pytest.mark.parametrize(("meets", "why"), FALSE.values(), ids=FALSE.keys())
+def test_an_arc_that_meets_a_vertex_in_another_way_is_refused(meets: dict[str, str], why: str) -> None:
+    said = refusal(web({"halo": meets}), halo())
+    assert said.startswith("meetings: ")
+    assert why in said
+
+
+def test_an_arc_that_stops_before_its_vertex_does_not_meet_it() -> None:
+    beyond, at_end = (certificate(circle_point(angle), name="v") for angle in (2.9, 2.297))
+    for vertex in (beyond, at_end):
+        said = refusal(web({"short": {"v": PASSES}}), arc(symmetric_arc(), "short", vertex))
+        assert said.startswith("meetings: "), said
+
+
+def test_an_orbit_at_the_very_end_of_an_arc_is_not_passed_through() -> None:
+    # Both ends of an arc of one piece: a ball about the last point on the near side reaches s = 1.
+    half = circle(Claim("arc"), [1.0])
+    piece = half[0].curve_pieces()[0]
+    for s, inside in ((1, False), (-1, False), (0, True)):
+        point = dict(zip(("x", "z", "vy"), map(arb, map(float, piece.point(piece.half_width * 0 + s))), strict=True))
+        placed = arc(half, "arc", certificate({name: arb(ball) for name, ball in point.items()}, name="v"))
+        entry = placed.placed["v"]
+        if entry.place is None:
+            # A float is not exactly the end: then it is beyond it, or beside.
+            assert not inside
+            continue
+        exact = replace(entry, place=replace(entry.place, s=arb(s)))
+        outcome = conclude_web(web({"arc": {"v": PASSES}}), [replace(placed, placed={"v": exact})])
+        assert isinstance(outcome, Proved) == inside
+
+
+def test_a_vertex_of_another_mass_or_beside_the_curve_is_refused() -> None:
+    for vertex, why in (
+        (certificate(circle_point(0.7), name="v", parameters={"mu": "0.0125000001"}), "another value of mu"),
+        (certificate({**circle_point(0.7), "vy": arb(2.5)}, name="v"), "half-widths"),
+        (certificate(circle_point(0.7), name="v", crossings=2), "meet the section 2 times"),
+        (certificate(circle_point(0.7), name="v", proved=False), "the certificate says 'not proved'"),
+    ):
+        assert why in refusal(web({"halo": {"v": PASSES}}), arc(symmetric_loop(), "halo", vertex))
+
+
+def test_arcs_hang_together_by_common_vertices_only() -> None:
+    arcs = halo(), arc(shifted(loop()), "loop", INSIDE), arc(shifted(symmetric_arc()), "short", ONE)
+    meets = {"halo": {"inside": PASSES}, "loop": {"inside": PASSES}, "short": {"one": BRANCHES}}
+    said = refusal(web(meets), *arcs)
+    assert said.startswith("connected: ")
+    assert "halo, loop; short" in said
+    assert proof(web(meets, connected=False), *arcs).parts == (("halo", "loop"), ("short",))
+    joined = proof(web({**meets, "halo": {"inside": PASSES, "one": BRANCHES}}), *arcs)
+    assert joined.parts == (("halo", "loop", "short"),)
+
+
+def test_an_arc_exchanged_for_another_is_refused() -> None:
+    other = arc(shifted(circle(Claim("arc"), [2.2])), "halo", INSIDE)
+    assert "meetings: " in refusal(web({"halo": {"inside": PASSES}}), other)
+    assert "not those of the claim" in refusal(web({"loop": {}}), halo())
+
+
+def test_one_curve_under_two_names_is_refused() -> None:
+    said = refusal(web({"halo": {}, "again": {}}, connected=False), halo(), arc(symmetric_loop(), "again"))
+    assert "have a piece in common" in said
+    twice = Web("a web", "a web", (WebArc("halo"), WebArc("halo")), False)
+    assert "same id" in refusal(twice, halo(), halo())
+
+
+def test_arcs_of_other_equations_or_parameters_are_refused() -> None:
+    atlas, results = shifted(loop())
+    heavier = replace(atlas, parameters={"mu": atlas.parameters["mu"] * 2})
+    assert "different parameters" in refusal(web({"halo": {}, "b": {}}, False), halo(), arc((heavier, results), "b"))
+    parabola, of_it = of_parabola()
+    other = arc((parabola, of_it), "b")
+    assert "different equations" in refusal(web({"halo": {}, "b": {}}, False), halo(), other)
+
+
+def test_one_orbit_under_two_names_is_refused() -> None:
+    twice = certificate(circle_point(0.7), name="twice"), certificate(circle_point(0.7), name="again")
+    said = refusal(web({"halo": {"twice": PASSES, "again": PASSES}}), arc(symmetric_loop(), "halo", *twice))
+    assert said.startswith("vertices: ")
+    assert "may be the same orbit" in said
+
+
+def test_an_arc_that_is_not_proved_is_refused_with_its_reason() -> None:
+    assert "arcs: " in refusal(web({"halo": {}}), replace(halo(), problem="the certificate does not stand: why"))
+    assert "it is not proved" in refusal(web({"halo": {}}), replace(halo(), curve=None))
+
+
+# The family around a libration point, whose results are stored, and births on it.
+
+
+@cache
+def lyapunov(**changes: Any) -> tuple[Case, Arc]:
+    atlas = read_atlas(DATA / "atlas-lyapunov.json")
+    results = json.loads((DATA / "stability-lyapunov.json").read_text())
+    case: Case = (replace(atlas, **changes), results)  # type: ignore[type-var,assignment]
+    return case, arc(case, atlas.id)
+
+
+def birth(name: str, system: str) -> CertifiedPoint:
+    """The birth of halo orbits on the family, as a certificate about either reversing symmetry would have it."""
+    x, vy = arb("0.823390904575336165"), arb("0.126326399508559760")
+    point = {"x": x, "vy": vy} | ({"z": arb(0)} if system == "cr3bp" else {"vz": arb(0)})
+    reversor = None if system == "cr3bp" else "axial"
+    signs = (1, 1, -1, 1, 1, -1)
+    return CertifiedPoint(
+        name, "symmetry_breaking", 1, reversor=reversor, symmetry="S", signs=signs, point=point,
+        parameter_name="Jacobi constant", parameter=arb("3.17435194426883474"),
+    )  # fmt: skip
+
+
+def test_a_family_ends_at_its_libration_point_and_at_no_other() -> None:
+    _, family = lyapunov()
+    found = proof(web({family.id: {"L1": ENDS}}), family)
+    assert found.vertices[0].level.overlaps(arb("3.18834110715128848"))
+    assert found.arcs[0].level.contains(arb("3.17435194426883474"))
+    assert "shrinks to L2" in refusal(web({family.id: {"L2": ENDS}}), family)
+    claim = family.atlas.claim
+    for claimed in (replace(claim, increasing=()), replace(claim, covers=None)):
+        silent = replace(family, atlas=replace(family.atlas, claim=claimed))
+        assert "shrinks to L1" in refusal(web({family.id: {"L1": ENDS}}), silent)
+
+
+@pytest.mark.parametrize("system", ["cr3bp", "cr3bp-axial"])
+def test_births_under_either_reversing_symmetry_lie_on_the_planar_family(system: str) -> None:
+    _, family = lyapunov()
+    assert family.curve is not None
+    placed = place_bifurcation(family.atlas, family.curve.chain, birth("birth", system))
+    assert placed.place is not None, placed.reason
+    whole = replace(family, placed={"birth": placed})
+    found = proof(web({family.id: {"L1": ENDS, "birth": PASSES}}), whole)
+    assert [vertex.id for vertex in found.vertices] == ["L1", "birth"]
+    assert found.vertices[1].level.overlaps(arb("3.17435194426883474"))
+    others = replace(birth("birth", system), symmetry="another")
+    assert place_bifurcation(family.atlas, family.curve.chain, others).place is None
+
+
+def test_a_birth_is_a_point_of_the_list_for_its_own_reversing_symmetry_or_contradicts_it() -> None:
+    (atlas, results), _ = lyapunov()
+    found = values(results)
+    for system, holds in (("cr3bp", True), ("cr3bp-axial", False)):
+        curve = conclude_of_points(atlas, found, [birth("birth", system)])
+        listed = conclude_list(atlas, found, curve, 1)
+        assert isinstance(listed.outcome, Proved) == holds
+
+
+# Certificates: a parabola's, on which a point is fabricated that stands without an integration.
+
+
+@cache
+def documents() -> tuple[Web, tuple[Resting, ...], dict[str, Recheck]]:
+    point = fabricated(certify(known("fs3"), Limits(max_precision=256)), ("2", "4e-2"), "near")
+    atlas, results = of_parabola()
+    curve = AtlasCertificate(atlas, atlas_certificate(atlas, results))
+    claim = web({"parabola": {"near": PASSES}})
+    certificates = resting(claim, [point, curve])
+    return claim, certificates, {"parabola": check_of_conclusion(curve.document), "near": recheck(point)}
+
+
+@cache
+def document() -> dict[str, Any]:
+    claim, certificates, checks = documents()
+    return certified_web(claim, certificates, checks)
+
+
+def checked(entry: Mapping[str, Any]) -> Recheck:
+    _, certificates, checks = documents()
+    return recheck_web(entry, certificates, checks)
+
+
+def test_the_certificate_of_a_web_stands_as_far_as_those_that_it_rests_on() -> None:
+    _, certificates, checks = documents()
+    found = checked(document())
+    assert (found.stands, found.level, found.verdict) == (True, Level.CONCLUSION, "proved")
+    assert found.rendered is None
+    lower = {name: replace(check, level=Level.FORM) for name, check in checks.items()}
+    assert recheck_web(document(), certificates, lower).level is Level.FORM
+    higher = {name: replace(check, level=Level.INTEGRATION, precision=90) for name, check in checks.items()}
+    integrated = recheck_web(document(), certificates, higher)
+    assert (integrated.level, integrated.precision) == (Level.INTEGRATION, 90)
+    half = {**higher, "near": checks["near"]}
+    assert recheck_web(document(), certificates, half).level is Level.CONCLUSION
+
+
+def test_what_it_rests_on_has_to_stand() -> None:
+    claim, certificates, checks = documents()
+    for name in checks:
+        falls = {**checks, name: replace(checks[name], findings=(Finding("digest", "does not fit"),))}
+        assert not recheck_web(document(), certificates, falls).stands
+        fresh = certified_web(claim, certificates, falls)
+        assert fresh["verdict"] == "not proved"
+        assert "does not stand" in fresh["reason"]["message"]
+        assert fresh["arcs"] == fresh["vertices"] == []
+    with pytest.raises(ValueError, match="the check of another certificate"):
+        certified_web(claim, certificates, {**checks, "near": replace(checks["near"], digest="sha256:" + 64 * "0")})
+
+
+FORGED: dict[str, Callable[[dict[str, Any]], Any]] = {
+    "another digest": lambda d: d["rests_on"][0].update(digest="sha256:" + 64 * "0"),
+    "a certificate left out": lambda d: d["rests_on"].pop(),
+    "a vertex for an arc": lambda d: d["rests_on"][0].update(kind="vertex"),
+    "another way to meet": lambda d: d["arcs"][0]["meets"][0].update(how=BRANCHES),
+    "another claim": lambda d: d["statement"]["claim"]["arcs"][0]["meets"][0].update(how=BRANCHES),
+    "another piece": lambda d: d["arcs"][0]["meets"][0].update(piece="p002"),
+    "a place elsewhere": lambda d: d["arcs"][0]["meets"][0]["s"].update(rad="0x1p-200"),
+    "another level": lambda d: d["vertices"][0]["level"].update(rad="0x1p-300"),
+    "another kind": lambda d: d["vertices"][0].update(k=2),
+    "a narrower range": lambda d: d["arcs"][0]["period"].update(rad="0x1p-300"),
+    "an arc twice": lambda d: d["arcs"].append(d["arcs"][0]),
+    "a switch": lambda d: d.update(switches=[{"vertex": "near", "along": "parabola", "onto": "parabola"}]),
+    "another part": lambda d: d["parts"].append(["near"]),
+    "a hypothesis left out": lambda d: d["hypotheses"].pop(1),
+    "no hypothesis": lambda d: d.update(hypotheses=[]),
+    "a list": lambda d: d["arcs"][0].update(order=12),
+    "another id": lambda d: d.update(id="another"),
+}
+
+
+@pytest.mark.parametrize("change", FORGED.values(), ids=FORGED.keys())
+def test_forged_webs_do_not_stand(change: Callable[[dict[str, Any]], Any]) -> None:
+    assert not checked(forged(document(), change)).stands
+    altered = json.loads(json.dumps(document()))
+    change(altered)
+    assert "digest" in checked(altered).findings[0].place
+
+
+def test_other_words_are_told_anew() -> None:
+    found = checked(forged(document(), lambda d: d["statement"].update(theorem="Everything is joined.")))
+    assert found.stands
+    assert found.rendered is not None
+    assert found.rendered["statement"]["theorem"] == document()["statement"]["theorem"]
+
+
+def test_a_web_that_is_not_proved_claims_nothing() -> None:
+    _, certificates, checks = documents()
+    wrong = web({"parabola": {"near": BRANCHES}})
+    fresh = certified_web(wrong, certificates, checks)
+    assert (fresh["verdict"], fresh["reason"]["condition"]) == ("not proved", "meetings")
+    assert "theorem" not in fresh["statement"]
+    assert recheck_web(fresh, certificates, checks).stands
+    said = forged(fresh, lambda d: d.update(verdict="proved", reason=None))
+    assert not recheck_web(said, certificates, checks).stands
+
+
+def test_a_certificate_that_is_missing_or_given_twice_or_of_another_kind_is_told() -> None:
+    claim, (curve, point), _ = documents()
+    for given, why in (
+        ([curve], "no such certificate is given"),
+        ([curve, point, point], "appears twice"),
+    ):
+        with pytest.raises(InputError, match=why):
+            resting(claim, given)
+    with pytest.raises(InputError, match="is about a curve"):
+        resting(web({"near": {"parabola": PASSES}}), [curve, point])
+    assert [entry.id for entry in resting(web({"parabola": {}}), [point, curve])] == ["parabola"]
+
+
+def test_a_claim_names_each_arc_and_each_meeting_once(tmp_path: Path) -> None:
+    meets = [{"vertex": "near", "how": PASSES}]
+    one = {"id": "parabola", "meets": meets}
+    file = tmp_path / "web.json"
+    for arcs, why in (
+        ([one, one], "'parabola' appears twice"),
+        ([{**one, "meets": meets * 2}], "'near' appears twice"),
+        ([one, {"id": "near"}], "is a vertex too"),
+        ([{"id": "L1"}], "is a libration point"),
+        ([{**one, "meets": [{"vertex": "near", "how": "crosses"}]}], "must be"),
+        ([], "needs at least 1"),
+    ):
+        file.write_text(json.dumps({"format": "orbitproof-web", "version": 1, "id": "w", "title": "w", "arcs": arcs}))
+        with pytest.raises(InputError, match=why):
+            read_web(file)
+    assert web_from_json({"id": "w", "title": "w", "arcs": [one]}, "it").connected
+
+
+def test_the_theorem_says_what_it_is_about() -> None:
+    claim = web({"halo": {"one": BRANCHES, "inside": PASSES}})
+    outcome = conclude_web(claim, [halo()])
+    assert isinstance(outcome, Proved)
+    words = web_in_words(outcome.theorem, outcome.results, {"halo": "d1", "one": "d2", "inside": "d3"})  # type: ignore[arg-type]
+    assert "The arc halo (d1), a symmetric loop of orbits symmetric under R, mirror images included" in words
+    assert "branches off at one: at the symmetric point of piece p000" in words
+    assert "only symmetric points are in Fix(S)" in words
+    assert "- inside: period tupling of order 2, Jacobi constant in" in words
+    assert "joined by a path" not in words
+
+
+@pytest.mark.slow
+def test_the_command_and_python_say_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    claim, (curve, point), _ = documents()
+    files = {name: str(tmp_path / f"{name}.json") for name in ("web", "curve", "point", "out", "python")}
+    assert isinstance(curve, AtlasCertificate)
+    assert isinstance(point, Certificate)
+    verify.write_atlas(files["curve"], curve)
+    verify.write(files["point"], [point])
+    entry = document()["statement"]["claim"]
+    Path(files["web"]).write_text(json.dumps({"format": "orbitproof-web", "version": 1, **entry}))
+    given = ["--certificates", files["curve"], files["point"], "--quiet"]
+    assert main(["web", files["web"], *given, "-o", files["out"]]) == 0
+    assert "PROVED" in capsys.readouterr().out
+    found = verify.certify_web(claim, [curve, point], output=files["python"], quiet=True)
+    assert found.document == verify.read_web(files["out"]).document == verify.read_web(files["python"]).document
+    assert main(["web", "--recheck", files["out"], *given]) == 0
+    assert verify.recheck_web(found, [curve, point], quiet=True).stands
+    assert main(["web", files["web"], "--certificates", files["curve"], "--quiet"]) == 2
+    assert "no such certificate is given" in capsys.readouterr().err
+    wrong = {**entry, "arcs": [{"id": "parabola", "meets": [{"vertex": "near", "how": BRANCHES}]}]}
+    Path(files["web"]).write_text(json.dumps({"format": "orbitproof-web", "version": 1, **wrong}))
+    assert main(["web", files["web"], *given]) == 1
+    assert "NOT PROVED: meetings" in capsys.readouterr().out
