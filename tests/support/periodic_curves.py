@@ -125,6 +125,23 @@ def tilted_atlas() -> PeriodicAtlas:
     return PeriodicAtlas("tilted", "Over the levels", LEVELS, {"a": Q(1, 2)}, claim, (piece,))
 
 
+TWISTING = shared.define_system(
+    {
+        "name": "twisting", "state": "x y u v", "parameters": "a",
+        "field": lambda x, y, u, v, a: (y, -x, v, -a * u),
+        "first_integral": lambda x, y, u, v, a: x * x + y * y + v * v + a * u * u,
+    }
+)  # fmt: skip
+"""Where u = v = 0 the orbits have the period 2 pi, and the multipliers exp(2 pi i a^(1/2)) and its inverse."""
+
+
+def twisting_atlas(low: Q, high: Q) -> PeriodicAtlas:
+    """On the level 1, x = 1, a from `low` to `high`."""
+    claim = PeriodicCurveClaim("periodic-arc", (Q(0), Q(1), Q(0), Q(0)), Q(0), -1, 1, "a", Q(1))
+    piece = _piece("p1", ((low + high) / 2, Q(0), Q(0), Q(0)), 0, (high - low) / 2, [[Q(1)], [Q(0)], [Q(0)]])
+    return PeriodicAtlas("twisting", "Twisting", TWISTING, {}, claim, (piece,))
+
+
 def _flipping(x: Any, y: Any, u: Any, v: Any) -> tuple[Any, Any, Any, Any]:
     rate = (1 - x * x - y * y) / 8
     return rate * x - y, rate * y + x, v / 2, -u / 2

@@ -150,6 +150,10 @@ FORGED: dict[str, Callable[[Document], Any]] = {
         stability={"reason": {"condition": "stability", "message": "x", "remedy": "y"}}
     ),
     "a turn that is none": lambda d: d["conclusion"].update(turns=[]),
+    "more attracting orbits": lambda d: d["conclusion"]["multipliers"][0]["counts"].update(inside=1, outside=0),
+    "nothing undecided": lambda d: d["conclusion"]["multipliers"].pop(1),
+    "multipliers that count otherwise": lambda d: _results(d)[0]["multipliers"]["coefficients"][0].update(error="0x1"),
+    "a negative bound of multipliers": lambda d: _results(d)[0]["multipliers"]["coefficients"][0].update(error="-0x1"),
     "another vector field": lambda d: d["statement"].update(vector_field=d["statement"]["vector_field"] + "\n"),
     "another theorem": lambda d: d["statement"].update(theorem="There is a curve of stable orbits."),
     "a list of resonances": lambda d: d["conclusion"].update(complete={"order": 3}),

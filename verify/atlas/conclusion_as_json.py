@@ -61,7 +61,11 @@ def _whole(
         ends = {end: balls_to_json(balls) for end, balls in whole.ends.items()}
         if isinstance(whole, ProvedPeriodicCurve):
             known = {"period": to_json(whole.period)} if whole.period.is_finite() else {}
-            more = {**known, "turns": [to_json(turn) for turn in whole.turns]}
+            counted = [to_json(part) for part in whole.multipliers]
+            more = {
+                **known, "turns": [to_json(turn) for turn in whole.turns],
+                **({"multipliers": counted} if counted else {}),
+            }  # fmt: skip
     return {
         **outcome_to_json(conclusion.outcome),
         "statement": statement,

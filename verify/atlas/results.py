@@ -10,10 +10,12 @@ from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError, PeriodicAt
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve import Interval, IntervalResult
 from orbitproof.verify.lasting import LastingResult
+from orbitproof.verify.periodic_curve import PeriodicResult
 from orbitproof.verify.surface import SurfaceResult
 
 Result = IntervalResult
-"""Of a piece of a curve it is a `LastingResult`, of one of a surface a `SurfaceResult`."""
+"""Of a piece of a curve it is a `LastingResult`, without symmetry a `PeriodicResult`, of one of a surface a
+`SurfaceResult`."""
 
 Settings = Mapping[str, int]
 """Of the integrator, by name, as they stand in a result's `Computation`."""
@@ -26,15 +28,17 @@ def results_from_json(atlas: AnyAtlas, entries: Sequence[Mapping[str, Any]]) -> 
     for index, entry in enumerate(entries):
         if entry["piece"] not in pieces:
             raise InputError(f"results[{index}].piece: no such piece in the atlas")
-        if isinstance(atlas, PeriodicAtlas) and "stability" in entry:
-            raise InputError(f"results[{index}].stability: is not found for such a piece; write the file again")
-        found.append(result_from_json(pieces[entry["piece"]], entry, f"results[{index}]"))
+        is_periodic = isinstance(atlas, PeriodicAtlas)
+        found.append(result_from_json(pieces[entry["piece"]], entry, f"results[{index}]", is_periodic))
     return tuple(found)
 
 
-def result_from_json(piece: AnyPiece, entry: Mapping[str, Any], place: str) -> Result:
-    """What was found for a piece. Raises `InputError` that begins with `place`."""
-    kind: type[Result] = LastingResult
+def result_from_json(piece: AnyPiece, entry: Mapping[str, Any], place: str, is_periodic: bool = False) -> Result:
+    """What was found for a piece, `is_periodic`: of orbits without symmetry.
+
+    Raises `InputError` that begins with `place`.
+    """
+    kind: type[Result] = PeriodicResult if is_periodic else LastingResult
     if not isinstance(piece, Piece):
         kind = SurfaceResult if isinstance(piece, SurfacePiece) else IntervalResult
     for name in sorted(set(entry) - {each.name for each in fields(kind)}):

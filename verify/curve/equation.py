@@ -140,9 +140,10 @@ class Equation:
 
         A monomial of degree n >= 2 in omega changes by at most n 2^(1-n) <= 1 on the tube.
         """
-        return _over(self._linear(variable), part) + arb(0, 1) * (self.errors[1] + self.errors[2])
+        return _over(self.linear(variable), part) + arb(0, 1) * (self.errors[1] + self.errors[2])
 
-    def _linear(self, variable: int) -> arb_poly:
+    def linear(self, variable: int) -> arb_poly:
+        """What is known of the coefficient of omega_variable, a polynomial in sigma."""
         position = self.order[variable]
         assert position is not None
         return self.polynomials[position]
@@ -154,7 +155,7 @@ class Equation:
         """
         result = _slope_of(self.polynomials[0], part, divided)
         for variable, ball in enumerate(omega):
-            result += _slope_of(self._linear(variable), part, divided) * ball
+            result += _slope_of(self.linear(variable), part, divided) * ball
         unknown = self.errors[0] + self.errors[1] + self.errors[2]
         factor = 1 / (1 - self.inside)
         if divided:

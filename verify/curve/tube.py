@@ -92,6 +92,15 @@ class Tube:
             for middle, row in zip(self.piece.centre, self.piece.frame, strict=True)
         ]
 
+    def points(self, deviation: Sequence[Fraction], lower: Fraction, upper: Fraction) -> list[arb]:
+        """Enclosures of the coordinates of the curve for all s of a proved interval with this deviation."""
+        middle, reach = enclose((lower + upper) / 2), enclose((upper - lower) / 2)
+        return [
+            values_around(ball_polynomial(self._coordinate(index)), middle, reach)
+            + symmetric(self._spread(index, deviation))
+            for index in range(len(self.piece.centre))
+        ]
+
     def to_local(self, point: Sequence[arb]) -> list[arb]:
         """Enclosures of the p_0, .., p_n of a point that is given by enclosures of its coordinates."""
         distance = [ball - enclose(c) for ball, c in zip(point, self.piece.centre, strict=True)]

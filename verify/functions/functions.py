@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import ceil, log2
-from typing import Annotated
+from typing import Annotated, Protocol, TypeVar
 
 from flint import arb, arb_poly
 
 from orbitproof.shared.stored import rules
 from orbitproof.verify.algebra import Series, WideArithmetic, ball_polynomial, correct_power, values_around
-from orbitproof.verify.evidence import IntegrationFailure, is_below, symmetric, total
+from orbitproof.verify.evidence import IntegrationFailure, exact_value, is_below, symmetric, total
 
 REACH = Fraction(33, 32)
 """|tau| <= 1 exceeds the interval by this factor."""
@@ -90,12 +90,25 @@ def _same(element: Series) -> WideArithmetic:
     return element.arithmetic
 
 
-def determinant(rows: Sequence[Sequence[Series]]) -> Series:
+class _Entry(Protocol):
+    """What sums and products are formed of."""
+
+    def __add__(self: T, other: T, /) -> T: ...
+
+    def __sub__(self: T, other: T, /) -> T: ...
+
+    def __mul__(self: T, other: T, /) -> T: ...
+
+
+T = TypeVar("T", bound=_Entry)
+
+
+def determinant(rows: Sequence[Sequence[T]]) -> T:
     """The determinant of a square matrix of functions, at least 1 x 1, by its first row."""
     if len(rows) == 1:
         return rows[0][0]
     first, *others = rows
-    result: Series | None = None
+    result: T | None = None
     for column, entry in enumerate(first):
         minor = determinant([[*row[:column], *row[column + 1 :]] for row in others])
         term = entry * minor
@@ -205,14 +218,25 @@ class StoredFunction:
     @classmethod
     def of(cls, element: Series) -> StoredFunction:
         """A function that is enclosed in the algebra, with fewer bits."""
-        coefficients = known_part(element, 0)
+        return cls._rounded(known_part(element, 0), error_of(element), element.arithmetic.bits - _BITS_LEFT_OUT)
+
+    @classmethod
+    def near(cls, coefficients: Sequence[arb], error: arb) -> StoredFunction:
+        """The functions with coefficients in finite balls, and a rest of at most `error`."""
+        middles = [exact_value(ball.mid()) for ball in coefficients]
+        unknown = [error, *(ball.rad() for ball in coefficients)]
+        return cls._rounded(middles, sum((exact_value(bound.abs_upper()) for bound in unknown), Fraction(0)))
+
+    @classmethod
+    def _rounded(cls, coefficients: Sequence[Fraction], error: Fraction, bits: int = 0) -> StoredFunction:
+        """With so many significant bits, or `_BITS` if that is more."""
         largest = max((abs(value) for value in coefficients), default=Fraction(0))
-        unit = Fraction(2) ** (_exponent(largest) - max(_BITS, element.arithmetic.bits - _BITS_LEFT_OUT))
+        unit = Fraction(2) ** (_exponent(largest) - max(_BITS, bits))
         rounded = [round(value / unit) * unit for value in coefficients]
         while rounded and not rounded[-1]:
             rounded.pop()
         lost = unit * len(coefficients)
-        bound = (error_of(element) + lost) * _SPARE
+        bound = (error + lost) * _SPARE
         step = Fraction(2) ** (_exponent(bound) - _ERROR_BITS)
         return cls(tuple(rounded), -(-bound // step) * step)
 

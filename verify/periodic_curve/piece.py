@@ -18,13 +18,13 @@ from orbitproof.verify.curve import (
     PieceLimits,
     PieceResult,
     Progress,
-    ProvedInterval,
     attempt,
     check_newton,
     in_units,
 )
 from orbitproof.verify.evidence import Checklist, dot, enclose, excludes_zero, guarded, hull, is_positive
 from orbitproof.verify.periodic import slopes_along
+from orbitproof.verify.periodic_curve.characteristic import ProvedPeriodicInterval, multipliers_along
 from orbitproof.verify.periodic_curve.conditions import check_integral, require_piece
 from orbitproof.verify.periodic_curve.returns import Returns, TubeOfOrbits, ranges
 from orbitproof.verify.poincare import PHYSICAL, WideOracle, at_start
@@ -69,7 +69,7 @@ def prove_periodic_piece(
     oracle: WideOracle,
     limits: PeriodicLimits | None = None,
     progress: Progress | None = None,
-) -> PieceResult[ProvedInterval]:
+) -> PieceResult[ProvedPeriodicInterval]:
     """Prove the claim of a piece for s in an interval within [-1, 1], or say why it is not proved.
 
     Args:
@@ -97,7 +97,7 @@ class _Proof:
     oracle: WideOracle
     limits: PeriodicLimits
 
-    def check(self, checklist: Checklist, computation: Account, progress: Progress | None) -> ProvedInterval:
+    def check(self, checklist: Checklist, computation: Account, progress: Progress | None) -> ProvedPeriodicInterval:
         """Check every hypothesis; raises `NotEstablishedError` at the first that is not shown."""
         start, end = self.interval
         claim = self.atlas.claim
@@ -139,7 +139,8 @@ class _Proof:
         if dropped is not None:
             self._check_last(checklist, orbits, images, dropped)
         bounds = in_units(widths, deviation), in_units(widths, slope_deviation)
-        return ProvedInterval(start, end, *bounds, time)
+        multipliers = multipliers_along(self.atlas, self.piece, self.interval, images, widths, deviation)
+        return ProvedPeriodicInterval(start, end, *bounds, time, multipliers=multipliers)
 
     def _check_direction(self, checklist: Checklist, across: Sequence[arb]) -> None:
         """At all points of the tube the section is crossed in the direction."""

@@ -11,6 +11,7 @@ from orbitproof.shared.formats import PeriodicAtlas
 from orbitproof.verify.curve import CURVE_PRECISION, Chain, Conclusion, Ends, IntervalResult, times_of
 from orbitproof.verify.evidence import Checklist, EmptyIntersectionError, NotEstablishedError, NotProved, Proved, Reason
 from orbitproof.verify.periodic_curve.conditions import check_periodic_curve, hypotheses_of
+from orbitproof.verify.periodic_curve.counted import CountedPart, counted_along
 from orbitproof.verify.periodic_curve.turns import Turn, turns_of
 
 
@@ -35,12 +36,14 @@ class ProvedPeriodicCurve:
         ends: enclosures of the coordinates of its first and last point.
         period: contains the least periods of all its orbits; not finite if they are not all known.
         turns: where the parameter has extrema along the curve, as far as that is certain; none without a parameter.
+        multipliers: its parts, by how many multipliers lie where; none if they are not known.
     """
 
     chain: Chain
     ends: Ends
     period: arb
     turns: tuple[Turn, ...] = ()
+    multipliers: tuple[CountedPart, ...] = ()
 
 
 def conclude_periodic(atlas: PeriodicAtlas, results: Sequence[IntervalResult]) -> Conclusion[ProvedPeriodicCurve]:
@@ -57,12 +60,13 @@ def conclude_periodic(atlas: PeriodicAtlas, results: Sequence[IntervalResult]) -
             names = atlas.coordinates
             ends = {key: dict(zip(names, end, strict=True)) for key, end in zip(_ENDS, chain.ends, strict=True)}
             turns = () if atlas.claim.parameter is None else turns_of(chain)
+            counted = counted_along(atlas, chain, results)
         except NotEstablishedError as error:
             return Conclusion(NotProved(error.reason, tuple(checklist.hypotheses)))
         except EmptyIntersectionError as error:
             reason = Reason("results", f"pieces contradict each other: {error}", "report this")
             return Conclusion(NotProved(reason, tuple(checklist.hypotheses)))
-        curve = ProvedPeriodicCurve(chain, ends, times_of(chain), turns)
+        curve = ProvedPeriodicCurve(chain, ends, times_of(chain), turns, counted)
     return Conclusion(Proved(PeriodicCurveTheorem(atlas), curve, tuple(checklist.hypotheses)))
 
 

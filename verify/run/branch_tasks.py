@@ -93,7 +93,7 @@ def result_of(answer: Answer, piece: AnyPiece) -> Result:
     if isinstance(answer.result, Failure):
         return not_proved(answer.task.argument, answer.result.kind, answer.result.message, answer.seconds)
     try:
-        found = result_from_json(piece, answer.result, "the answer")
+        found = result_from_json(piece, answer.result, "the answer", "claim" in answer.task.argument)
         if found.piece != piece.id:
             raise ValueError(f"it is about {found.piece!r}")
         return found

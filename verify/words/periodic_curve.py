@@ -9,7 +9,14 @@ from flint import arb
 from orbitproof.shared.formats import PeriodicAtlas
 from orbitproof.verify.claim import keyed_in_words, names_in_words
 from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text, range_text
-from orbitproof.verify.periodic_curve import PeriodicCurveTheorem, ProvedPeriodicCurve, Turn
+from orbitproof.verify.periodic_curve import (
+    CountedPart,
+    Counts,
+    PeriodicCurveTheorem,
+    ProvedPeriodicCurve,
+    Turn,
+    number_of_multipliers,
+)
 from orbitproof.verify.words.formulas import equations
 from orbitproof.verify.words.periodic import integral_in_words, linear_in_words, program_in_words
 
@@ -49,6 +56,7 @@ def periodic_curve_in_words(theorem: PeriodicCurveTheorem, curve: ProvedPeriodic
         paragraphs += _turns(names.get(claim.parameter, claim.parameter), curve.turns, bool(claim.increasing))
     if curve.period.is_finite():
         paragraphs.append(f"All least periods lie in {range_text(curve.period, 4)}.")
+    paragraphs += _multipliers(atlas, names.get(claim.parameter or "", claim.parameter or ""), curve.multipliers)
     paragraphs.append("That there are no other periodic orbits nearby, with other numbers of crossings, is not said.")
     return "\n".join(paragraphs)
 
@@ -110,6 +118,43 @@ def _turns(name: str, turns: Sequence[Turn], embedded: bool) -> Iterator[str]:
         for turn in turns
     )
     yield f"Along it {name} {has}: {listed}."
+
+
+def _multipliers(atlas: PeriodicAtlas, parameter: str, parts: Sequence[CountedPart]) -> Iterator[str]:
+    """How many lie where, part after part."""
+    if not parts:
+        return
+    size, is_level = number_of_multipliers(atlas), atlas.claim.uses_integral
+    name = parameter or integral_in_words(atlas.system)
+    trivial = "two multipliers that are 1" if is_level else "the multiplier 1 of the direction of the flow"
+    head = f"Besides {trivial} each orbit has {size} {'other' if size == 1 else 'others'}"
+    if len(parts) == 1:
+        (part,) = parts
+        said = (
+            "how many of them lie inside and outside the unit circle is not decided"
+            if part.counts is None
+            else f"for every orbit of the curve {_where(part.counts, size, is_level)}"
+        )
+        yield f"{head}; {said}."
+        return
+    lines = [f"{head}. From the beginning of the curve to its end:"]
+    for place, part in enumerate(parts):
+        if part.counts is not None:
+            first, last = (interval_text(value, _DIGITS) for value in part.values)
+            lines.append(f"from {name} in {first} to {name} in {last}, {_where(part.counts, size, is_level)};")
+            continue
+        near = [other.counts for other in parts[max(0, place - 1) : place + 2] if other is not part]
+        differ = len(near) == 2 and near[0] != near[1]
+        crossed = "; as the numbers on both sides differ, an orbit there has one on the circle" if differ else ""
+        lines.append(f"for {name} in {interval_text(part.all_values, _DIGITS)} it is not decided{crossed};")
+    yield "\n".join([*lines[:-1], f"{lines[-1][:-1]}."])
+
+
+def _where(counts: Counts, size: int, is_level: bool) -> str:
+    on = f", {counts.on} on" if counts.on else ""
+    attracts = counts.inside == size and not is_level
+    what = ": asymptotically stable orbits" if attracts else ": unstable orbits" if counts.outside else ""
+    return f"{counts.inside} inside{on}, {counts.outside} outside the unit circle{what}"
 
 
 def _point(point: Mapping[str, arb]) -> str:

@@ -1,0 +1,223 @@
+"""Multipliers of all orbits of a curve without symmetry, enclosed and counted (sections 26.6 and 26.7)."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from math import exp, pi
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import arb
+from support.periodic_curves import (
+    ATLASES,
+    LIMITS,
+    attempt,
+    closed_atlas,
+    proved,
+    turning_atlas,
+    twisting_atlas,
+)
+
+from orbitproof.shared.formats import PeriodicAtlas
+from orbitproof.verify.curve import IntervalResult
+from orbitproof.verify.evidence import NotKnown, Proved, Reason, enclose
+from orbitproof.verify.functions import REACH
+from orbitproof.verify.periodic_curve import (
+    CountedPart,
+    Counts,
+    MultiplierFunctions,
+    PeriodicResult,
+    conclude_periodic,
+    unconfirmed_multipliers,
+)
+from orbitproof.verify.periodic_curve.counted import counts_of, counts_of_pair_of_area
+from orbitproof.verify.words import conclusion_in_words
+
+Q = Fraction
+
+
+def _rate_of_turning(x: float) -> float:
+    q = x * x
+    return exp(2 * pi * (2 - 2 * q) * q / 5)
+
+
+TRUE: dict[str, Callable[[PeriodicAtlas, int, Q], list[float]]] = {
+    "turning": lambda atlas, n, s: [-_rate_of_turning(float(atlas.curve_pieces()[n].point(s)[1]))],
+    "twice": lambda atlas, n, s: _of_two(exp(-pi * float(atlas.curve_pieces()[n].point(s)[0]) / 2), exp(-2 * pi)),
+    "levels": lambda atlas, n, s: [-exp(-2 * pi)],
+    "tilted": lambda atlas, n, s: [-exp(-2 * pi)],
+    "on-level": lambda atlas, n, s: [-exp(-2 * pi)],
+}
+"""c_1, c_2, .. at s of piece n, in closed form."""
+
+
+def _of_two(first: float, second: float) -> list[float]:
+    return [-first - second, first * second]
+
+
+@pytest.mark.parametrize("name", ATLASES)
+def test_the_multipliers_of_exact_curves_lie_in_the_enclosures(name: str) -> None:
+    source = random.Random(name)
+    for number, result in enumerate(proved(name)):
+        assert isinstance(result, PeriodicResult)
+        assert isinstance(result.multipliers, MultiplierFunctions)
+        for _ in range(50):
+            s = Q(source.randrange(-(2**30), 2**30), 2**30)
+            true = TRUE[name](ATLASES[name], number, s)
+            assert len(true) == len(result.multipliers.coefficients)
+            for value, function in zip(true, result.multipliers.coefficients, strict=True):
+                ball = function.enclosed.value(enclose(s / REACH))
+                assert abs(float(ball.mid()) - value) <= float(ball.rad()) + 1e-14
+                assert float(ball.rad()) < 1e-9
+
+
+def counted(atlas: PeriodicAtlas, results: tuple[IntervalResult, ...]) -> tuple[CountedPart, ...]:
+    """The parts of a curve that is proved."""
+    outcome = conclude_periodic(atlas, results).outcome
+    assert isinstance(outcome, Proved), outcome
+    return outcome.results.multipliers
+
+
+def test_a_multiplier_leaves_the_circle_where_the_curve_turns_and_nowhere_else() -> None:
+    before, gap, after = counted(turning_atlas(), proved("turning"))
+    assert (before.counts, gap.counts, after.counts) == (Counts(0, 0, 1), None, Counts(1, 0, 0))
+    assert before.between[0] == -1
+    assert after.between[1] == 1
+    assert (before.between[1], after.between[0]) == gap.between
+    assert after.pieces == ("p1", "p2")
+    # The multiplier is 1 at x = 1, s = 4/5 of the first piece.
+    assert gap.between[0] <= Q(4, 5) <= gap.between[1]
+    assert gap.between[1] - gap.between[0] < Q(1, 10**9)
+    assert gap.all_values.contains(-1)
+    assert float(gap.all_values.rad()) < 1e-12
+    words = conclusion_in_words(conclude_periodic(turning_atlas(), proved("turning")))
+    for expected in (
+        "Besides the multiplier 1 of the direction of the flow each orbit has 1 other.",
+        "0 inside, 1 outside the unit circle: unstable orbits;",
+        "it is not decided; as the numbers on both sides differ, an orbit there has one on the circle;",
+        "1 inside, 0 outside the unit circle: asymptotically stable orbits.",
+    ):
+        assert expected in words
+
+
+def test_orbits_of_levels_are_not_called_asymptotically_stable() -> None:
+    for name in ("levels", "on-level"):
+        (part,) = counted(ATLASES[name], proved(name))
+        assert part.counts == Counts(1, 0, 0)
+        words = conclusion_in_words(conclude_periodic(ATLASES[name], proved(name)))
+        assert "Besides two multipliers that are 1 each orbit has 1 other; for every orbit of the curve 1 in" in words
+        assert "stable" not in words
+    # Where the level varies its values at the ends are those of H: 25/16 and 9/16.
+    (part,) = counted(ATLASES["levels"], proved("levels"))
+    assert [value.contains(level) for value, level in zip(part.values, (25 / 16, 9 / 16), strict=True)] == [True, True]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "expected"), [("3/10", "4/10", Counts(0, 2, 0)), ("-3/10", "-2/10", Counts(1, 0, 1))]
+)
+def test_multipliers_of_maps_that_keep_areas(low: str, high: str, expected: Counts) -> None:
+    """The pair is exp(2 pi i a^(1/2)) and its inverse."""
+    atlas = twisting_atlas(Q(low), Q(high))
+    (part,) = counted(atlas, (attempt(atlas).stored,))
+    assert part.counts == expected
+
+
+def test_what_only_touches_the_circle_is_left_open_and_no_crossing_is_claimed() -> None:
+    """At a = 1/4 both are -1; on both sides they are on the circle."""
+    atlas = twisting_atlas(Q(23, 100), Q(27, 100))
+    results = (attempt(atlas).stored,)
+    first, gap, last = counted(atlas, results)
+    assert (first.counts, gap.counts, last.counts) == (Counts(0, 2, 0), None, Counts(0, 2, 0))
+    assert gap.all_values.contains(arb(0.25))
+    words = conclusion_in_words(conclude_periodic(atlas, results))
+    assert "differ" not in words
+    assert "0 inside, 2 on, 0 outside the unit circle" in words
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_zeros_of_random_polynomials_are_counted(seed: int) -> None:
+    source = np.random.default_rng(seed)
+    decided = 0
+    for _ in range(200):
+        size = int(source.integers(1, 6))
+        pairs = int(source.integers(0, size // 2 + 1))
+        sizes = np.exp(source.normal(0, 1, pairs))
+        turned = sizes * np.exp(1j * source.uniform(0, pi, pairs))
+        zeros = np.concatenate([turned, turned.conj(), np.exp(source.normal(0, 1, size - 2 * pairs))])
+        coefficients = [float(value) for value in np.poly(zeros).real[1:]]
+        found = counts_of([arb(value, 1e-9) for value in coefficients])
+        if found is not None:
+            decided += 1
+            inside = int((np.abs(zeros) < 1).sum())
+            assert found == Counts(inside, 0, size - inside)
+    assert decided > 150
+
+
+@pytest.mark.parametrize("zeros", [[1.0], [-1.0, 0.5], [0.6 + 0.8j, 0.6 - 0.8j], [0.6 + 0.8j, 0.6 - 0.8j, 2.0]])
+def test_a_zero_on_the_circle_is_never_counted(zeros: list[complex]) -> None:
+    coefficients = [float(value) for value in np.poly(zeros).real[1:]]
+    assert counts_of([arb(value, 1e-9) for value in coefficients]) is None
+
+
+def test_numbers_that_are_not_finite_count_nothing() -> None:
+    assert counts_of([arb("nan"), arb(0)]) is None
+    assert counts_of([arb(0), arb("inf")]) is None
+    assert counts_of_pair_of_area(arb("nan")) is None
+    assert counts_of_pair_of_area(arb(2)) is None
+    assert counts_of_pair_of_area(arb(-1.99, 0.02)) is None
+
+
+def test_results_without_multipliers_say_nothing_of_them() -> None:
+    atlas, results = closed_atlas()
+    assert counted(atlas, results) == ()
+    assert "Besides" not in conclusion_in_words(conclude_periodic(atlas, results))
+
+
+UNKNOWN: dict[str, Any] = {
+    "missing": None,
+    "not known": NotKnown(Reason("multipliers", "for a test", "")),
+    "too many": None,
+}
+
+
+@pytest.mark.parametrize("name", UNKNOWN)
+def test_what_is_not_known_on_one_piece_is_not_counted_there(name: str) -> None:
+    first, second = proved("turning")
+    assert isinstance(first, PeriodicResult)
+    lacking = replace(first, multipliers=UNKNOWN[name] if name != "too many" else _doubled(first))
+    gap, rest = counted(turning_atlas(), (lacking, second))
+    assert (gap.counts, rest.counts) == (None, Counts(1, 0, 0))
+    assert (gap.pieces, gap.between[0]) == (("p1", "p1"), Q(-1))
+    assert float(gap.all_values.lower()) < -1 < -0.85 < float(gap.all_values.upper())
+    words = conclusion_in_words(conclude_periodic(turning_atlas(), (lacking, second)))
+    assert "differ" not in words
+
+
+def _doubled(result: PeriodicResult) -> MultiplierFunctions:
+    assert isinstance(result.multipliers, MultiplierFunctions)
+    return MultiplierFunctions(result.multipliers.coefficients * 2)
+
+
+def test_new_integrations_confirm_what_is_stored_and_nothing_narrower() -> None:
+    (stored,) = proved("levels")
+    assert isinstance(stored, PeriodicResult)
+    fresh = attempt(ATLASES["levels"], limits=replace(LIMITS, precision=112, order=44)).stored
+    assert isinstance(fresh, PeriodicResult)
+    assert list(unconfirmed_multipliers(stored, fresh)) == []
+    assert isinstance(stored.multipliers, MultiplierFunctions)
+    (function,) = stored.multipliers.coefficients
+    moved = replace(function, coefficients=(function.coefficients[0] + 4 * function.error, *function.coefficients[1:]))
+    narrower = replace(function, error=function.error / 2**20)
+    for function in (moved, narrower):
+        forged = MultiplierFunctions((function,))
+        assert any(
+            "not confirmed" in text for text in unconfirmed_multipliers(replace(stored, multipliers=forged), fresh)
+        )
+    assert list(unconfirmed_multipliers(replace(stored, multipliers=_doubled(stored)), fresh))
+    elsewhere = replace(fresh, interval=(Q(-1), Q(1, 2)))
+    assert list(unconfirmed_multipliers(stored, elsewhere))
+    assert list(unconfirmed_multipliers(stored, replace(fresh, multipliers=None)))
