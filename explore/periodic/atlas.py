@@ -47,7 +47,7 @@ class CurveControl:
         most: number of pieces in each direction.
     """
 
-    tube: float = 1e-9
+    tube: float = 2e-11
     most: int = 200
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError
+from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError, PeriodicAtlas
 from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.atlas import ProvedBefore, Result, Settings, kind_of
 from orbitproof.verify.atlas.interval_proof import not_proved, question
@@ -58,7 +58,10 @@ def attempts_of(atlas: AnyAtlas, limits: RunLimits) -> tuple[Settings, ...]:
     wanted = _FOR_LASTING if limits.lasting else _FOR_STABILITY if limits.stability else {}
     given = {**wanted, **limits.integrator}
     first = kind_of(atlas).settings(**given)
+    # Bounds of what is beyond the highest derivatives grow over a whole period, not over half of one.
     more = {"precision": _MORE_BITS, "order": _MORE_ORDER, "width": _MORE_WIDTH}
+    if isinstance(atlas, PeriodicAtlas):
+        more["top"] = 1
     return first, {name: value + more.get(name, 0) for name, value in first.items()}
 
 
