@@ -9,15 +9,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from orbitproof.explore.flow import FlowFailure
 from orbitproof.explore.periodic.flow import SAMPLES, Arc, Matrix, Vector, arc_of, velocity_at
 from orbitproof.explore.periodic.section import AffineSection
-from orbitproof.shared.systems import System
+from orbitproof.shared.systems import Program, System, with_slope
 
 _MOST_STEPS = 40
 _TOLERANCE = 1e-9
@@ -58,12 +57,16 @@ class PeriodicProblem:
         """Derivatives of the first integral in the state and in the parameters."""
         program = self.system.first_integral_program
         assert program is not None
+        inputs = np.array([*point, *values], dtype=float)
+        with np.errstate(all="ignore"):
+            slopes = [float(both.evaluate(list(inputs))[1]) for both in _slopes_of(program)]
+        return np.array(slopes[: len(point)]), np.array(slopes[len(point) :])
 
-        def function(state: jax.Array, given: jax.Array) -> jax.Array:
-            return jnp.asarray(program.evaluate([*state, *given])[0])
 
-        by_state, by_given = jax.grad(function, (0, 1))(jnp.asarray(point), jnp.asarray(values))
-        return np.asarray(by_state), np.asarray(by_given)
+@cache
+def _slopes_of(program: Program) -> tuple[Program, ...]:
+    """The program with its derivative in each of its inputs."""
+    return tuple(with_slope(program, name) for name in program.inputs)
 
 
 @dataclass(frozen=True)

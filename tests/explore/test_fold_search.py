@@ -39,10 +39,9 @@ def test_the_extremum_of_the_jacobi_constant_is_found_and_the_birth_of_the_famil
     assert folds(replace(family, orbits=family.orbits[:10], tangents=family.tangents[:10])) == []
 
 
-@pytest.mark.parametrize("digits", [50, 60])
-def test_a_refined_fold_is_known_to_the_digits_that_were_asked_for(digits: int) -> None:
-    point = refine(CR3BP, EARTH_MOON, "fold", 1, HALO, digits=digits)
-    assert point.residual < 10.0**-digits
+def test_a_refined_fold_is_known_to_the_digits_that_were_asked_for() -> None:
+    point = refine(CR3BP, EARTH_MOON, "fold", 1, HALO, digits=60)
+    assert point.residual < 1e-60
     known = KNOWN["earth-moon-L1-halo-fold-1"].centre
     assert max(abs(a - b) for a, b in zip(point.centre, known, strict=True)) < Fraction(1, 10**50)
     assert point.geometry.level_branch == pytest.approx(6.18924666357, abs=1e-10)
@@ -51,15 +50,15 @@ def test_a_refined_fold_is_known_to_the_digits_that_were_asked_for(digits: int) 
 def test_the_slope_of_the_equation_is_its_derivative() -> None:
     problem = Resonance(CR3BP, dict(EARTH_MOON), 1, True, None)
     point = [Fraction(value) for value in HALO]
-    slope = resonance_slope(problem, point, linearise(problem, point, 200), 200)
-    h = Fraction(1, 2**60)
+    slope = resonance_slope(problem, point, linearise(problem, point, 120), 120)
+    h = Fraction(1, 2**40)
     for i, value in enumerate(slope):
         ends = []
         for sign in (1, -1):
             moved = [u + sign * h * (i == j) for j, u in enumerate(point)]
-            ends.append(linearise(problem, moved, 200).g)
-        difference = (ends[0] - ends[1]) / (2 * mpmath.mpf(2) ** -60)
-        assert float(abs(difference - value)) < 1e-25
+            ends.append(linearise(problem, moved, 120).g)
+        difference = (ends[0] - ends[1]) / (2 * mpmath.mpf(2) ** -40)
+        assert float(abs(difference - value)) < 1e-15
 
 
 @pytest.mark.parametrize(

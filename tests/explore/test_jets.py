@@ -170,8 +170,10 @@ def test_jets_of_iterates_agree_with_finite_differences(system: ReversibleSystem
 
 @pytest.mark.parametrize(
     ("point", "bits"),
-    [(("0.98783", "0.000478", "7.1"), 144), (("0.9898", "-0.04075", "-0.7396"), 108)],
-    ids=["near", "far"],
+    [
+        pytest.param(("0.98783", "0.000478", "7.1"), 144, marks=pytest.mark.slow, id="near"),
+        pytest.param(("0.9898", "-0.04075", "-0.7396"), 108, id="far"),
+    ],
 )
 def test_regularised_coordinates_give_the_same_jets_of_two_returns(point: tuple[str, ...], bits: int) -> None:
     """Directions off Fix(R) as well: the embedding holds on the whole section."""

@@ -41,6 +41,9 @@ def holds(ball: arb, value: Any, tolerance: float = 1e-25) -> bool:
     return bool(abs(middle - value) <= radius * (1 + mpmath.mpf(10) ** -15) + tolerance * (1 + abs(value)))
 
 
+BOXES = [3, pytest.param(12, marks=pytest.mark.slow)]
+
+
 def drawn(source: random.Random, form: ClosedForm, fixed: Sequence[str] = ()) -> Box:
     """A box about a random centre, with a random frame in some of the coordinates and parameters."""
     names = [name for name in form.centre if name not in fixed]
@@ -96,11 +99,12 @@ def jets_contained(found: Enclosure, image: Any, where: Sequence[Any], tolerance
             assert holds(near.derivatives[name][index], value, tolerance), (name, index)
 
 
+@pytest.mark.parametrize("boxes", BOXES)
 @pytest.mark.parametrize("form", CLOSED_FORMS, ids=lambda form: form.system.name)
-def test_flow_encloses_closed_forms_at_random_points_of_random_boxes(form: ClosedForm) -> None:
+def test_flow_encloses_closed_forms_at_random_points_of_random_boxes(form: ClosedForm, boxes: int) -> None:
     source = random.Random(f"flow {form.system.name}")
     fixed = ("v",) if form is DUFFING else ()
-    for _ in range(6):
+    for _ in range(boxes):
         box = drawn(source, form, fixed)
         time = (
             Fraction(form.longest)
@@ -147,12 +151,15 @@ def height_along(form: ClosedForm, section: Any, state: Sequence[Any], parameter
     return height(form, section, form.flow(time, state, parameters))
 
 
+@pytest.mark.parametrize("boxes", BOXES)
 @pytest.mark.parametrize("form", [SPIRAL, OSCILLATOR], ids=lambda form: form.system.name)
 @pytest.mark.parametrize("on_section", [False, True], ids=["off the section", "on the section"])
-def test_poincare_maps_of_random_affine_sections_enclose_closed_forms(form: ClosedForm, on_section: bool) -> None:
+def test_poincare_maps_of_random_affine_sections_enclose_closed_forms(
+    form: ClosedForm, on_section: bool, boxes: int
+) -> None:
     source = random.Random(f"section {form.system.name} {on_section}")
     tried = 0
-    while tried < 6:
+    while tried < boxes:
         box = drawn(source, form)
         state = form.system.state
         normal = {name: random_fraction(source) for name in state}

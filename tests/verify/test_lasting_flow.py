@@ -144,7 +144,12 @@ def along(case: Case, amplitude: Fraction) -> tuple[Piece, LastingResult]:
 
 
 @pytest.mark.parametrize(
-    ("name", "amplitude"), [("springs", Fraction(3, 4)), ("springs", Fraction(3, 2)), ("pendula", Fraction(3, 2))]
+    ("name", "amplitude"),
+    [
+        ("springs", Fraction(3, 4)),
+        pytest.param("springs", Fraction(3, 2), marks=pytest.mark.slow),
+        ("pendula", Fraction(3, 2)),
+    ],
 )
 def test_the_twist_on_levels_is_that_of_the_closed_form(name: str, amplitude: Fraction) -> None:
     case = CASES[name]

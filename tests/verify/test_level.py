@@ -233,14 +233,11 @@ def _relative_radius(ball: arb) -> float:
     return float((upper - lower) / size) if size else 0.0
 
 
-@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize(
+    "name", ["em1", "em3", *(pytest.param(name, marks=pytest.mark.slow) for name in ("em2", "em4"))]
+)
 def test_both_forms_prove_the_same_bifurcation(name: str) -> None:
     _same(name)
-
-
-@pytest.mark.slow
-def test_both_forms_prove_the_same_period_quadrupling() -> None:
-    _same("em4")
 
 
 FURTHER = Path(__file__).parents[1] / "data" / "figures-candidates.json"

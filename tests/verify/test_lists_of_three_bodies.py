@@ -233,7 +233,7 @@ def moved(entries: list[Any], number: int) -> None:
     place["mid"] = format_exact(parse_exact(place["mid"]) + Fraction(1, 2**8))
 
 
-@pytest.mark.parametrize("name", [NEAR, AXIAL])
+@pytest.mark.parametrize("name", [NEAR, pytest.param(AXIAL, marks=pytest.mark.slow)])
 def test_other_lists_are_noticed(name: str) -> None:
     """Each point left out, or moved, and stable orbits left out."""
     said = listed(name)["complete"]
