@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import re
 import sys
@@ -23,10 +24,16 @@ TABLE = faults.read()
 ROOMS = sorted({fault.room for fault in TABLE})
 
 
+@cache
+def text_of(file: str) -> str:
+    """A module as it stands."""
+    return (ROOT / file).read_text(encoding="utf-8")
+
+
 def problems_of(fault: faults.Fault) -> Iterator[str]:
     """What is wrong with an entry."""
     try:
-        compile(fault.applied((ROOT / fault.file).read_text(encoding="utf-8")), fault.file, "exec")
+        ast.parse(fault.applied(text_of(fault.file)), fault.file)
     except (ValueError, SyntaxError) as error:
         yield f"{fault.name}: {error}"
     *other, number = fault.section.split(" ", 1) if fault.section[0].islower() else [fault.section]
