@@ -22,6 +22,11 @@ from orbitproof.verify.certificate import Limits, certify
 from orbitproof.verify.evidence import bounds
 from orbitproof.verify.run.second_proofs import compare
 from orbitproof.verify.second_proof import BadCertificate, NotProved, ProvedSymmetric, read_claim, second_proof
+from orbitproof.verify.second_proof.full_return import FullReturn
+from orbitproof.verify.second_proof.halves import read_symmetric
+from orbitproof.verify.second_proof.jets import CannotFollow, precision
+from orbitproof.verify.second_proof.statement import Program
+from orbitproof.verify.second_proof.symmetric_orbit import _Proof, guess
 
 F = Fraction
 SHIFT = F(1, 2**20)
@@ -255,6 +260,62 @@ def test_an_orbit_without_twist_is_not_proved() -> None:
     assert "twist is not shown" in found.reason
 
 
+@cache
+def half_orbits() -> tuple[_Proof, tuple[arb, ...]]:
+    """An attempt at the same orbit, and its point and half period."""
+    claim = read_symmetric(beside())
+    with precision(160):
+        attempt = _Proof(claim, 160, guess(claim, 160))
+        return attempt, tuple(attempt.enclosed()[1])
+
+
+def whole(attempt: _Proof, zero: tuple[arb, ...], degree: int = 1) -> FullReturn:
+    with precision(160):
+        return FullReturn(attempt, list(zero), degree)
+
+
+def test_an_orbit_is_back_after_its_period() -> None:
+    attempt, zero = half_orbits()
+    assert whole(attempt, zero).live
+    with pytest.raises(CannotFollow, match="not back after its period"):
+        whole(attempt, (*zero[:-1], zero[-1] + arb(2) ** -20))
+
+
+def test_a_first_integral_is_kept_over_the_period() -> None:
+    """x is back after the period, and is no first integral: x beside the orbit is not."""
+    attempt, zero = half_orbits()
+    other = copy.copy(attempt)
+    system = replace(attempt.claim.system, integral=Program.from_text("v0 = x\nreturn v0"))
+    other.claim = replace(attempt.claim, system=system)
+    with pytest.raises(CannotFollow, match="the first integral is not kept"):
+        whole(other, zero)
+
+
+def test_a_level_on_which_the_first_integral_has_no_slope_is_refused() -> None:
+    """(H - 1)^2 is kept, and its derivative is 0 on the orbit."""
+
+    def change(entry: dict[str, Any]) -> None:
+        *lines, last = entry["statement"]["first_integral"].split("\n")
+        n, level = len(lines), last.removeprefix("return ")
+        lines += [f"v{n} = -1", f"v{n + 1} = {level} + v{n}", f"v{n + 2} = v{n + 1} * v{n + 1}", f"return v{n + 2}"]
+        entry["statement"]["first_integral"] = "\n".join(lines)
+        entry["statement"]["candidate"]["kind"] = ORBIT
+
+    found = second_proof(changed(beside(), change))
+    assert isinstance(found, NotProved)
+    assert "level is not shown" in found.reason
+
+
+def test_what_reversibility_makes_zero_contains_zero() -> None:
+    attempt, zero = half_orbits()
+    full = whole(attempt, zero, 3)
+    with precision(160):
+        assert all(hypothesis.holds for hypothesis in full.twisted()[0])
+        true = full.coefficient
+        full.coefficient = lambda at: (true(at)[0] + at * arb(2) ** -60, true(at)[1])  # type: ignore[method-assign]
+        assert [hypothesis.name for hypothesis in full.twisted()[0] if not hypothesis.holds] == ["twist"]
+
+
 def test_the_number_of_crossings_has_to_be_that_of_the_half_orbit(certificate: dict[str, Any]) -> None:
     found = second_proof(claimed(certificate, crossings=2))
     assert isinstance(found, NotProved)
@@ -303,6 +364,21 @@ def test_two_stability_parameters_agree() -> None:
     values = three()["results"]["stability_parameters"]
     other = changed(three(), lambda c: c["results"].update(stability_parameters=values[::-1]))
     assert compare(other, found).verdict == "disagrees", "multipliers stay in their order"
+
+
+@pytest.mark.parametrize("angles", [(1, 2), (2, 1), (2, 2)])
+def test_stability_parameters_of_two_rotations_are_told_apart(angles: tuple[int, int]) -> None:
+    full = FullReturn.__new__(FullReturn)
+    full.tangent, full.has_level = [0, 1, 2, 3], False
+    (c, s), (d, t) = ((arb(angle).cos(), arb(angle).sin()) for angle in angles)
+    full.monodromy = lambda: [[c, s, 0, 0], [-s, c, 0, 0], [0, 0, d, t], [0, 0, -t, d]]  # type: ignore[method-assign,list-item]
+    if angles[0] == angles[1]:
+        with pytest.raises(CannotFollow, match="two stability parameters are not told apart"):
+            full.stability()
+    else:
+        first, second = full.stability()
+        assert first.real.overlaps(arb(1).cos())
+        assert second.real.overlaps(arb(2).cos())
 
 
 def test_orbits_with_n_2_are_not_claimed_to_be_stable() -> None:

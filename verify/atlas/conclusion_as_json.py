@@ -13,7 +13,7 @@ from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.curve import Bifurcation, Conclusion, ProvedCurve, Stretch
 from orbitproof.verify.distances import Ranges
 from orbitproof.verify.evidence import Proved, balls_to_json, hypothesis_to_json, outcome_to_json
-from orbitproof.verify.lasting import ExceptionalOrbit, LastingInterval, LastingList, ProvedLasting
+from orbitproof.verify.lasting import ExceptionalOrbit, LastingInterval, ProvedLasting, Reversibility
 from orbitproof.verify.periodic_curve import ProvedPeriodicCurve
 from orbitproof.verify.stability import (
     Bound,
@@ -110,7 +110,7 @@ def _list(known: ProvedList) -> Json:
         "open_extrema": [_gap(gap) for gap in found.open_extrema],
         **_combinations(found),
         **({} if known.across is None else {"out_of_plane": _across(known.across)}),
-        **({"lasting": _lasting(known.lasting)} if isinstance(known, ProvedLasting) else {}),
+        **({"lasting": _lasting(known)} if isinstance(known, ProvedLasting) else {}),
     }
 
 
@@ -122,13 +122,20 @@ def _combinations(found: CompleteList) -> Json:
     return {"combinations": [_point(point) for point in points], "open_combinations": [_gap(gap) for gap in gaps]}
 
 
-def _lasting(lasting: LastingList) -> Json:
+def _lasting(known: ProvedLasting) -> Json:
+    lasting, shown = known.lasting, known.reversibility
     return {
         "exceptions": [_exception(entry) for entry in lasting.exceptions],
         "stable": [_lasting_interval(entry) for entry in lasting.stable],
         "undecided": [_stable(entry) for entry in lasting.undecided],
         "gaps": [_gap(gap) for gap in lasting.gaps],
+        **({} if shown is None else {"reversibility": _reversibility(shown)}),
     }
+
+
+def _reversibility(shown: Reversibility) -> Json:
+    balls = {"known_part": shown.known_part, **({} if shown.bound is None else {"bound": shown.bound})}
+    return {"intervals": shown.intervals, "sharp": shown.sharp, **_balls(balls)}
 
 
 def _exception(entry: ExceptionalOrbit) -> Json:

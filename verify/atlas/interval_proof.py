@@ -133,7 +133,7 @@ def _proved(
     if argument.get("lasting"):
         tube, half = sharpened(tube, half, stepped)
     stability = stability_of_piece(tube, stepped, half)
-    twist = twist_of_piece(tube, stepped, half) if argument.get("lasting") else None
+    twist = twist_of_piece(tube, stepped, half, stability) if argument.get("lasting") else None
     computation = replace(found.computation, seconds=round(time.monotonic() - began, 3))
     return LastingResult(**{**vars(found.stored), "computation": computation, "stability": stability, "twist": twist})
 

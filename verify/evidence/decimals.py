@@ -25,6 +25,13 @@ def decimal_interval(ball: arb, digits: int = 40) -> str:
     return f"[{decimal(floor(lower * ten(places)), places)}, {decimal(ceil(upper * ten(places)), places)}]"
 
 
+def decimal_above(ball: arb, digits: int = 2) -> str:
+    """The upper end of a finite ball, not negative, with so many significant digits, rounded up."""
+    _, upper = bounds(ball)
+    places = places_of(upper, upper, digits)
+    return decimal(ceil(upper * ten(places)), places)
+
+
 def ten(places: int) -> Fraction:
     """10^places."""
     return Fraction(10) ** places

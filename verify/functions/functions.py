@@ -156,6 +156,12 @@ class BoundedFunction:
     def _known_size(self) -> arb:
         return total(abs(c) for c in self.polynomial.coeffs())
 
+    @property
+    def known_share(self) -> arb:
+        """A bound of the norm of the polynomial over that of the rest: at most 1 if 0 is among what is enclosed."""
+        size = self._known_size.upper()
+        return (size / self.error).upper() if size > 0 else size
+
     def __add__(self, other: BoundedFunction) -> BoundedFunction:
         return BoundedFunction(self.polynomial + other.polynomial, (self.error + other.error).upper())
 

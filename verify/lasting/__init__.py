@@ -12,5 +12,6 @@ from orbitproof.verify.lasting.fates import (
 from orbitproof.verify.lasting.jets import FunctionJet, compose, exchanged, inverse_of_plane_map, solved
 from orbitproof.verify.lasting.left_open import twist_open_on
 from orbitproof.verify.lasting.proved_lasting import LastingTheorem, ProvedLasting, conclude_lasting
+from orbitproof.verify.lasting.reversibility import Reversibility
 from orbitproof.verify.lasting.stored import LastingResult, TwistFunctions, is_known_of, twist_of_piece
 from orbitproof.verify.lasting.twist_function import NormalForm, normal_form

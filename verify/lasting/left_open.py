@@ -9,24 +9,21 @@ from flint import ctx
 from orbitproof.shared.formats import Piece
 from orbitproof.verify.evidence import is_positive
 from orbitproof.verify.functions import REACH, StoredFunction
-from orbitproof.verify.lasting.stored import LastingResult, TwistFunctions
+from orbitproof.verify.lasting.stored import LastingResult, TwistFunctions, may_be_stable, parts_from
 from orbitproof.verify.stability import PRECISION, StabilityFunctions, between, zeros_on
 
-_PARTS = 32
 _HOPELESS = 2**10
 """A shorter interval helps, and more precision little, where a bound is not so many times as small as its function."""
 
 
 def twist_open_on(piece: Piece, result: LastingResult) -> str:
     """Why the twist of linearly stable orbits is not decided on a proved interval, as `stability.open_on` says it."""
-    if not isinstance(result.twist, TwistFunctions):
-        return "stability"
     if not isinstance(result.stability, StabilityFunctions):
-        return ""
+        return "" if isinstance(result.twist, TwistFunctions) else "stability"
+    if not isinstance(result.twist, TwistFunctions):
+        return "stability" if may_be_stable(result.stability) else ""
     symmetric = piece.kind == "symmetric" and result.interval[0] <= 0 <= result.interval[1]
-    first = Fraction(0) if symmetric else -1 / REACH
-    step = (1 / REACH - first) / _PARTS
-    parts = [(first + number * step, first + (number + 1) * step) for number in range(_PARTS)]
+    parts = parts_from(Fraction(0) if symmetric else -1 / REACH)
     with ctx.workprec(PRECISION):
         s = result.stability.characteristic[0].enclosed
         stored = result.twist.twist, result.twist.exchanged

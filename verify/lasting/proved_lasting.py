@@ -10,6 +10,7 @@ from flint import ctx
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.evidence import NotProved, Proved, Reason
 from orbitproof.verify.lasting.fates import LEAST_ORDER, LastingList, lasting_list
+from orbitproof.verify.lasting.reversibility import Reversibility, reversibility
 from orbitproof.verify.lasting.stored import LastingResult, is_known_of
 from orbitproof.verify.stability import PRECISION, ListConclusion, ListTheorem, ProvedList
 
@@ -25,9 +26,11 @@ class ProvedLasting(ProvedList):
 
     Attributes:
         lasting: which orbits are stable for ever, and the exceptions.
+        reversibility: what shows that the enclosures agree with reversibility, where the twist is known.
     """
 
     lasting: LastingList
+    reversibility: Reversibility | None
 
 
 def conclude_lasting(atlas: Atlas, results: Sequence[LastingResult], listed: ListConclusion) -> ListConclusion:
@@ -47,6 +50,11 @@ def conclude_lasting(atlas: Atlas, results: Sequence[LastingResult], listed: Lis
         reason = Reason("lasting", message, "give `complete` a larger number, or leave `lasting` out")
         return replace(listed, outcome=NotProved(reason, outcome.hypotheses))
     with ctx.workprec(PRECISION):
+        try:
+            shown = reversibility(results)
+        except ValueError as error:
+            reason = Reason("lasting", f"{error}: an enclosure is wrong", "report it together with the atlas")
+            return replace(listed, outcome=NotProved(reason, outcome.hypotheses))
         lasting = lasting_list(atlas, known.curve.chain, known.found, results)
-    proved = ProvedLasting(**vars(known), lasting=lasting)
+    proved = ProvedLasting(**vars(known), lasting=lasting, reversibility=shown)
     return replace(listed, outcome=Proved(LastingTheorem(theorem.curve, theorem.order), proved, outcome.hypotheses))

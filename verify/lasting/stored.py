@@ -7,17 +7,25 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
+from flint import ctx
 
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Series
 from orbitproof.verify.curve import HalfReturn, about_pieces, broken_off
-from orbitproof.verify.evidence import IntegrationFailure, NotKnown, guarded
-from orbitproof.verify.functions import StoredFunction, error_of, known_part
+from orbitproof.verify.evidence import IntegrationFailure, NotKnown, Reason, guarded, is_positive
+from orbitproof.verify.functions import REACH, StoredFunction, error_of, known_part
 from orbitproof.verify.lasting.half_map import return_map
 from orbitproof.verify.lasting.jets import exchanged
 from orbitproof.verify.lasting.twist_function import normal_form
 from orbitproof.verify.poincare import PHYSICAL
-from orbitproof.verify.stability import SPARE_BITS, StabilityResult, TubeOfOrbits
+from orbitproof.verify.stability import (
+    PRECISION,
+    SPARE_BITS,
+    StabilityFunctions,
+    StabilityResult,
+    TubeOfOrbits,
+    between,
+)
 
 
 def is_known_of(system: ReversibleSystem) -> bool:
@@ -34,11 +42,13 @@ class TwistFunctions:
         twist: Theta, with the sign of the twist times 1 + 2 c, c the stability parameter.
         exchanged: Theta', the same with p and q exchanged.
         fourth: Delta, which decides at resonances 1:4.
+        defect: D, which is 0 by reversibility; its enclosure contains 0.
     """
 
     twist: StoredFunction
     exchanged: StoredFunction
     fourth: StoredFunction
+    defect: StoredFunction
 
 
 @dataclass(frozen=True)
@@ -52,15 +62,39 @@ class LastingResult(StabilityResult):
     twist: TwistFunctions | NotKnown | None = None
 
 
+_PARTS = 32
+_NO_TWIST = Reason("lasting", "none of its orbits is linearly stable, so no twist is asked for", "nothing is missing")
+
+
+def parts_from(first: Fraction) -> list[tuple[Fraction, Fraction]]:
+    """Equal parts of the values of tau from one of them to the end of the interval."""
+    step = (1 / REACH - first) / _PARTS
+    return [(first + number * step, first + (number + 1) * step) for number in range(_PARTS)]
+
+
+def may_be_stable(known: StabilityFunctions) -> bool:
+    """Whether it is not shown that |c_1| > 1 on all of an interval (section 29.5)."""
+    with ctx.workprec(PRECISION):
+        s = known.characteristic[0].enclosed
+        values = [s.value(between(low, high)) for low, high in parts_from(-1 / REACH)]
+        return not all(is_positive(value * value - 1) for value in values)
+
+
 def twist_of_piece(
-    tube: TubeOfOrbits, progress: Callable[[float], None] | None = None, half: HalfReturn | None = None
+    tube: TubeOfOrbits,
+    progress: Callable[[float], None] | None = None,
+    half: HalfReturn | None = None,
+    stability: StabilityFunctions | NotKnown | None = None,
 ) -> TwistFunctions | NotKnown:
     """The functions of section 29.3 as they are stored, or why there are none.
 
     Args:
         progress: called after every step with the number of steps; what it raises passes through.
         half: the return of the tube, if it is known already, with its limits.
+        stability: of its orbits, if it is known already: none is followed for a twist that no orbit has.
     """
+    if isinstance(stability, StabilityFunctions) and is_known_of(tube.system) and not may_be_stable(stability):
+        return NotKnown(_NO_TWIST)
     followed = replace(tube, coordinates=PHYSICAL)
     try:
         if not is_known_of(tube.system):
@@ -88,7 +122,7 @@ def _twist(tube: TubeOfOrbits, half: HalfReturn, progress: Callable[[float], Non
     other = normal_form(exchanged(second), exchanged(first), s, one)
     for form in (found, other):
         require_zero(form.defect)
-    return TwistFunctions(*map(StoredFunction.of, (found.twist, other.twist, found.fourth)))
+    return TwistFunctions(*map(StoredFunction.of, (found.twist, other.twist, found.fourth, found.defect)))
 
 
 def require_zero(element: Series) -> None:

@@ -7,12 +7,14 @@ from collections.abc import Sequence
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.wording import itemised
 from orbitproof.verify.claim import atlas_in_words
+from orbitproof.verify.evidence import decimal_above
 from orbitproof.verify.lasting import (
     ExceptionalOrbit,
     Fate,
     LastingInterval,
     LastingTheorem,
     ProvedLasting,
+    Reversibility,
 )
 from orbitproof.verify.stability import level_name
 from orbitproof.verify.words.complete_list import gap_in_words, half, interval_in_words, part, point_in_words
@@ -52,10 +54,29 @@ def lasting_in_words(theorem: LastingTheorem, known: ProvedLasting) -> str:
         [interval_in_words(atlas, entry) for entry in lasting.undecided],
     )
     lines += itemised("There the twist is not decided:", map(gap_in_words, lasting.gaps))
+    if known.reversibility is not None:
+        lines.append(_reversibility(known.reversibility))
     lines.append("Nothing is said of perturbations that leave this system.")
     if half(atlas):
         lines.append("The same is true of the mirror images.")
     return "\n".join(lines)
+
+
+def _reversibility(shown: Reversibility) -> str:
+    """How well what has to be 0 is enclosed: a check of the enclosures, on which nothing else rests."""
+    count, sharp = shown.intervals, shown.sharp
+    of_all = "each of the" if count > 1 else "the"
+    text = (
+        f"A check: with the twist a function D is enclosed that is 0 by reversibility, on {of_all} {count} proved "
+        f"interval{'s' if count > 1 else ''} with a twist, and 0 lies in its enclosures: what is known of D is at most "
+        f"{decimal_above(shown.known_part)} of the bound of what is not"
+    )
+    if shown.bound is not None:
+        on = "and" if sharp == count else f"and, on {sharp} of them,"
+        text += f", {on} this bound at most {decimal_above(shown.bound)} of the largest |Theta| there"
+    if sharp < count:
+        text += f"; on {count - sharp} the bound is larger than |Theta| is shown to become"
+    return f"{text}. The sign of the twist follows from that of Theta, the imaginary part where D is the real one."
 
 
 def _where(atlas: Atlas) -> str:

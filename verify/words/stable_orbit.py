@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.claim import claim_in_words, names_in_words
-from orbitproof.verify.evidence import interval_text, is_positive
+from orbitproof.verify.evidence import decimal_above, interval_text, is_positive
 from orbitproof.verify.orbit import OrbitTheorem
 from orbitproof.verify.twist import StableOrbitResults, StableOrbitTheorem
 from orbitproof.verify.words.orbit import orbit_found, orbit_in_words
@@ -51,5 +51,6 @@ def stable_orbit_found(candidate: Candidate, found: StableOrbitResults) -> Itera
     )
     yield (
         f"The real part of the same coefficient, which is 0 by reversibility, lies in "
-        f"{interval_text(found.defect, _DIGITS)}."
+        f"{interval_text(found.defect, _DIGITS)}: at most {decimal_above(abs(found.defect) / abs(found.twist))} of the "
+        "twist."
     )
