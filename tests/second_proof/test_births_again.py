@@ -110,6 +110,20 @@ def test_every_difference_is_told(certificate: dict[str, Any], proof: ProvedBirt
     assert (found.verdict, found.reason[: len(begin)]) == ("disagrees", begin)
 
 
+def test_without_a_sign_of_kappa_nothing_is_proved(
+    certificate: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    exact = births.form
+
+    def wide(rows: Any, *vectors: Any) -> Any:
+        return [value + arb(0, 2**20) if len(vectors) == 3 else value for value in exact(rows, *vectors)]
+
+    monkeypatch.setattr(births, "form", wide)
+    found = second_proof(certificate)
+    assert isinstance(found, NotProved)
+    assert "side is not shown" in found.reason
+
+
 def test_kappa_that_may_be_0_is_not_confirmed(certificate: dict[str, Any], proof: ProvedBirth) -> None:
     wide = replace(proof, opening=arb(0, 10))
     assert compare(certificate, wide).verdict == "cannot follow"

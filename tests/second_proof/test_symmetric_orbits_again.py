@@ -274,6 +274,56 @@ def whole(attempt: _Proof, zero: tuple[arb, ...], degree: int = 1) -> FullReturn
         return FullReturn(attempt, list(zero), degree)
 
 
+SHEARED = """v0 = x
+v1 = y
+v2 = vx
+v3 = vy
+v4 = w
+v5 = -1
+v6 = 1/2
+v7 = 1/3
+v8 = v2 * v7
+v9 = v3 - v8
+v10 = v9 * v6
+v11 = v2 - v10
+v12 = v0 * v0
+v13 = v4 * v1
+"""
+FORCES = """v14 = v12 * v0
+v15 = v0 + v14
+v16 = v15 * v5
+v17 = v13 * v5
+v18 = v17 * v6
+v19 = v16 + v18
+v20 = v19 * v7
+v21 = v17 + v20
+return v11, v9, v19, v21"""
+ENERGY = """v14 = v12 * v12
+v15 = v14 * v6
+v16 = v13 * v1
+v17 = v11 * v11
+v18 = v9 * v9
+v19 = v12 + v15
+v20 = v19 + v16
+v21 = v20 + v17
+v22 = v21 + v18
+return v22"""
+
+
+def test_stability_is_that_of_the_return_to_another_section(
+    certificate: dict[str, Any], proof: ProvedSymmetric
+) -> None:
+    """The springs with vx + vy/2 in the place of vx, and vy + (vx + vy/2)/3 in that of vy: all velocities matter."""
+
+    def change(entry: dict[str, Any]) -> None:
+        entry["statement"] |= {"vector_field": SHEARED + FORCES, "first_integral": SHEARED + ENERGY}
+        entry["statement"]["candidate"]["kind"] = ORBIT
+
+    found = proved(changed(certificate, change))
+    assert found.stability[0].overlaps(proof.stability[0])
+    assert found.stability[0].real.rad() < 1e-20
+
+
 def test_an_orbit_is_back_after_its_period() -> None:
     attempt, zero = half_orbits()
     assert whole(attempt, zero).live

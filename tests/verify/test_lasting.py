@@ -30,7 +30,7 @@ from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, HILL, Defined
 from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import conclusion_of
-from orbitproof.verify.evidence import ball_from_json
+from orbitproof.verify.evidence import NotKnown, ball_from_json
 from orbitproof.verify.functions import StoredFunction
 from orbitproof.verify.lasting import (
     FunctionJet,
@@ -41,13 +41,15 @@ from orbitproof.verify.lasting import (
     is_known_of,
     normal_form,
     solved,
+    twist_of_piece,
     twist_open_on,
     unconfirmed_twist,
 )
 from orbitproof.verify.lasting.fates import _may_end, _twist_on
+from orbitproof.verify.lasting.stored import may_be_stable
 from orbitproof.verify.newton import Jet
 from orbitproof.verify.run.branches import limits_of, reusable
-from orbitproof.verify.stability import Matter, Resonance, conclude_list
+from orbitproof.verify.stability import Matter, Resonance, StabilityFunctions, conclude_list
 from orbitproof.verify.twist import rotation_of, twist_of
 from orbitproof.verify.words.lasting import lasting_in_words
 
@@ -296,17 +298,19 @@ def test_functions_contain_those_of_orbits_that_are_integrated_apart(number: int
     known = form(found)
     other = normal_form(exchanged(found[1]), exchanged(found[0]), found[0].coefficients[1, 0], Number(1))
     assert abs(odd[0, 0]) < 1e-9
-    for name, value in (("twist", known.twist), ("exchanged", other.twist), ("fourth", known.fourth)):
+    wanted = {"twist": known.twist, "exchanged": other.twist, "fourth": known.fourth, "defect": known.defect}
+    for name, value in wanted.items():
         function = getattr(result.twist, name).enclosed
         far = abs(float(function.value(tau).mid()) - value)
-        assert far < float(function.error) + 1e-6 * abs(value) + 1e-9 * float(function.size), name
+        scale = abs(known.twist) if name == "defect" else abs(value)
+        assert far < float(function.error) + 1e-6 * scale + 1e-9 * float(function.size), name
 
 
 def test_a_new_integration_confirms_what_it_finds_and_nothing_narrower() -> None:
     result: Any = value_of(results()[1])
     twist = result.twist
     assert list(unconfirmed_twist(twist, twist)) == []
-    for name in ("twist", "exchanged", "fourth"):
+    for name in ("twist", "exchanged", "fourth", "defect"):
         known = getattr(twist, name)
         narrower = replace(known, error=known.error / 4)
         moved = replace(known, coefficients=(known.coefficients[0] + 2 * known.error, *known.coefficients[1:]))
@@ -341,7 +345,7 @@ def made_up(
     for result, row, sign in zip(found, points, signs, strict=True):
         function = stored(through(row, sign), error)
         more = stored([Fraction(fourth)])
-        result["twist"] = {"twist": function, "exchanged": function, "fourth": more}
+        result["twist"] = {"twist": function, "exchanged": function, "fourth": more, "defect": stored([])}
     return found
 
 
@@ -517,6 +521,56 @@ def test_the_twist_is_open_where_it_is_not_decided_between_elliptic_orbits() -> 
     )
 
 
+def test_no_twist_is_asked_for_where_all_orbits_are_unstable() -> None:
+    first = values(results())[0]
+    parameter = StoredFunction((Fraction(-2),), Fraction(1, 2))
+    assert isinstance(first.stability, StabilityFunctions)
+    unstable = replace(first.stability, characteristic=(parameter,))
+    touching = replace(first.stability, characteristic=(replace(parameter, error=Fraction(1)),))
+    assert not may_be_stable(unstable)
+    assert may_be_stable(touching)
+    assert may_be_stable(first.stability)
+    # Nothing is followed: there is nothing else in it.
+    tube = cast(Any, SimpleNamespace(system=atlas().system))
+    found = twist_of_piece(tube, None, None, unstable)
+    assert isinstance(found, NotKnown)
+    piece = atlas().curve_pieces()[0]
+    assert twist_open_on(piece, replace(first, stability=unstable, twist=found)) == ""
+    assert twist_open_on(piece, replace(first, stability=touching, twist=found)) == "stability"
+
+
+def test_how_far_what_reversibility_makes_zero_is_enclosed_with_zero_is_told() -> None:
+    found = made_up(([], []))
+    found[0]["twist"]["defect"] = stored([Fraction(1, 4)], 0.5)
+    found[1]["twist"]["defect"] = stored([Fraction(1, 4)], 4.0)
+    told = said(found)["reversibility"]
+    # Theta is 1 on both: a bound of 4 says nothing of it.
+    assert (told["intervals"], told["sharp"]) == (2, 1)
+    assert [float(ball_from_json(told[name]).mid()) for name in ("known_part", "bound")] == pytest.approx([0.5, 0.5])
+    text = with_lasting(atlas(), found)["statement"]
+    assert "is at most 0.50 of the bound of what is not, and, on 1 of them, this bound at most 0.51 of" in text
+    assert "on 1 the bound is larger" in text
+    true = said(results())["reversibility"]
+    assert (true["intervals"], true["sharp"]) == (2, 2)
+    assert float(ball_from_json(true["known_part"]).mid()) < 1e-3
+    assert float(ball_from_json(true["bound"]).mid()) < 0.1
+
+
+def test_where_what_reversibility_makes_zero_is_not_nothing_is_proved() -> None:
+    for coefficient, error, verdict in ((1, 1.0, "proved"), (1, 0.99, "not proved"), (0, 0.0, "proved")):
+        found = made_up(([], []))
+        found[1]["twist"]["defect"] = stored([Fraction(0), Fraction(coefficient)], error)
+        conclusion = with_lasting(atlas(), found)
+        assert conclusion["verdict"] == verdict
+    assert "an enclosure is wrong" in with_lasting(atlas(), wrong_by_one())["reason"]["message"]
+
+
+def wrong_by_one() -> Results:
+    found = results()
+    found[0]["twist"]["defect"]["coefficients"][0] = "0x1p6"
+    return found
+
+
 # What is refused
 
 
@@ -563,7 +617,18 @@ def other_function(entry: dict[str, Any]) -> None:
     entry["results"][1]["twist"]["exchanged"]["coefficients"][0] = "-0x1p60"
 
 
-@pytest.mark.parametrize("change", [left_out, other_sign, other_fate, joined, invented, no_functions, other_function])
+def no_zero(entry: dict[str, Any]) -> None:
+    entry["results"][1]["twist"]["defect"]["coefficients"] = ["0x1p60"]
+
+
+def other_margin(entry: dict[str, Any]) -> None:
+    lasting_of(entry)["reversibility"]["intervals"] = 3
+
+
+@pytest.mark.parametrize(
+    "change",
+    [left_out, other_sign, other_fate, joined, invented, no_functions, other_function, no_zero, other_margin],
+)
 def test_a_forged_list_is_found_out(change: Callable[[dict[str, Any]], None]) -> None:
     entry = json.loads(document())
     assert checked(entry).stands

@@ -63,20 +63,24 @@ def lasting_in_words(theorem: LastingTheorem, known: ProvedLasting) -> str:
 
 
 def _reversibility(shown: Reversibility) -> str:
-    """How well what has to be 0 is enclosed: a check of the enclosures, on which nothing else rests."""
+    """How well what has to be 0 is enclosed, and of what this is a check."""
     count, sharp = shown.intervals, shown.sharp
     of_all = "each of the" if count > 1 else "the"
     text = (
-        f"A check: with the twist a function D is enclosed that is 0 by reversibility, on {of_all} {count} proved "
-        f"interval{'s' if count > 1 else ''} with a twist, and 0 lies in its enclosures: what is known of D is at most "
-        f"{decimal_above(shown.known_part)} of the bound of what is not"
+        f"A check: on {of_all} {count} proved interval{'s' if count > 1 else ''} on which functions of the twist are "
+        "stored, a function D that is 0 for every reversible map is enclosed as the twist is, and 0 lies in its "
+        f"enclosure: what is known of D is at most {decimal_above(shown.known_part)} of the bound of what is not"
     )
     if shown.bound is not None:
         on = "and" if sharp == count else f"and, on {sharp} of them,"
         text += f", {on} this bound at most {decimal_above(shown.bound)} of the largest |Theta| there"
     if sharp < count:
         text += f"; on {count - sharp} the bound is larger than |Theta| is shown to become"
-    return f"{text}. The sign of the twist follows from that of Theta, the imaginary part where D is the real one."
+    return (
+        f"{text}. The sign of the twist follows from that of Theta, the imaginary part of what D is the real part of. "
+        "The return map is made of that of half an orbit so that it is reversible: this checks how Theta is calculated, "
+        "not how orbits are followed."
+    )
 
 
 def _where(atlas: Atlas) -> str:
