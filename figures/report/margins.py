@@ -16,9 +16,11 @@ from orbitproof.verify.evidence import bounds
 
 _NOT_ZERO = frozenset({
     "b", "g_0", "G_01", "G_11", "G_111", "G_01 + G_11 p_1'", "dH/dp_0", "h_fp'", "h_b'", "h_b''", "g''", "g''(P_1)",
-    "of s", "of y^2", "kappa",
+    "of s", "of y^2", "kappa", "tau",
 })  # fmt: skip
 """Enclosures of numbers that a hypothesis about a box wants to differ from 0."""
+_ZERO = frozenset({"Re(conj(lambda) c_1)"})
+"""Enclosures of numbers that are 0."""
 
 
 def margin_of(claim: Candidate, candidate: Candidate, hypothesis: str, name: str, ball: arb) -> str:
@@ -33,6 +35,8 @@ def margin_of(claim: Candidate, candidate: Candidate, hypothesis: str, name: str
     index = _in_the_box(len(radii)).get(name)
     if index is not None:
         return _part(ball, radii[index], f"R_{index}")
+    if name in _ZERO:
+        return _with_zero(ball)
     # One number, where one coordinate is left to be solved for.
     slope = f"d q_2(P^{claim.k}) / d p_2" if hypothesis in ("C2", "HC2") and len(radii) == 3 else None
     return _away(ball) if name in _NOT_ZERO or name == slope else ""
@@ -84,6 +88,15 @@ def _away(ball: arb) -> str:
     if low == high:
         return "exact, not 0"
     return f"at least {_scientific(min(abs(low), abs(high)) / (high - low), up=False)} widths from 0"
+
+
+def _with_zero(ball: arb) -> str:
+    """How far 0, which lies in a ball, is from its middle."""
+    low, high = bounds(ball)
+    if not low <= 0 <= high:
+        return ""
+    off = abs(low + high) / (high - low) if low < high else Fraction(0)
+    return f"0 is in it, {part_of(off, 'of the way out')}" if off else "0 is its middle"
 
 
 def _scientific(value: Fraction, up: bool) -> str:

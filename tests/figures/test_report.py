@@ -386,6 +386,11 @@ def test_a_margin_in_the_box_is_rounded_up_and_one_from_zero_down() -> None:
     low, high = bounds(arb(7, 2))
     assert Fraction(away.split()[2]) <= low / (high - low)
     assert margin("G_01", "G_01", ball) == ""
+    assert margin("twist", "tau", arb(7, 2)) == away
+    zero = "Re(conj(lambda) c_1)"
+    assert margin("twist", zero, arb(0.5, 1)) == "0 is in it, at most 0.50 of the way out"
+    assert margin("twist", zero, ball) == "0 is its middle"
+    assert margin("twist", zero, arb(2, 1)) == ""
     assert margin("family", "d q_1(P) / d p_1", arb(7)) == ""
 
 
