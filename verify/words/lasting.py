@@ -78,8 +78,8 @@ def _reversibility(shown: Reversibility) -> str:
         text += f"; on {count - sharp} the bound is larger than |Theta| is shown to become"
     return (
         f"{text}. The sign of the twist follows from that of Theta, the imaginary part of what D is the real part of. "
-        "The return map is made of that of half an orbit so that it is reversible: this checks how Theta is calculated, "
-        "not how orbits are followed."
+        "The return map is made of that of half an orbit so that it is reversible: this checks how Theta is "
+        "calculated, not how orbits are followed."
     )
 
 
