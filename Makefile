@@ -3,13 +3,14 @@
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
-.PHONY: help demo branches examples report figures docs test lint test-slow campaign faults reading-list bench clean
+.PHONY: help demo branches web examples report figures docs test lint test-slow campaign faults reading-list bench clean
 
 VENV := .venv
 BIN := $(VENV)/bin
 OUT := demo-out
 PICTURES := figures-out
 BRANCHES := branches-out
+WEBS := web-out
 EXAMPLES := examples-out
 SITE := site-out
 JOBS := 2
@@ -21,6 +22,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 help:
 	@echo "make demo       find and certify bifurcations of Earth-Moon halo orbits, draw them (into $(OUT)/)"
 	@echo "make branches   prove whole branches: the theorems on curves and surfaces (into $(BRANCHES)/; 20 minutes)"
+	@echo "make web        families of L1 and L2 joined into a graph that is proved (into $(WEBS)/; goes on where it stopped)"
 	@echo "make examples   example systems from files: found, proved, drawn (into $(EXAMPLES)/; minutes)"
 	@echo "make report     every theorem, proved and told: both tables and all branches (into $(BRANCHES)/; half an hour)"
 	@echo "make figures    every picture, with its data and proofs (into $(PICTURES)/; long, goes on where it stopped)"
@@ -120,6 +122,28 @@ branches: $(VENV)/demo.stamp
 	  echo; step env $(VERIFY) atlas $(BRANCHES)/mass-$$point.json -o $(BRANCHES)/mass-$$point-certificate.json --jobs $(JOBS); \
 	done; \
 	step $(FIGURES) atlas $(BRANCHES)/*-certificate.json -o $(BRANCHES)/figures; \
+	exit $$failed
+
+# Planar, halo and axial families of L1 and L2 as graphs (docs/webs). What exists is kept, what was interrupted goes on.
+web: $(VENV)/demo.stamp
+	@$(BOUND) mkdir -p $(WEBS); failed=0; rows=$(WEBS)/candidates.json; \
+	step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
+	cover() { file=$(WEBS)/$$1.json; shift; [ -e $$file ] || step $(BIN)/orbitproof explore "$$@" -o $$file; }; \
+	step $(EXPLORE) --preset tables -k 1 --append -o $$rows; step $(EXPLORE) --preset axial-births --append -o $$rows; \
+	step env $(VERIFY) $$rows -o $(WEBS)/certificates.json --jobs $(JOBS); \
+	for mass in $(MASSES); do \
+	  for point in L1 L2; do \
+	    cover lyapunov-$$point-$$mass atlas-libration --point $$point --mass $$mass --through axial; \
+	  done; \
+	  for name in l1-circle l2-arc axial-l1 axial-l2; do cover $$name-$$mass atlas --preset $$name-$$mass; done; \
+	  given=; \
+	  for name in lyapunov-L1 l1-circle axial-l1 lyapunov-L2 l2-arc axial-l2; do \
+	    file=$(WEBS)/$$name-$$mass-certificate.json; given="$$given $$file"; echo; \
+	    step env $(VERIFY) atlas $(WEBS)/$$name-$$mass.json -o $$file --jobs $(JOBS); \
+	  done; \
+	  echo; step env $(VERIFY) web docs/webs/$$mass.json --certificates $$given $(WEBS)/certificates.json \
+	    -o $(WEBS)/$$mass.json --jobs $(JOBS); \
+	done; \
 	exit $$failed
 
 # Everything that is proved here, in one document; points that are refined, atlases and proofs that exist are kept.

@@ -10,6 +10,7 @@ from .scripting import draw_family as draw_family
 from .scripting import draw_periodic as draw_periodic
 from .scripting import draw_resonances as draw_resonances
 from .scripting import draw_tori as draw_tori
+from .scripting import draw_web as draw_web
 from .scripting import make_data as make_data
 from .scripting import tables_of as tables_of
 from .scripting import write_page as write_page

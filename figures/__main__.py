@@ -16,6 +16,7 @@ from orbitproof.figures.commands import data as data_command
 from orbitproof.figures.commands import interactive as interactive_command
 from orbitproof.figures.commands import periodic as periodic_command
 from orbitproof.figures.commands import tori as tori_command
+from orbitproof.figures.commands import web as web_command
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_family, draw_resonances, print_path, tables_of, write_tables
 from orbitproof.shared.formats import InputError, refused
@@ -132,6 +133,7 @@ def argument_parser() -> argparse.ArgumentParser:
         data_command,
         periodic_command,
         tori_command,
+        web_command,
         interactive_command,
     ):
         command.add_parser(commands)

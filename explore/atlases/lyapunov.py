@@ -25,6 +25,8 @@ ComplexArray = NDArray[np.complex128]
 NEWTON_STEPS, VY_TOLERANCE = 12, 1e-11
 STEP = 0.02
 """Of the continuation in eps, in units of the distance of the libration point from the nearest primary."""
+FARTHEST, HALVINGS = 0.05, 6
+"""A step after which vy is another by more than this part of it is halved, so many times at most."""
 NODES = 48
 NOISE = 3e-15
 """Size, relative to vy, below which Chebyshev coefficients are rounding."""
@@ -35,8 +37,12 @@ LEAST_DECAY = 2.95
 """A piece is narrow enough if the Taylor coefficients of the half return in s decay by this factor from degree to
 degree; then degree 32 is enough for a proof, as was found for all three points."""
 SHRINK, NARROWEST = 0.8, 1e-3
-BEYOND, BEFORE = 0.06, 0.12
-"""The pieces go this far beyond the symmetry breaking and beyond eps = 0, relative to the range between."""
+BEYOND = {"halo": 0.06, "axial": 0.02}
+"""So far the pieces go beyond the first birth of these orbits, relative to its eps."""
+BEFORE = 0.12
+"""How far they go beyond eps = 0, relative to the end on the other side."""
+BIRTHS = {"halo": (5, 2), "axial": (2, 5)}
+"""Of which variation out of the plane over the half return the births are zeros: dvz/dz, dz/dvz."""
 OVERLAP = 0.04
 """The part of a piece's half-width by which its neighbours reach into it."""
 
@@ -91,9 +97,17 @@ class LyapunovFamily:
         near = min(self._known, key=lambda orbit: abs(orbit.eps - eps))
         count = int(np.ceil(abs(eps - near.eps) / (STEP * self.libration.distance)))
         for place in np.linspace(near.eps, eps, count + 1)[1:]:
-            near = self._correct(float(place), near.vy, near.half_period)
-            self._known.append(near)
+            near = self._next(near, float(place), HALVINGS)
         return near
+
+    def _next(self, near: PlanarOrbit, eps: float, halvings: int) -> PlanarOrbit:
+        """The orbit that starts at eps, from one beside it; farther away Newton's method may find another family."""
+        found = self._correct(eps, near.vy, near.half_period)
+        if halvings and abs(found.vy - near.vy) > FARTHEST * abs(near.vy):
+            middle = self._next(near, 0.5 * (near.eps + eps), halvings - 1)
+            return self._next(middle, eps, halvings - 1)
+        self._known.append(found)
+        return found
 
     def _correct(self, eps: float, vy: float, half_period: float) -> PlanarOrbit:
         """Newton's method for vy and the half period: y and vx vanish at its end."""
@@ -115,24 +129,29 @@ class LyapunovFamily:
                 return PlanarOrbit(eps, vy, half_period)
         raise LibrationFailure(f"at eps = {eps:.6g}: Newton's method does not converge")
 
-    def breaking_function(self, eps: float) -> float:
-        """d vz / d z over the half return; zero where the symmetry S breaks and halo orbits branch off. eps != 0."""
+    def breaking_function(self, eps: float, born: str = "halo") -> float:
+        """The variation of `BIRTHS`; zero where the symmetry S breaks and such orbits branch off. eps != 0."""
         orbit = self.orbit(eps)
         state = [self.libration.x + eps, 0.0, 0.0, 0.0, eps * orbit.vy, 0.0]
-        return float(flow_of(CR3BP).derivative(state, orbit.half_period, [float(self.mu)]).state_transition[5, 2])
+        transition = flow_of(CR3BP).derivative(state, orbit.half_period, [float(self.mu)]).state_transition
+        return float(transition[BIRTHS[born]])
 
-    def symmetry_breaking(self, side: int) -> float:
-        """The eps, of the sign `side`, of the first symmetry breaking. Raises `LibrationFailure`."""
+    def symmetry_breaking(self, side: int, born: str = "halo") -> float:
+        """The first eps of the sign `side` where such orbits (`BIRTHS`) branch off. Raises `LibrationFailure`."""
+
+        def breaking(eps: float) -> float:
+            return self.breaking_function(eps, born)
+
         step = STEP * self.libration.distance
-        last, value = side * step, self.breaking_function(side * step)
+        last, value = side * step, breaking(side * step)
         while abs(last) < self.libration.distance:
             place = last + side * step
             try:
-                new = self.breaking_function(place)
+                new = breaking(place)
             except FlowFailure as error:
                 raise LibrationFailure(f"at eps = {place:.6g}: {error}") from None
             if (new < 0) != (value < 0):
-                return bracketed_zero(self.breaking_function, (last, place), (value, new), 1e-12 * step)
+                return bracketed_zero(breaking, (last, place), (value, new), 1e-12 * step)
             last, value = place, new
         raise LibrationFailure(f"S does not break at any abs(eps) < {self.libration.distance:.6g}; give the end")
 
@@ -212,19 +231,22 @@ def _piece(name: str, middle: float, half: float, coefficients: Vector, tube: fl
     )
 
 
-def lyapunov_atlas(family: LyapunovFamily, label: str, end: float | None, side: int, tube: float) -> Atlas:
-    """The atlas of the family from the libration point to `end`, by default a bit beyond its symmetry breaking.
+def lyapunov_atlas(
+    family: LyapunovFamily, label: str, end: float | None, side: int, tube: float, through: str = "halo"
+) -> Atlas:
+    """The atlas of the family from the libration point to `end`, by default a bit beyond a birth.
 
     Arguments:
         label: the mass as people call it.
-        end: an eps, of either sign; `None`: to the symmetry breaking on the given side.
+        end: an eps, of either sign; `None`: to the first birth on the given side.
         side: -1 or 1, the sign of eps.
         tube: half-width of the tubes relative to vy.
+        through: of what orbits, one of `BIRTHS`.
 
     Raises `LibrationFailure`.
     """
-    breaking = family.symmetry_breaking(side) if end is None else None
-    goal = end if breaking is None else (1 + BEYOND) * breaking
+    breaking = family.symmetry_breaking(side, through) if end is None else None
+    goal = end if breaking is None else (1 + BEYOND[through]) * breaking
     assert goal is not None
     ends = sorted((goal, -BEFORE * goal))
     pieces = pieces_over(family, ends[0], ends[1], tube)

@@ -78,6 +78,22 @@ ATLAS_PRESETS = {
         ("vy",),
         "L2 halo orbits of the Sun-Jupiter system up to vy = 8",
     ),
+    **{
+        f"axial-{point.lower()}-{mass}": AtlasPreset(
+            "cr3bp-axial",
+            mass,
+            f"{point}-axial",
+            ("vz", "0", reach),
+            ("vz",),
+            f"{point} axial orbits of the {name} system from their birth to vz = {reach}",
+        )
+        for point, mass, name, reach in (
+            ("L1", "earth-moon", "Earth-Moon", "0.4"),
+            ("L2", "earth-moon", "Earth-Moon", "0.5"),
+            ("L1", "sun-jupiter", "Sun-Jupiter", "0.165"),
+            ("L2", "sun-jupiter", "Sun-Jupiter", "0.205"),
+        )
+    },
     "dro-earth-moon": AtlasPreset(
         "cr3bp-planar",
         "earth-moon",

@@ -11,17 +11,19 @@ from orbitproof.shared.formats import InputError, check_writable, write_atlas
 from orbitproof.shared.systems import MASS_PARAMETERS
 
 POINTS = ("L1", "L2", "L3")
+THROUGH = ("halo", "axial")
 WIDEST_TUBE = 1e-3
 
 _EXAMPLES = """\
 examples:
   orbitproof explore atlas-libration --point L1 --mass earth-moon -o lyapunov.json
+  orbitproof explore atlas-libration --point L1 --mass earth-moon --through axial -o lyapunov.json
   orbitproof explore atlas-libration --point L3 --mass 0.1 --side right -o lyapunov-l3.json
   orbitproof explore atlas-libration --point L2 --mass sun-jupiter --end -0.01 -o lyapunov-l2.json
 
 An orbit is given by eps, the signed distance from the libration point at which it starts on the axis, and vy, its
 speed there in units of eps; the orbit of eps = 0 is that of the linear centre. The pieces go from beyond the first
-symmetry breaking, where halo orbits branch off, across eps = 0. Takes a few seconds.
+symmetry breaking, where halo orbits branch off (or axial ones), across eps = 0. Takes a few seconds.
 Exit codes: 0 written, 1 the family could not be followed, 2 bad input.
 """
 
@@ -50,7 +52,12 @@ def add_parser(commands: Any) -> None:
         "--end",
         type=number,
         metavar="EPS",
-        help="go to this eps, positive on the right (default: a bit beyond the symmetry breaking)",
+        help="go to this eps, positive on the right (default: a bit beyond a birth, see --through)",
+    )
+    parser.add_argument(
+        "--through",
+        choices=THROUGH,
+        help="go a bit beyond the first birth of halo or of axial orbits (default: halo)",
     )
     parser.add_argument(
         "--tube",
@@ -71,6 +78,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--tube {options.tube:g}: above {WIDEST_TUBE:g}; the default is 1e-8")
     if options.end is not None and options.side is not None:
         raise InputError("--side: not together with --end, whose sign tells the side; leave one of them out")
+    if options.end is not None and options.through is not None:
+        raise InputError("--through: not together with --end, which says how far to go; leave one of them out")
     if options.end == 0:
         raise InputError("--end 0: that is the libration point; give another number")
     check_writable(options.output)
@@ -84,7 +93,7 @@ def run(options: argparse.Namespace) -> int:
     with Reporter(options.quiet) as report:
         report.stage(f"{options.point}, the planar family")
         try:
-            atlas = lyapunov_atlas(family, options.mass, options.end, side, options.tube)
+            atlas = lyapunov_atlas(family, options.mass, options.end, side, options.tube, options.through or "halo")
         except LibrationFailure as error:
             report.error(f"orbitproof explore atlas-libration: {error}")
             return 1

@@ -31,3 +31,4 @@ from .portraits import draw_portraits as draw_portraits
 from .resonances import draw_resonances as draw_resonances
 from .reversor_breaking import draw_reversor_breaking as draw_reversor_breaking
 from .stable_orbit import draw_section as draw_section
+from .web import draw_web as draw_web

@@ -16,5 +16,6 @@ from orbitproof.figures.scripting.pictures import (
     draw_periodic,
     draw_resonances,
     draw_tori,
+    draw_web,
 )
 from orbitproof.figures.scripting.written import print_path

@@ -151,6 +151,38 @@ def draw_atlases(
     return written.paths
 
 
+def draw_web(
+    web: Source,
+    certificates: Sequence[Source],
+    folder: Source,
+    *,
+    files: Files | None = None,
+    told: Told = quietly,
+) -> list[Path]:
+    """The diagram of a proved web, from its certificate and those of its arcs, with the digests that it names."""
+    from orbitproof.verify.atlas import read_atlas_certificate, read_web_certificate
+
+    known = read_web_certificate(Path(web))
+    given = {certificate.id: certificate for certificate in map(read_atlas_certificate, map(Path, certificates))}
+    for entry in known.document["rests_on"]:
+        certificate = given.get(entry["id"])
+        if entry["kind"] == "arc" and (certificate is None or certificate.document["digest"] != entry["digest"]):
+            raise InputError(f"{web}: rests on the arc {entry['id']!r} ({entry['digest']}); give that certificate")
+
+    from orbitproof.figures.certified import Curve
+    from orbitproof.figures.files import save
+    from orbitproof.figures.pictures import draw_web as draw
+    from orbitproof.figures.style import close, use_style
+
+    target, written = folder_of(folder), Written(told)
+    curves = {name: Curve.of(certificate) for name, certificate in given.items() if not certificate.atlas.is_surface}
+    with saved_as(files), use_style():
+        figure = draw(known, curves)
+        written.add(save(figure, target / f"web-{file_name(known.id)}"))
+        close(figure)
+    return written.paths
+
+
 def draw_branches(
     branches: Source,
     folder: Source,

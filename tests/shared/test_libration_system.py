@@ -24,7 +24,7 @@ from orbitproof.explore.masses import first_breaking
 from orbitproof.explore.seeds import libration_point, lyapunov_orbit
 from orbitproof.shared import InputError
 from orbitproof.shared.claims import Atlas, Covers, Piece
-from orbitproof.shared.formats import atlas_from_json, atlas_to_json, read_atlas
+from orbitproof.shared.formats import atlas_from_json, atlas_to_json, read_atlas, read_candidates
 from orbitproof.shared.systems import (
     AROUND,
     BRANCH_SYSTEMS,
@@ -335,6 +335,13 @@ def test_command_writes_the_atlas(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert written.system is AROUND["L1"]
 
 
+def test_axial_orbits_are_born_where_their_birth_is_certified() -> None:
+    family = LyapunovFamily("L1", EARTH_MOON)
+    births = read_candidates(Path(__file__).parents[1] / "data" / "axial-births.json")
+    (birth,) = (item for item in births if item.id == "earth-moon-L1-axial-k1-1")
+    assert abs(family.libration.x + family.symmetry_breaking(-1, "axial") - float(birth.centre[0])) < 1e-9
+
+
 def test_a_parameter_that_follows_from_others_is_not_given(atlas: Atlas) -> None:
     document = atlas_to_json(atlas)
     document["parameters"]["x_l"] = "0.5"
@@ -349,6 +356,7 @@ def test_a_parameter_that_follows_from_others_is_not_given(atlas: Atlas) -> None
         (["--mass", "moon"], 2, "neither a name"),
         (["--mass", "0.1", "--end", "0"], 2, "--end 0"),
         (["--mass", "0.1", "--end", "0.01", "--side", "left"], 2, "--side"),
+        (["--mass", "0.1", "--end", "0.01", "--through", "axial"], 2, "--through"),
         (["--mass", "0.1", "--tube", "0.1"], 2, "--tube"),
         (["--mass", "0.1", "--end", "5"], 1, "at eps ="),
     ],

@@ -23,6 +23,8 @@ from orbitproof.verify.atlas.recheck import Means, ProvedBefore, atlas_of, order
 from orbitproof.verify.atlas.results import Result, Settings, condition_of, covers, results_from_json
 from orbitproof.verify.atlas.web import (
     Resting,
+    StoredArc,
+    StoredVertex,
     WebCertificate,
     certified_web,
     read_web_certificate,

@@ -1,0 +1,177 @@
+"""The picture of a web: level of the first integral against x where orbits start, arcs from certified polynomials."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from textwrap import wrap
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from orbitproof.figures.certified import CertifiedPoint, Curve
+from orbitproof.figures.orbits import Array
+from orbitproof.figures.pictures.legends import bottom_margin, legend_below
+from orbitproof.figures.pictures.marks import draw_point
+from orbitproof.figures.style import INK, label_of, level_label
+from orbitproof.shared.formats import AnyAtlas, InputError
+from orbitproof.shared.systems import AROUND, BRANCH_SYSTEMS, CR3BP, ReversibleSystem
+from orbitproof.verify.atlas import StoredArc, StoredVertex, WebCertificate
+
+_COLOURS = {"planar": "#3c6e91", "R": "#1b7837", "axial": "#b2182b"}
+_WORDS = {"planar": "in the plane", "R": "symmetric under R", "axial": "symmetric under the half turn"}
+_WIDTH, _HEIGHT = 7.2, 4.4
+_CHARACTERS = 95
+_NEAR = "(b)  around the planar arcs"
+_LIBRATION_POINT = "libration_point"
+_POINT: Mapping[str, Any] = {"color": INK, "marker": "d", "linestyle": "none", "markersize": 6.0}
+
+
+@dataclass(frozen=True)
+class DrawnArc:
+    """An arc as it is drawn.
+
+    Attributes:
+        kind: of its symmetry, a key of `_WORDS`.
+        lines: for each piece level and x, shape (2, M).
+        marks: the vertices on it, with level and x.
+    """
+
+    kind: str
+    lines: tuple[Array, ...]
+    marks: tuple[tuple[StoredVertex, float, float], ...]
+
+
+def drawn_arcs(web: WebCertificate, curves: Mapping[str, Curve]) -> tuple[DrawnArc, ...]:
+    """The arcs of a proved web of the CR3BP, from the certificates of their curves by id. Raises `InputError`."""
+    if not web.is_proved:
+        raise InputError(f"the web {web.id}: its certificate says {web.verdict!r}; there is nothing to draw")
+    vertices = {vertex.id: vertex for vertex in web.vertices}
+    return tuple(_drawn(arc, curves[arc.id], vertices) for arc in web.arcs)
+
+
+def _drawn(arc: StoredArc, curve: Curve, vertices: Mapping[str, StoredVertex]) -> DrawnArc:
+    kind, states = _kind_of(curve.atlas), _States.of(curve)
+    lines = tuple(states.level_and_x(stretch.points) for stretch in curve.stretches)
+    marks = []
+    for meeting in arc.meets:
+        vertex = vertices[meeting.vertex]
+        if meeting.piece is None or meeting.s is None:
+            x = states.libration_point
+        else:
+            mark = CertifiedPoint(vertex.id, vertex.kind, vertex.k, meeting.piece, float(meeting.s.mid()), False)
+            x = float(states.level_and_x(curve.place_of(mark)[1][None, :])[1, 0])
+        marks.append((vertex, float(vertex.level.mid()), x))
+    return DrawnArc(kind, lines, tuple(marks))
+
+
+def _kind_of(atlas: AnyAtlas) -> str:
+    system = atlas.system
+    if any(system == known for known in AROUND.values()):
+        return "planar"
+    return "axial" if isinstance(system, ReversibleSystem) and system.reversor is not None else "R"
+
+
+@dataclass(frozen=True)
+class _States:
+    """How points of a curve are states of the CR3BP, in double precision.
+
+    Attributes:
+        names: of the coordinates of its points.
+        mu: the mass parameter.
+        libration_point: its x; of a curve that is not around one, 0.
+        around: whether the curve is in units of its orbits' size.
+    """
+
+    names: tuple[str, ...]
+    mu: float
+    libration_point: float
+    around: bool
+
+    @classmethod
+    def of(cls, curve: Curve) -> _States:
+        """Raises `InputError` for curves of other systems."""
+        system = curve.atlas.system
+        if (
+            "mu" not in curve.parameters
+            or not {"x", "eps"} & set(curve.coordinates)
+            or system.name not in BRANCH_SYSTEMS
+        ):
+            raise InputError(f"the curve {curve.atlas.id}: is none of the CR3BP; give certificates of such arcs")
+        mu = float(curve.parameters["mu"])
+        name = next((name for name, known in AROUND.items() if known == system), None)
+        return cls(curve.coordinates, mu, 0.0 if name is None else _libration_point(mu, name), name is not None)
+
+    def level_and_x(self, points: Array) -> Array:
+        """Of points, shape (M, 1 + n); shape (2, M)."""
+        known = dict(zip(self.names, points.T, strict=True))
+        zero = np.zeros(len(points))
+        if self.around:
+            eps = known["eps"]
+            known = {"x": self.libration_point + eps, "vy": eps * known["vy"]}
+        program = CR3BP.first_integral_program
+        assert program is not None
+        at = {**dict.fromkeys(CR3BP.state, zero), **known, "mu": self.mu}
+        (level,) = program.evaluate(
+            [at[name] for name in program.inputs], float, lambda base, power: base ** float(power)
+        )
+        return np.array([level, known["x"]])
+
+
+def _libration_point(mu: float, name: str) -> float:
+    """Of the three in double precision, by bisection of the force on the axis."""
+    left, right = {"L1": (-mu, 1 - mu), "L2": (1 - mu, 2.0), "L3": (-2.0, -mu)}[name]
+    for _ in range(200):
+        x = 0.5 * (left + right)
+        larger, smaller = x + mu, x - 1 + mu
+        force = x - (1 - mu) * larger / abs(larger) ** 3 - mu * smaller / abs(smaller) ** 3
+        left, right = (left, x) if force > 0 else (x, right)
+    return 0.5 * (left + right)
+
+
+def draw_web(web: WebCertificate, curves: Mapping[str, Curve]) -> Figure:
+    """Level against x where orbits start; the surroundings of the planar arcs beside."""
+    arcs = drawn_arcs(web, curves)
+    planar = [arc for arc in arcs if arc.kind == "planar"]
+    claims = sorted({(vertex.k, vertex.kind) for vertex in web.vertices if vertex.kind != _LIBRATION_POINT})
+    handles = [
+        Line2D([], [], color=_COLOURS[kind], linewidth=1.6, label=words)
+        for kind, words in _WORDS.items() if any(arc.kind == kind for arc in arcs)
+    ]  # fmt: skip
+    if len(claims) < len(web.vertices):
+        handles.append(Line2D([], [], **_POINT, label="libration point"))
+    figure = plt.figure(figsize=(_WIDTH, _HEIGHT))
+    foot = bottom_margin(_HEIGHT, claims, [True], handles)
+    panels = [("", arcs)] if len(planar) in (0, len(arcs)) else [("(a)  all arcs", arcs), (_NEAR, planar)]
+    grid = figure.add_gridspec(1, len(panels), left=0.1, right=0.98, top=0.86, bottom=foot, wspace=0.26)
+    for number, (title, shown) in enumerate(panels):
+        axes = figure.add_subplot(grid[0, number])
+        _draw(axes, arcs, shown)
+        axes.set_title(title, color=INK)
+    figure.text(0.1, 0.955, "\n".join(wrap(web.claim.title, _CHARACTERS)), color=INK, fontweight="bold", va="center")
+    legend_below(figure, claims, [True], handles)
+    return figure
+
+
+def _draw(axes: Axes, arcs: Sequence[DrawnArc], around: Sequence[DrawnArc]) -> None:
+    """The arcs, as far as the axes show the surroundings of some."""
+    for number, set_limits in enumerate((axes.set_xlim, axes.set_ylim)):
+        values = np.concatenate([line[number] for arc in around for line in arc.lines])
+        room = 0.06 * (values.max() - values.min())
+        set_limits(values.min() - room, values.max() + room)
+    for arc in arcs:
+        for level, x in arc.lines:
+            axes.plot(level, x, color=_COLOURS[arc.kind], linewidth=1.4)
+    limits = np.array([axes.get_xlim(), axes.get_ylim()])
+    for vertex, level, x in (mark for arc in arcs for mark in arc.marks):
+        place = np.array([level, x])
+        if vertex.kind == _LIBRATION_POINT:
+            axes.plot([level], [x], **_POINT, zorder=5)
+        elif ((limits[:, 0] < place) & (place < limits[:, 1])).all():
+            draw_point(axes, place, vertex.k, True, vertex.id, vertex.kind)
+    axes.set_xlabel(level_label(CR3BP))
+    axes.set_ylabel(f"{label_of(CR3BP, 'x', unit=False)} of the orbit's point on $\\mathrm{{Fix}}(R)$")

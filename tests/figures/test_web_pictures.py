@@ -1,0 +1,85 @@
+"""The diagram of a web: arcs from certified polynomials, vertices on them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from flint import arb
+from support.chain_cases import certificate, circle_point, symmetric_loop
+from support.forgeries import atlas_certificate, forged
+
+from orbitproof.figures import draw_web as draw_files
+from orbitproof.figures.certified import Curve
+from orbitproof.figures.pictures import draw_web
+from orbitproof.figures.pictures.web import drawn_arcs
+from orbitproof.shared.claims.web import BRANCHES, PASSES, Meeting, Web, WebArc
+from orbitproof.shared.formats import InputError
+from orbitproof.verify.atlas import AtlasCertificate, WebCertificate, certified_web
+from orbitproof.verify.certificate import Level, Recheck
+
+MU = 1 / 80
+
+
+@cache
+def web() -> tuple[WebCertificate, AtlasCertificate]:
+    """A circle of halo orbits that branches off in the plane, and a point on it."""
+    atlas, results = symmetric_loop()
+    curve = AtlasCertificate(atlas, atlas_certificate(atlas, results))
+    at = {"x": arb(1, 2**-80), "z": arb(0), "vy": arb(2, 2**-80)}
+    one = certificate(at, name="one", kind="symmetry_breaking", k=1, symmetry="S")
+    inside = certificate(circle_point(0.7), name="inside")
+    claim = Web("a web", "A web", (WebArc("circle", (Meeting("one", BRANCHES), Meeting("inside", PASSES))),))
+    checks = {entry.id: Recheck(entry.id, "proved", 1, (), level=Level.CONCLUSION) for entry in (curve, one, inside)}
+    checks["circle"] = replace(checks["circle"], digest=curve.document["digest"])
+    return WebCertificate(certified_web(claim, (curve, one, inside), checks)), curve
+
+
+def level(angle: float) -> float:
+    """Of the orbit that starts at a point of the circle."""
+    x, z, vy = math.cos(angle), math.sin(angle), 3 - math.cos(angle)
+    larger, smaller = math.hypot(x + MU, z), math.hypot(x + MU - 1, z)
+    return x**2 + 2 * ((1 - MU) / larger + MU / smaller) - vy**2
+
+
+def test_arcs_and_vertices_are_drawn_where_they_are_proved() -> None:
+    known, curve = web()
+    (arc,) = drawn_arcs(known, {"circle": Curve.of(curve)})
+    assert arc.kind == "R"
+    for (vertex, c, x), angle in zip(arc.marks, (0.0, 0.7), strict=True):
+        assert abs(x - math.cos(angle)) < 1e-6, vertex
+        assert abs(c - level(angle)) < 1e-6
+    drawn = np.concatenate(arc.lines, axis=1)
+    for c, x in drawn.T[::50]:
+        assert abs(c - level(math.acos(np.clip(x, -1, 1)))) < 1e-5
+
+
+def test_the_picture_has_filled_vertices_and_a_legend() -> None:
+    known, curve = web()
+    figure = draw_web(known, {"circle": Curve.of(curve)})
+    (axes,) = figure.axes
+    marks = {line.get_gid(): line for line in axes.lines if str(line.get_gid()).startswith("candidate")}
+    assert set(marks) == {"candidate one", "candidate inside"}
+    assert all(line.get_markerfacecolor() == line.get_color() for line in marks.values())
+    labels = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert {"symmetric under R", "filled: certified"} <= set(labels)
+    assert "libration point" not in labels
+
+
+def test_what_is_not_proved_is_not_drawn(tmp_path: Path) -> None:
+    known, curve = web()
+    not_proved = WebCertificate({**known.document, "verdict": "not proved"})
+    with pytest.raises(InputError, match="nothing to draw"):
+        drawn_arcs(not_proved, {"circle": Curve.of(curve)})
+    files = tmp_path / "web.json", tmp_path / "curve.json"
+    changed = forged(known.document, lambda d: [e.update(digest="sha256:" + 64 * "0") for e in d["rests_on"]])
+    from orbitproof.verify.atlas import write_atlas_certificate, write_web_certificate
+
+    write_web_certificate(files[0], changed)
+    write_atlas_certificate(files[1], curve.document)
+    with pytest.raises(InputError, match="give that certificate"):
+        draw_files(files[0], [files[1]], tmp_path)
