@@ -192,7 +192,8 @@ def _arc(family: Family, covers: Covers, number: int) -> Family:
     if not arcs:
         values = [float(orbit.unknowns[index]) for orbit in family.orbits]
         raise CoverFailure(
-            f"the family does not go from {covers.coordinate} = {float(covers.start):.6g} to {float(covers.end):.6g}; "
+            f"the family does not go from {covers.coordinate} = {float(covers.start):.6g} to {float(covers.end):.6g}, "
+            f"and a little beyond, to orbits at {low:.8g} and {high:.8g}; "
             f"along it {covers.coordinate} lies between {min(values):.8g} and {max(values):.8g}: cover less of it, or "
             "cover another coordinate where it turns"
         )

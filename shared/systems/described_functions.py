@@ -91,6 +91,8 @@ class DescribedFunctions:
             raise
         except Exception as error:
             remedy = f"a function of {', '.join(self.inputs)} in plain arithmetic with exact constants"
+            if isinstance(error, TypeError):
+                remedy += "; sqrt, sin, cos, exp and log are for formulas as text"
             raise DescriptionError(f"{key}: {type(error).__name__}: {error}; give {remedy}") from None
         if len(program.outputs) != count:
             raise DescriptionError(f"{key}: gives {counted(len(program.outputs), 'value')}; give {count}")

@@ -368,3 +368,8 @@ def test_functions_that_cannot_be_read_are_named_in_one_line(entry: dict[str, An
     with pytest.raises(InputError, match=words) as error:
         define_system(entry)
     assert "\n" not in str(error.value)
+
+
+def test_functions_of_python_are_no_formulas_and_the_error_says_what_is() -> None:
+    with pytest.raises(InputError, match="sin, cos, exp and log are for formulas as text"):
+        define_system({**LORENZ, "field": lambda *values: (sin(values[0]),) * 3})

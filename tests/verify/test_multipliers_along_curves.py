@@ -17,6 +17,7 @@ from support.periodic_curves import (
     LIMITS,
     attempt,
     closed_atlas,
+    faster_atlas,
     proved,
     turning_atlas,
     twisting_atlas,
@@ -34,6 +35,7 @@ from orbitproof.verify.periodic_curve import (
     conclude_periodic,
     unconfirmed_multipliers,
 )
+from orbitproof.verify.periodic_curve.characteristic import multipliers_along
 from orbitproof.verify.periodic_curve.counted import counts_of, counts_of_pair_of_area
 from orbitproof.verify.words import conclusion_in_words
 
@@ -73,6 +75,48 @@ def test_the_multipliers_of_exact_curves_lie_in_the_enclosures(name: str) -> Non
                 ball = function.enclosed.value(enclose(s / REACH))
                 assert abs(float(ball.mid()) - value) <= float(ball.rad()) + 1e-14
                 assert float(ball.rad()) < 1e-9
+
+
+def test_on_a_part_of_a_piece_they_are_those_of_its_orbits() -> None:
+    atlas = turning_atlas()
+    result = attempt(atlas, interval=(Q(1, 4), Q(1))).stored
+    assert isinstance(result, PeriodicResult)
+    assert isinstance(result.multipliers, MultiplierFunctions)
+    for s in (Q(1, 4), Q(1, 2), Q(1)):
+        ball = result.multipliers.coefficients[0].enclosed.value(enclose((s - Q(5, 8)) / (Q(3, 8) * REACH)))
+        assert abs(float(ball.mid()) - TRUE["turning"](atlas, 0, s)[0]) <= float(ball.rad()) + 1e-14
+    (part,) = counted(replace(atlas, pieces=atlas.pieces[:1]), (*proved("turning")[:1], result))[:1]
+    assert part.counts == Counts(0, 0, 1)
+
+
+@pytest.mark.parametrize(
+    ("along", "terms", "slope"),
+    [
+        # P = f_0 + f_1 omega + f_2 omega^2 with the powers of sigma that are given, at omega = 1/32.
+        ("a", {(1,): [0, 1]}, lambda t: t),
+        ("a", {(1,): [0, 1], (2,): [1]}, lambda t: t + Q(2, 32)),
+        ("x", {(0,): [0, 1]}, lambda t: Q(1)),
+        ("x", {(1,): [0, 1]}, lambda t: Q(1, 32)),
+        ("x", {(2,): [0, 0, 0, 0, 0, 1]}, lambda t: 5 * t**4 / 32**2),
+    ],
+)
+def test_derivatives_are_those_at_the_curve_and_not_at_its_polynomial(
+    along: str, terms: dict[tuple[int, ...], list[int]], slope: Callable[[Q], Q]
+) -> None:
+    """dP/dx where p_0 is a, that is dP/domega over its width, or p_0 is x, that is dP/dsigma over h r."""
+    atlas = faster_atlas() if along == "a" else turning_atlas()
+    piece = replace(atlas.curve_pieces()[0], polynomial=((Q(0),),))
+    arithmetic = LIMITS.arithmetic([Q(1)], LIMITS.precision, 2)
+    image = arithmetic.polynomial({key: list(map(Q, row)) for key, row in terms.items()})
+    width = Q(1, 4)
+    found = multipliers_along(atlas, piece, (Q(-1), Q(1)), [image], [width], [arb(1) / 32])
+    assert isinstance(found, MultiplierFunctions)
+    unit = width if along == "a" else piece.half_width * Q(17, 16)
+    for tau in (Q(-32, 33), Q(-1, 3), Q(0), Q(1, 2), Q(32, 33)):
+        true = -slope(tau * Q(33, 34)) / unit
+        ball = found.coefficients[0].enclosed.value(enclose(tau))
+        assert (ball - enclose(true)).contains(0)
+        assert float(ball.rad()) < 1
 
 
 def counted(atlas: PeriodicAtlas, results: tuple[IntervalResult, ...]) -> tuple[CountedPart, ...]:
