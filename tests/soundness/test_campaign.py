@@ -20,7 +20,7 @@ KINDS = ("fold", "crossings", "orbit")
 
 @pytest.mark.parametrize(
     ("kind", "each"),
-    [("fold", 1), ("crossings", 1), *(pytest.param(kind, 1000, marks=pytest.mark.slow) for kind in KINDS)],
+    [("fold", 1), *(pytest.param(kind, 1000, marks=pytest.mark.slow) for kind in KINDS)],
 )
 def test_every_changed_field_of_other_claims_is_found_but_for_names(
     kind: str, each: int, monkeypatch: pytest.MonkeyPatch

@@ -90,21 +90,31 @@ def test_chapters_and_code_fit_together(check: str) -> None:
     assert CHECKS[check](ROOT) == []
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_a_mistake_is_found(seed: str, tmp_path: Path) -> None:
-    check, file, before, after = SEEDS[seed]
+@pytest.fixture(scope="module")
+def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of all that the checks read."""
+    place = tmp_path_factory.mktemp("project")
     kept = shutil.ignore_patterns("__pycache__", "images", "*.npz", "*.mplstyle")
     for folder in ("docs", "shared", "verify", "explore", "figures"):
-        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=kept)
+        shutil.copytree(ROOT / folder, place / folder, ignore=kept)
     for folder in ("docs/images", "tests/benchmarks"):
-        shutil.copytree(ROOT / folder, tmp_path / folder)
+        shutil.copytree(ROOT / folder, place / folder)
     for file_kept in ("README.md", "pyproject.toml"):
-        shutil.copy(ROOT / file_kept, tmp_path)
-    path = tmp_path / file
+        shutil.copy(ROOT / file_kept, place)
+    return place
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_mistake_is_found(seed: str, copied: Path) -> None:
+    check, file, before, after = SEEDS[seed]
+    path = copied / file
     text = path.read_text("utf-8")
     assert before in text
     path.write_text(text.replace(before, after, 1), "utf-8")
-    assert CHECKS[check](tmp_path) != []
+    try:
+        assert CHECKS[check](copied) != []
+    finally:
+        path.write_text(text, "utf-8")
 
 
 def test_every_hypothesis_of_the_code_is_seen() -> None:
