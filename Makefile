@@ -3,7 +3,7 @@
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
-.PHONY: help demo branches web examples report figures docs test lint test-slow campaign faults reading-list bench clean
+.PHONY: help demo branches web examples report archive release-check figures docs test lint test-slow campaign faults reading-list bench clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -13,6 +13,7 @@ BRANCHES := branches-out
 WEBS := web-out
 EXAMPLES := examples-out
 SITE := site-out
+ARCHIVE := archive-out
 JOBS := 2
 
 # The search runs on the processor also where JAX would find an accelerator.
@@ -25,6 +26,7 @@ help:
 	@echo "make web        families of L1 and L2 joined into a graph that is proved (into $(WEBS)/; goes on where it stopped)"
 	@echo "make examples   example systems from files: found, proved, drawn (into $(EXAMPLES)/; minutes)"
 	@echo "make report     every theorem, proved and told: both tables and all branches (into $(BRANCHES)/; half an hour)"
+	@echo "make archive    all certificates of make report with a guide for readers (into $(ARCHIVE)/)"
 	@echo "make figures    every picture, with its data and proofs (into $(PICTURES)/; long, goes on where it stopped)"
 	@echo "make docs       this project as a site, its notebooks executed (into $(SITE)/)"
 	@echo "make test       everything that has to pass: lint, format, types, tests"
@@ -32,6 +34,7 @@ help:
 	@echo "make campaign   10,000 false claims and 2,000 forged certificates (campaign.json; hours, goes on where it stopped)"
 	@echo "make faults     faults made on purpose, one line each, and which tests notice them (faults.json; hours, goes on where it stopped)"
 	@echo "make reading-list CHAPTER=curve   what has to be read to believe a theorem: files in order, lines"
+	@echo "make release-check   wheel and sdist, installed empty; commands of README and documents, each run once (hours)"
 	@echo "make bench      benchmarks; each prints its numbers"
 	@echo "make clean      remove $(VENV), $(OUT), $(SITE) and caches"
 
@@ -154,6 +157,16 @@ report: $(VENV)/demo.stamp
 	-@$(MAKE) --no-print-directory branches BIFURCATIONS=$(BRANCHES)/certificates.json
 	@$(BOUND) $(BIN)/orbitproof report $(BRANCHES)/certificates.json $(BRANCHES)/*-certificate.json \
 	  -o $(BRANCHES)/report.html -o $(BRANCHES)/report.tex -o $(BRANCHES)/report.md
+
+# What `make report` has proved; run it first for all theorems.
+archive: $(VENV)/demo.stamp
+	@$(BIN)/python docs/archive.py $(BRANCHES) -o $(ARCHIVE)
+
+# LIMIT: seconds for each printed command; what takes longer is stopped, and told.
+LIMIT := 600
+
+release-check: $(VENV)/dev.stamp
+	@$(BOUND) $(BIN)/python tests/release_check.py --limit $(LIMIT)
 
 # The data are kept by `make clean`: they hold the proofs of all rows.
 figures: $(VENV)/demo.stamp

@@ -68,6 +68,17 @@ def test_every_cell_of_a_notebook_runs(name: str, capsys: pytest.CaptureFixture[
         assert shown[-1] is True
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("page", sorted((DOCS / "coming-from").glob("*.md")), ids=lambda path: path.stem)
+def test_what_pages_for_users_of_other_programs_print_runs(page: Path, tmp_path: Path) -> None:
+    blocks = [text for language, _, text in BLOCK.findall(page.read_text("utf-8")) if language == "python"]
+    commands = re.findall(r"^ {4}orbitproof (.*)$", page.read_text("utf-8"), re.MULTILINE)
+    assert blocks or commands
+    for words in [*(["-c", text] for text in blocks), *(["-m", "orbitproof", *shlex.split(line)] for line in commands)]:
+        done = subprocess.run([sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+
+
 def test_no_notebook_is_left_out() -> None:
     # The first proof is run with the Python face.
     assert {path.stem for path in DOCS.glob("*.ipynb")} == {*NOTEBOOKS, "first-proof"}
