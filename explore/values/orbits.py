@@ -87,7 +87,7 @@ class Orbit:
 
     @property
     def stability_index(self) -> float:
-        """(|lambda| + 1/|lambda|)/2 of the largest multiplier."""
+        """Of the largest multiplier: the mean of its absolute value and the inverse of that."""
         return stability_index(self.stability)
 
     @property
