@@ -23,6 +23,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import textwrap
 import time
 import zipfile
 from collections import Counter
@@ -37,6 +38,7 @@ FOUND, REFUSED = (0, 1), 2
 
 _FENCE = re.compile(r"^```(\w*)[ ]?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _INDENTED = re.compile(r"^ {4}(orbitproof .*)$", re.MULTILINE)
+_WRITTEN = re.compile(r"`(\w+\.py)`[^\n]*\n\n((?: {4}.*\n|\n)+)")
 _MISSING = re.compile(r"(\S+): cannot be read \(No such file")
 _PLACEHOLDER = re.compile(r"(^|\s)(FILE|FOLDER|ADDRESS|NAME|ID|K|MU|[A-Z]+\.json|\.\.)(\s|$)|=\.\.|\[|<")
 
@@ -87,9 +89,11 @@ def commands_of(page: Path) -> Iterator[Command]:
 
 
 def files_of(page: Path) -> dict[str, str]:
-    """The files that a page shows by name, in blocks such as ```python spring.py."""
-    blocks = _FENCE.findall(page.read_text("utf-8"))
-    return {name: text for _, name, text in blocks if re.fullmatch(r"[\w.-]+\.(py|json)", name)}
+    """The files that a page shows by name: blocks such as ```python spring.py, and indented ones after the name."""
+    text = page.read_text("utf-8")
+    found = {name: textwrap.dedent(code) for name, code in _WRITTEN.findall(text) if "orbitproof" not in code}
+    blocks = _FENCE.findall(text)
+    return found | {name: code for _, name, code in blocks if re.fullmatch(r"[\w.-]+\.(py|json)", name)}
 
 
 def run_command(command: Command, folder: Path, python: Path, limit: float) -> Outcome:
