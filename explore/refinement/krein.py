@@ -20,6 +20,8 @@ from orbitproof.explore.refinement.one_point import Defect, Place, refine_defect
 from orbitproof.shared.formats import KREIN_COLLISION
 
 _N = 2
+_REAL = 1.01
+"""Stability parameters beyond it belong to real multipliers, also at a point that is not refined yet."""
 
 
 def _collision_at(place: Place, point: Sequence[Fraction], context: mpmath.MPContext) -> Defect:
@@ -35,6 +37,7 @@ def _collision_at(place: Place, point: Sequence[Fraction], context: mpmath.MPCon
     sigma = 2 * back * there - context.eye(along)
     trace, minors = _trace(sigma), (_trace(sigma) ** 2 - _trace(sigma * sigma)) / 2
     first, second = trace - 1, minors - (trace - 1)
+    refuse_off_circle(float(first) / 2)
     slope = []
     for columns in bent:
         moved = context.matrix([[columns[j][i] for j in range(size)] for i in range(size)])
@@ -45,6 +48,15 @@ def _collision_at(place: Place, point: Sequence[Fraction], context: mpmath.MPCon
         slope.append(2 * first * d_first - 4 * d_second)
     frame = tuple(tuple(Fraction(int(i == j)) for j in range(_N)) for i in range(_N))
     return Defect(first**2 - 4 * second, slope, half, frame)
+
+
+def refuse_off_circle(parameter: float) -> None:
+    """Raise `RefinementFailure` if a double stability parameter clearly is that of real multipliers."""
+    if abs(parameter) > _REAL:
+        raise RefinementFailure(
+            f"two stability parameters meet at {parameter:.4g}, where multipliers are real: they do not meet on the "
+            "unit circle there, and no claim is about that"
+        )
 
 
 def _trace(matrix: Any) -> Any:

@@ -16,6 +16,7 @@ from orbitproof.explore.__main__ import main
 from orbitproof.explore.losses import tasks_of
 from orbitproof.explore.points import refine_at
 from orbitproof.explore.refinement import RefinementFailure, refine_task
+from orbitproof.explore.refinement.krein import refuse_off_circle
 from orbitproof.shared.claims import Atlas, Claim, Piece
 from orbitproof.shared.formats import KREIN_COLLISION, REVERSOR_BREAKING
 from orbitproof.shared.systems import CR3BP
@@ -89,6 +90,14 @@ def test_what_is_no_collision_is_not_refined() -> None:
     point = {"x": 0.0, "vy": ROOT}
     with pytest.raises(RefinementFailure, match="two pairs"):
         refine_at(cases.MODES, point, 1, parameters={"a": cases.A}, kind=KREIN_COLLISION, quiet=True)
+
+
+@pytest.mark.parametrize("parameter", [-3.58, -1.02, 1.02])
+def test_where_real_multipliers_meet_there_is_no_claim(parameter: float) -> None:
+    with pytest.raises(RefinementFailure, match="where multipliers are real"):
+        refuse_off_circle(parameter)
+    for other in (-1.005, 0.3, 1.0):
+        refuse_off_circle(other)
 
 
 def test_collisions_of_a_list_become_claims() -> None:
