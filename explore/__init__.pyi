@@ -1,6 +1,8 @@
 from .branches import NoBranch as NoBranch
 from .branches.scripting import follow_branch as follow_branch
 from .branches.scripting import refine_new_orbit as refine_new_orbit
+from .catalogues import Catalogue as Catalogue
+from .catalogues.scripting import catalogue as catalogue
 from .families import FamilyFailure as FamilyFailure
 from .periodic import PeriodicFailure as PeriodicFailure
 from .periodic.scripting import find_periodic as find_periodic

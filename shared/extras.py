@@ -7,6 +7,7 @@ _EXTRAS = {
     **dict.fromkeys(("matplotlib", "jinja2", "latex2mathml"), "figures"),
     **dict.fromkeys(("ccsds_ndm", "xsdata", "lxml"), "oem"),
     "spiceypy": "spk",
+    "pyarrow": "parquet",
     "plotly": "interactive",
     **dict.fromkeys(("distributed", "dask"), "cluster"),
 }

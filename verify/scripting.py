@@ -17,6 +17,7 @@ from orbitproof.shared.formats import (
     InSection,
     check_writable,
     read_catalogue_rows,
+    table_form,
 )
 from orbitproof.shared.formats import read_web as read_claim_of_web
 from orbitproof.shared.numbers import parse_exact
@@ -26,10 +27,12 @@ from orbitproof.verify.atlas import (
     CatalogueCertificate,
     Placed,
     WebCertificate,
+    certified_table,
     kind_of,
     read_atlas_certificate,
     read_catalogue_certificate,
     read_web_certificate,
+    rows_of_curve,
     write_atlas_certificate,
     write_catalogue_certificate,
     write_web_certificate,
@@ -219,11 +222,12 @@ def places(curve: AtlasCertificate, orbits: Iterable[Certificate], *, timeout: f
 
 
 def certify_catalogue(
-    catalogue: str | Path | CatalogueRows,
+    catalogue: str | Path | CatalogueRows | int,
     curve: AtlasCertificate,
     *,
     within: Fraction | float | str = WITHIN,
     output: str | Path | None = None,
+    table: str | Path | None = None,
     timeout: float | None = None,
     memory: float = CheckLimits.memory / GIBIBYTE,
     quiet: bool = False,
@@ -231,10 +235,12 @@ def certify_catalogue(
     """Which rows of a catalogue a proved curve certifies, and what it says of the orbits that start near them.
 
     Arguments:
-        catalogue: a file, JSON or CSV in the form of the JPL catalogue, or what `shared.read_catalogue_rows` reads.
+        catalogue: a file, JSON or CSV in the form of the JPL catalogue, or what `shared.read_catalogue_rows` reads;
+            or how many orbits of the curve itself are to be the rows.
         curve: with a list (`certify_atlas(.., complete=1)`); its certificate is checked up to its conclusion first.
         within: an orbit certifies a row from which it starts no farther than this; nondimensional.
         output: a file for the certificate.
+        table: a file for the rows with what is proved of each, .json, .csv or .parquet.
         timeout: seconds for each of both; without one, an hour.
         memory: GiB for each.
         quiet: nothing on standard error.
@@ -242,9 +248,15 @@ def certify_catalogue(
     Returns the certificate; `rows` are its rows. Raises `InputError` for a curve that is of no such system, has
     another mass parameter, or does not stand.
     """
-    if output is not None:
-        check_writable(Path(output))
-    rows = catalogue if isinstance(catalogue, CatalogueRows) else read_catalogue_rows(Path(catalogue))
+    for path in (output, table):
+        if path is not None:
+            check_writable(Path(path))
+    if table is not None:
+        table_form(Path(table))
+    if isinstance(catalogue, int):
+        rows = rows_of_curve(curve, catalogue)
+    else:
+        rows = catalogue if isinstance(catalogue, CatalogueRows) else read_catalogue_rows(Path(catalogue))
     distance = parse_exact(within) if isinstance(within, str) else Fraction(within)
     if not distance > 0:
         raise ValueError(f"within: {within} is not positive")
@@ -253,6 +265,8 @@ def certify_catalogue(
     )
     if output is not None:
         write_catalogue_certificate(Path(output), certificate.document)
+    if table is not None:
+        certified_table(rows, certificate.document).write(Path(table))
     return certificate
 
 

@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from decimal import Decimal, localcontext
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from orbitproof.shared.formats import (
-    FIELDS,
-    HEADER,
-    MASS_RATIO,
-    read_catalogue_rows,
-    validate_document,
-    write_text,
-)
+from orbitproof.explore.catalogues.filters import between
+from orbitproof.shared.formats import FIELDS, CatalogueTable, read_catalogue_rows, write_text
 
 Array = NDArray[np.float64]
 
@@ -43,6 +34,7 @@ class Catalogue:
             (lunit, km) and time (tunit, s), radius_secondary (km), positions of the libration points.
         details: further entries of a JSON file that name the family, such as the resonance.
         numbers: of the orbits in the file that they come from, counted from 1; `None`: all of them, in order.
+        more: further columns by name, shape (N,) each: numbers, texts or `None`.
     """
 
     mass_ratio: Fraction
@@ -57,6 +49,7 @@ class Catalogue:
     system_details: Mapping[str, Any] = field(default_factory=dict)
     details: Mapping[str, Any] = field(default_factory=dict)
     numbers: tuple[int, ...] | None = None
+    more: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.states)
@@ -81,21 +74,57 @@ class Catalogue:
         value = self.system_details.get(name)
         return None if value is None else float(value)
 
+    def chosen(self, which: Array) -> Catalogue:
+        """The rows with these indices, with their numbers."""
+        numbers = self.numbers or range(1, len(self) + 1)
+        return replace(
+            self,
+            states=self.states[which],
+            jacobi_constants=self.jacobi_constants[which],
+            periods=self.periods[which],
+            stability_indices=self.stability_indices[which],
+            numbers=tuple(numbers[i] for i in which),
+            more={name: tuple(values[i] for i in which) for name, values in self.more.items()},
+        )
+
+    def by_period(self, low: str | float, high: str | float) -> Catalogue:
+        """The rows with a period between two values: numbers, or texts such as "6.5d" where the units are known."""
+        return between(self, "period", low, high)
+
+    def by_jacobi(self, low: float, high: float) -> Catalogue:
+        """The rows with a Jacobi constant between two values."""
+        return between(self, "jacobi", low, high)
+
+    def by_stability(self, low: float, high: float) -> Catalogue:
+        """The rows with a stability index between two values."""
+        return between(self, "stability", low, high)
+
+    def by_perilune(self, low: str | float, high: str | float) -> Catalogue:
+        """The rows with a least distance from the smaller primary between two values: numbers, or "3000km"."""
+        return between(self, "perilune", low, high)
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write the table of the catalogue's page. Raises `InputError`."""
+        write_text(Path(path), table_of(self).as_csv())
+
+    def write(self, path: str | Path) -> None:
+        """Write as .json, .csv or .parquet. Raises `InputError`."""
+        table_of(self).write(Path(path))
+
+    def to_dataframe(self) -> Any:
+        """A `pandas.DataFrame`, a row for each orbit. Raises `ModuleNotFoundError` where pandas is missing."""
+        try:
+            pandas = import_module("pandas")
+        except ModuleNotFoundError:
+            raise ModuleNotFoundError("to_dataframe needs pandas: pip install pandas", name="pandas") from None
+        columns: dict[str, Any] = dict(zip(FIELDS, self.columns.T, strict=True))
+        return pandas.DataFrame({**columns, **self.more}, index=self.numbers or range(1, len(self) + 1))
+
     @property
     def columns(self) -> Array:
         """Shape (N, 9), in the order of `FIELDS`."""
         rest = (self.jacobi_constants, self.periods, self.stability_indices)
         return np.column_stack([self.states, *rest])
-
-
-def decimal_text(value: Fraction) -> str:
-    """The decimal expansion of a number, all of it. Raises `ValueError` if it does not end."""
-    with localcontext() as context:
-        context.prec = 2000
-        result = Decimal(value.numerator) / Decimal(value.denominator)
-    if Fraction(result) != value:
-        raise ValueError(f"{value} is no decimal fraction")
-    return f"{result:e}"
 
 
 def read_catalogue(path: Path) -> Catalogue:
@@ -106,6 +135,24 @@ def read_catalogue(path: Path) -> Catalogue:
     return Catalogue(read.mass_ratio, values[:, :6], values[:, 6], values[:, 7], values[:, 8], **named)
 
 
+def table_of(catalogue: Catalogue, points: Mapping[str, Iterable[float]] | None = None) -> CatalogueTable:
+    """A catalogue as a table to be written; `points` as for `write_catalogue_json`."""
+    columns: Any = catalogue.columns.tolist()
+    return CatalogueTable(
+        mass_ratio=catalogue.mass_ratio,
+        rows=columns,
+        numbers=catalogue.numbers or range(1, len(catalogue) + 1),
+        more=catalogue.more,
+        system=catalogue.system,
+        family=catalogue.family,
+        point=catalogue.point,
+        branch=catalogue.branch,
+        system_details=catalogue.system_details,
+        details=catalogue.details,
+        points=points or {},
+    )
+
+
 def write_catalogue_json(path: Path, catalogue: Catalogue, points: Mapping[str, Iterable[float]]) -> None:
     """Write the JSON form, whole or not at all.
 
@@ -113,42 +160,9 @@ def write_catalogue_json(path: Path, catalogue: Catalogue, points: Mapping[str, 
         points: positions of libration points by name, for the block that describes the system where the catalogue
             has none of its own.
     """
-    columns = catalogue.columns
-    document = {
-        "signature": {"source": "orbitproof", "version": "1.0"},
-        "system": {
-            **{name: [f"{value:.15g}" for value in place] for name, place in points.items()},
-            **catalogue.system_details,
-            "name": catalogue.system,
-            "mass_ratio": decimal_text(catalogue.mass_ratio),
-        },
-        **catalogue.details,
-        "count": str(len(catalogue)),
-        "family": catalogue.family,
-        "branch": catalogue.branch,
-        "libration_point": catalogue.point,
-        "limits": {
-            name: [float(columns[:, i].min()), float(columns[:, i].max())]
-            for i, name in enumerate(FIELDS)
-            if name in ("jacobi", "period", "stability")
-        },
-        "fields": list(FIELDS),
-        "data": [
-            [*(f"{value: .16e}" for value in row[:6]), float(row[6]), f"{row[7]: .16e}", float(row[8])]
-            for row in columns
-        ],
-    }
-    validate_document(document, "catalogue", "catalogue file to be written")
-    write_text(path, json.dumps(document, allow_nan=False, separators=(",", ":")) + "\n")
+    write_text(path, table_of(catalogue, points).as_json())
 
 
 def write_catalogue_csv(path: Path, catalogue: Catalogue) -> None:
     """Write the CSV form, whole or not at all."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(["Id", *HEADER, MASS_RATIO])
-    mass_ratio = decimal_text(catalogue.mass_ratio)
-    numbers = catalogue.numbers or range(1, len(catalogue) + 1)
-    for number, row in zip(numbers, catalogue.columns, strict=True):
-        writer.writerow([number, *(f"{value:.16e}" for value in row), mass_ratio])
-    write_text(path, stream.getvalue())
+    write_text(path, table_of(catalogue).as_csv())

@@ -11,10 +11,11 @@ import numpy as np
 from orbitproof.explore.catalogues.file import Catalogue
 from orbitproof.explore.families import Family
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
+from orbitproof.explore.names import resonance_of
 from orbitproof.explore.numerics import SHOOTING
 from orbitproof.explore.orbits import OrbitBatch, ShootingProblem, correct_batch, stability_index
 from orbitproof.explore.seeds import LIBRATION_POINTS, libration_point, primaries
-from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, MASS_PARAMETERS, ReversibleSystem
+from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, MASS_PARAMETERS, UNITS, ReversibleSystem
 
 ON_SYMMETRY = 1e-6
 """Largest magnitude of y, vx, vz at which a catalogue's initial state counts as lying on Fix(R)."""
@@ -147,15 +148,30 @@ def correct_catalogue(
 
 
 def system_of(catalogue: Catalogue) -> ReversibleSystem:
-    """The system of whose reversing symmetry the orbits are: axial orbits are symmetric about the x axis."""
-    return CR3BP_AXIAL if catalogue.family == "axial" else CR3BP
+    """The system of whose reversing symmetry the orbits are: axial orbits are symmetric about the x axis.
+
+    Where the file names no family a state says it, and of an orbit that starts on the axis the one a quarter of a
+    period later: vertical orbits are in the plane of symmetry there.
+    """
+    if catalogue.family:
+        return CR3BP_AXIAL if catalogue.family == "axial" else CR3BP
+    state = catalogue.states[len(catalogue) // 2]
+    off_plane, off_axis = (float(np.max(np.abs(state[_odd(system)]))) for system in (CR3BP, CR3BP_AXIAL))
+    if off_plane <= ON_SYMMETRY or off_axis > ON_SYMMETRY:
+        return CR3BP
+    failures = _on_fixed_set(catalogue.chosen(np.array([len(catalogue) // 2])), CR3BP)[1]
+    return CR3BP_AXIAL if failures[0] else CR3BP
+
+
+def _odd(system: ReversibleSystem) -> list[int]:
+    return [index for index, sign in enumerate(system.reversing_symmetry) if sign == -1]
 
 
 def _on_fixed_set(catalogue: Catalogue, system: ReversibleSystem) -> tuple[Matrix, list[str]]:
     """A point of each orbit on Fix(R), shape (N, 6), and for the orbits without one why."""
     states, failures = catalogue.states.copy(), [""] * len(catalogue)
     mass = [float(catalogue.mass_ratio)]
-    odd = [index for index, sign in enumerate(system.reversing_symmetry) if sign == -1]
+    odd = _odd(system)
     for i, state in enumerate(states):
         if np.max(np.abs(state[odd])) <= ON_SYMMETRY:
             continue
@@ -181,6 +197,12 @@ def catalogue_of(family: Family, name: str, label: str) -> Catalogue:
     problem, orbits = family.problem, family.orbits
     point, _, rest = name.partition("-")
     numbered = point in LIBRATION_POINTS
+    resonance, units = resonance_of(name), UNITS.get(problem.parameters["mu"])
+    branch = _branch(family)
+    if resonance is not None:
+        branch = f"{resonance[0]}{resonance[1]}"
+    elif name.startswith("lpo-"):
+        branch = rest[:1].upper()
     return Catalogue(
         mass_ratio=problem.parameters["mu"],
         states=np.array([problem.initial_state(orbit.unknowns) for orbit in orbits]),
@@ -188,9 +210,10 @@ def catalogue_of(family: Family, name: str, label: str) -> Catalogue:
         periods=np.array([orbit.period for orbit in orbits]),
         stability_indices=np.array([stability_index(orbit.stability) for orbit in orbits]),
         system=system_name(label),
-        family=rest.partition("-")[0] if numbered else name,
+        family=rest.partition("-")[0] if numbered else point,
         point=point[1:] if numbered else "",
-        branch=_branch(family),
+        branch=branch,
+        system_details={} if units is None else dict(units.details),
     )
 
 

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from orbitproof.explore.catalogues.file import Catalogue, decimal_text, read_catalogue
+from orbitproof.explore.catalogues.file import Catalogue, read_catalogue
 from orbitproof.explore.catalogues.orbits import CorrectedCatalogue, correct_catalogue
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import Family, in_fixed_space
 from orbitproof.explore.orbits import CorrectionFailure
-from orbitproof.shared.formats import InputError
+from orbitproof.shared.formats import InputError, decimal_text
 from orbitproof.shared.systems import MASS_PARAMETERS
 from orbitproof.shared.wording import counted
 

@@ -11,6 +11,7 @@ from orbitproof.explore.commands import (
     atlas_libration,
     atlas_mass,
     branches,
+    catalogue,
     common,
     ephemeris,
     invariants,
@@ -122,6 +123,7 @@ def parser() -> Parser:
         "--catalogue", type=Path, metavar="FILE", help="the same as JSON, like a response of the catalogue's interface"
     )
     for command in (
+        catalogue,
         orbit,
         periodic,
         losses,

@@ -56,6 +56,7 @@ from orbitproof.shared.formats.candidates import (
     write_candidates,
 )
 from orbitproof.shared.formats.catalogue import FIELDS, HEADER, MASS_RATIO, CatalogueRows, read_catalogue_rows
+from orbitproof.shared.formats.catalogue_table import FORMS, CatalogueTable, decimal_text, table_form
 from orbitproof.shared.formats.documents import (
     check_writable,
     json_text,

@@ -60,6 +60,7 @@ class CatalogueRows:
         branch: for example N or S, or "".
         system_details: everything else that a JSON file says about the system, as it stands there.
         details: further entries of a JSON file that name the family, such as the resonance.
+        more: further columns by name, as they stand there.
     """
 
     mass_ratio: Fraction
@@ -70,6 +71,7 @@ class CatalogueRows:
     branch: str = ""
     system_details: Mapping[str, Any] = field(default_factory=dict)
     details: Mapping[str, Any] = field(default_factory=dict)
+    more: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
@@ -132,6 +134,7 @@ def _read_json(path: Path) -> CatalogueRows:
             name: value for name, value in document["system"].items() if name not in ("name", "mass_ratio")
         },
         details={name: value for name, value in document.items() if name not in _KEYS},
+        more={name: tuple(row[i] for row in data) for i, name in enumerate(fields) if name not in FIELDS},
     )
 
 
@@ -165,7 +168,15 @@ def _read_csv(path: Path) -> CatalogueRows:
             )
     if not rows:
         raise InputError(f"{path}: no orbits below the first line; give at least one")
-    return _catalogue(masses[0], rows, lambda row, column: f"{path}: line {numbers[row]}, column {HEADER[column]!r}")
+    known = {name.lower() for name in ("Id", *wanted)}
+    more = {
+        lines[0][1][i].strip(): tuple(row[i] for _, row in lines[1:])
+        for i, name in enumerate(names)
+        if name not in known
+    }
+    return _catalogue(
+        masses[0], rows, lambda row, column: f"{path}: line {numbers[row]}, column {HEADER[column]!r}", more=more
+    )
 
 
 def _mass_ratio(text: object, where: str) -> Fraction:

@@ -26,3 +26,4 @@ from orbitproof.shared.systems.system import (
 )
 from orbitproof.shared.systems.three_body import AXIAL, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, THREE_BODY
 from orbitproof.shared.systems.titles import SYSTEM, TITLE, is_title, shown
+from orbitproof.shared.systems.units import UNITS, SystemUnits

@@ -21,12 +21,12 @@ from orbitproof.explore.catalogues import (
     write_catalogue_csv,
     write_catalogue_json,
 )
-from orbitproof.explore.catalogues.file import decimal_text
 from orbitproof.explore.families import Family, Limits, continue_both_ways, trace_family
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.orbits import stability_index
 from orbitproof.explore.records import read_families
 from orbitproof.shared import InputError
+from orbitproof.shared.formats import decimal_text
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 
 HERE = Path(__file__).resolve().parents[1]

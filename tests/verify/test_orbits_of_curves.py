@@ -31,12 +31,15 @@ from orbitproof.verify.atlas import (
     CatalogueCertificate,
     catalogue,
     certified_rows,
+    certified_table,
     check_of_conclusion,
     read_atlas_certificate,
     recheck_catalogue,
+    rows_of_curve,
     write_atlas_certificate,
 )
 from orbitproof.verify.atlas.catalogue import orbits_of
+from orbitproof.verify.atlas.catalogue_table import rounded_up
 from orbitproof.verify.certificate import Level, Recheck
 from orbitproof.verify.curve import ProvedCurve, conclude
 from orbitproof.verify.evidence import Proved, ball_to_json, enclose, symmetric
@@ -578,3 +581,51 @@ def test_the_orbit_is_a_value_that_prints_its_place() -> None:
     orbit = halo().at(OrbitPlace("p001", Fraction(1, 2)))
     assert isinstance(orbit, OrbitOnCurve)
     assert orbit.stability.verdict == "unstable"
+
+
+def test_a_table_says_of_each_row_what_is_proved_from_the_numbers_it_has() -> None:
+    table = certified_table(rows(), document())
+    certified = CatalogueCertificate(document()).rows
+    for index, row in enumerate(certified):
+        cells = {name: values[index] for name, values in table.more.items()}
+        if row.orbit is None:
+            assert str(cells["proved"]).startswith("no: ")
+            assert cells["state_within"] is None
+            continue
+        state = {
+            name: Fraction(value)
+            for name, value in zip(["x", "y", "z", "vx", "vy", "vz"], table.rows[index], strict=False)
+        }
+        point = row.orbit.point
+        off = [abs(float(value) - float(point[name].mid())) for name, value in state.items() if name in point]
+        assert max(off) <= cells["state_within"] + 1e-16
+        assert row.orbit.least is not None
+        assert abs(float(row.orbit.least.mid()) - cells["least_distance"]) <= cells["distances_within"]
+
+
+def test_bounds_in_a_table_are_rounded_up() -> None:
+    for number in (Fraction(0), Fraction(1, 3), Fraction(999_999, 10**12), Fraction(1, 10**300), Fraction(7)):
+        bound = rounded_up(enclose(number))
+        assert Fraction(bound) >= number
+        assert not number or Fraction(bound) <= number * Fraction(102, 100)
+
+
+def test_rows_that_hit_the_body_are_told_only_where_that_is_certain() -> None:
+    given = rows()
+    said = []
+    least = [row.orbit.least for row in CatalogueCertificate(document()).rows if row.orbit is not None]
+    assert least[0] is not None
+    for radius in (0.0, float(least[0].mid()), 10.0):
+        details = {"lunit": "1", "radius_secondary": str(radius)}
+        said.append(certified_table(replace(given, system_details=details), document()).more["hits"][0])
+    assert said[0] == "no"
+    assert said[2] == "yes"
+    assert certified_table(replace(given, system_details={}), document()).more["hits"][0] == "unknown"
+
+
+def test_orbits_of_the_curve_itself_are_a_catalogue_that_it_certifies() -> None:
+    curve = catalogue_cases.curve()
+    found = rows_of_curve(curve, 5)
+    made = certified_rows(curve, found)
+    assert made["verdict"] == "proved"
+    assert len(made["rows"]) == 5

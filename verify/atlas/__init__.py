@@ -8,6 +8,7 @@ from orbitproof.verify.atlas.catalogue import (
     recheck_catalogue,
     write_catalogue_certificate,
 )
+from orbitproof.verify.atlas.catalogue_table import certified_table, rows_of_curve
 from orbitproof.verify.atlas.certificate import (
     SCHEMA,
     AtlasCertificate,

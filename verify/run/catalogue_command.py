@@ -10,7 +10,14 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from orbitproof.shared.formats import CatalogueRows, InputError, check_writable, read_catalogue_rows, refused
+from orbitproof.shared.formats import (
+    CatalogueRows,
+    InputError,
+    check_writable,
+    read_catalogue_rows,
+    refused,
+    table_form,
+)
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import shown
@@ -19,9 +26,11 @@ from orbitproof.verify.atlas import (
     AtlasCertificate,
     CatalogueCertificate,
     certified_rows,
+    certified_table,
     read_atlas_certificate,
     read_catalogue_certificate,
     recheck_catalogue,
+    rows_of_curve,
     write_catalogue_certificate,
 )
 from orbitproof.verify.certificate import Recheck, not_checked
@@ -43,6 +52,8 @@ _EXAMPLES = """\
 examples:
   orbitproof verify catalogue halo.json --curve curve.json -o rows.json
       which rows a proved curve certifies: point, period, stability and distances of the orbit that starts near each
+  orbitproof verify catalogue --rows 10000 --curve curve.json -o rows.json --table halo.csv
+      a catalogue of the curve itself, as a table in which each row says what is proved of it
   orbitproof verify catalogue --recheck rows.json --curve curve.json
       check that all it states follows from the certificate of the curve
   orbitproof verify catalogue --recheck --integrate rows.json --curve curve.json --jobs 2
@@ -64,7 +75,12 @@ _SHOWN = 20
 def _parser() -> ArgumentParser:
     words = "Certify rows of a catalogue by a curve that is proved."
     parser = ArgumentParser("orbitproof verify catalogue", words, _EXAMPLES)
-    parser.add_argument("file", type=Path, help="catalogue (JSON or CSV); with --recheck, certificate of one")
+    words = "catalogue (JSON or CSV); with --recheck, certificate of one; left out with --rows"
+    parser.add_argument("file", type=Path, nargs="?", help=words)
+    words = "certify so many orbits of the curve itself, at equal steps, in place of a catalogue's"
+    parser.number("--rows", "N", words, whole_number(1), None)
+    words = "the rows with what is proved of each, as .json, .csv or .parquet"
+    parser.add_argument("--table", type=Path, metavar="FILE", help=words)
     parser.add_argument(
         "--curve", type=Path, required=True, metavar="FILE", help="certificate of a curve with its list"
     )
@@ -109,13 +125,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: argparse.Namespace, workplace: Workplace) -> int:
     if options.integrate:
         raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
-    if options.output is not None:
-        check_writable(options.output)
-    certificate = certify_rows(
-        read_catalogue_rows(options.file), read_atlas_certificate(options.curve), options.within, workplace
-    )
+    if (options.file is None) == (options.rows is None):
+        raise InputError("FILE, --rows: give one of the two, a catalogue or how many orbits of the curve")
+    for path in (options.output, options.table):
+        if path is not None:
+            check_writable(path)
+    if options.table is not None:
+        table_form(options.table)
+    curve = read_atlas_certificate(options.curve)
+    rows = read_catalogue_rows(options.file) if options.rows is None else rows_of_curve(curve, options.rows)
+    certificate = certify_rows(rows, curve, options.within, workplace)
     if options.output is not None:
         write_catalogue_certificate(options.output, certificate.document)
+    if options.table is not None:
+        certified_table(rows, certificate.document).write(options.table)
     print(_summary(certificate.document), flush=True)
     return 0 if certificate.is_proved else 1
 
@@ -142,8 +165,11 @@ def certify_rows(
 
 
 def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
-    if options.output is not None:
-        raise InputError("--output: --recheck writes no file; leave it out")
+    for option in ("output", "table", "rows"):
+        if getattr(options, option) is not None:
+            raise InputError(f"--{option}: --recheck writes no file; leave it out")
+    if options.file is None:
+        raise InputError("FILE: missing; give the certificate of a catalogue")
     certificate = CatalogueCertificate(read_catalogue_certificate(options.file))
     found = check_again(certificate, read_atlas_certificate(options.curve), options.integrate, workplace)
     print(recheck_table([found.id], {found.id: found}), flush=True)

@@ -1,0 +1,106 @@
+"""Dense catalogues of families: rows, distances, filters, files."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orbitproof import explore
+from orbitproof.explore.__main__ import main
+from orbitproof.explore.catalogues import Catalogue, correct_catalogue, read_catalogue
+from orbitproof.explore.orbits import PeriodicSolution
+from orbitproof.shared import InputError
+from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, MASS_PARAMETERS
+
+MU = float(MASS_PARAMETERS["jpl-earth-moon"])
+
+
+@pytest.fixture(scope="module")
+def halo() -> Catalogue:
+    return explore.catalogue("l2-halo", "jpl-earth-moon", rows=40, max_orbits=40, quiet=True)
+
+
+def test_rows_are_equally_far_apart_and_orbits(halo: Catalogue) -> None:
+    steps = np.linalg.norm(np.diff(halo.states, axis=0), axis=1)
+    assert len(halo) == 40
+    assert np.max(steps) < 4 * np.median(steps)
+    again = correct_catalogue(halo)
+    assert np.all(again.corrected)
+    assert np.max(again.differences.state) < 1e-9
+
+
+def test_distances_are_those_of_a_finely_sampled_orbit(halo: Catalogue) -> None:
+    for index in (0, 17, 39):
+        solution = PeriodicSolution.symmetric(CR3BP, [MU], halo.states[index], float(halo.periods[index]))
+        states = solution.states(np.linspace(0, halo.periods[index], 20001))[:, :3]
+        near = np.linalg.norm(states - [1 - MU, 0, 0], axis=1)
+        assert halo.more["least_distance"][index] == pytest.approx(near.min(), abs=1e-6)
+        assert halo.more["greatest_distance"][index] == pytest.approx(near.max(), abs=1e-6)
+        altitude = near.min() * 389703.264829278 - 1737.1
+        assert halo.more["altitude_km"][index] == pytest.approx(altitude, abs=1)
+        assert halo.more["hits"][index] == ("yes" if altitude < 0 else "no")
+
+
+def test_filters_take_units(halo: Catalogue) -> None:
+    days = halo.periods * 382981.289129055 / 86400
+    assert len(halo.by_period("0d", "14d")) == np.count_nonzero(days <= 14)
+    kept = halo.by_perilune("45000km", "inf")
+    assert 0 < len(kept) < len(halo)
+    assert min(kept.more["least_distance"]) * 389703.264829278 >= 45000
+    assert len(kept.by_stability(0, 1e9)) == len(kept)
+    for wrong in (("3km", "4km"), ("4", "3"), ("x", "4")):
+        with pytest.raises(InputError):
+            halo.by_period(*wrong)
+    with pytest.raises(InputError, match="no units"):
+        replace(halo, system_details={}).by_period("1d", "2d")
+
+
+@pytest.mark.parametrize("form", ["json", "csv"])
+def test_further_columns_come_back_from_files(halo: Catalogue, form: str, tmp_path: Path) -> None:
+    path = tmp_path / f"halo.{form}"
+    halo.write(path)
+    again = read_catalogue(path)
+    assert np.array_equal(again.columns, halo.columns)
+    assert set(again.more) == set(halo.more)
+    assert len(again.by_perilune(0.05, 1)) == len(halo.by_perilune(0.05, 1))
+
+
+def test_parquet_has_the_columns_and_says_what_is_proved(halo: Catalogue, tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    halo.write(tmp_path / "halo.parquet")
+    table = parquet.read_table(tmp_path / "halo.parquet")
+    assert table.num_rows == len(halo)
+    assert table.column("x").to_pylist() == halo.states[:, 0].tolist()
+    assert set(table.column("proved").to_pylist()) == {"no: double precision"}
+    assert table.schema.metadata[b"lunit"] == b"389703.264829278"
+
+
+@pytest.mark.slow
+def test_axial_orbits_are_corrected_with_their_own_symmetry_whatever_the_file_calls_them(tmp_path: Path) -> None:
+    made = explore.catalogue("L1-axial", "jpl-earth-moon", rows=6, max_orbits=8, quiet=True)
+    made.to_csv(tmp_path / "axial.csv")
+    corrected = correct_catalogue(read_catalogue(tmp_path / "axial.csv"))
+    assert corrected.problem.system is CR3BP_AXIAL
+    assert np.all(corrected.corrected)
+
+
+@pytest.mark.slow
+def test_orbits_without_symmetry_are_rows_too() -> None:
+    made = explore.catalogue("L4-short", "jpl-earth-moon", rows=4, quiet=True)
+    assert (made.title, len(made)) == ("L4-short", 4)
+    # The point is at the distance 1 from both primaries.
+    assert abs(made.more["least_distance"][0] - 1) < 0.05
+
+
+def test_a_command_writes_the_rows_between_limits(halo: Catalogue, tmp_path: Path) -> None:
+    halo.write(tmp_path / "halo.json")
+    out = tmp_path / "part.csv"
+    arguments = ["catalogue", str(tmp_path / "halo.json"), "--perilune", "45000km", "inf", "-o", str(out), "--quiet"]
+    assert main(arguments) == 0
+    assert len(read_catalogue(out)) == len(halo.by_perilune("45000km", "inf"))
+    assert main([*arguments, "--jacobi", "9", "10"]) == 1
+    assert main(["catalogue", "--family", "zzz", "--mass", "jpl-earth-moon", "-o", str(out)]) == 2
+    assert main(["catalogue", str(tmp_path / "halo.json"), "-o", str(tmp_path / "a.txt")]) == 2
