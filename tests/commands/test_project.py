@@ -103,6 +103,7 @@ def test_base_install_carries_nothing_of_the_search_side() -> None:
         "oem",
         "spk",
         "interactive",
+        "parquet",
         "cluster",
         "docs",
         "dev",
