@@ -30,7 +30,7 @@ from support.forgeries import atlas_certificate, fabricated, forged, of_parabola
 from support.stored import values
 
 from orbitproof import verify
-from orbitproof.shared.claims import Claim
+from orbitproof.shared.claims import Claim, Covers
 from orbitproof.shared.claims.web import BRANCHES, ENDS, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import InputError, read_atlas, read_web, web_from_json
 from orbitproof.verify.__main__ import main
@@ -48,7 +48,7 @@ from orbitproof.verify.curve import conclude as conclude_of_points
 from orbitproof.verify.curve.bifurcations_on_it import place_bifurcation
 from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.stability import conclude_list
-from orbitproof.verify.web import Arc, ProvedWeb, conclude_web
+from orbitproof.verify.web import Arc, Incidence, ProvedWeb, Switch, conclude_web, proved_web
 from orbitproof.verify.words import web_in_words
 
 DATA = Path(__file__).parents[1] / "data"
@@ -170,18 +170,11 @@ def test_an_arc_that_stops_before_its_vertex_does_not_meet_it() -> None:
 
 
 def test_an_orbit_at_the_very_end_of_an_arc_is_not_passed_through() -> None:
-    # Both ends of an arc of one piece: a ball about the last point on the near side reaches s = 1.
-    half = circle(Claim("arc"), [1.0])
-    piece = half[0].curve_pieces()[0]
-    for s, inside in ((1, False), (-1, False), (0, True)):
-        point = dict(zip(("x", "z", "vy"), map(arb, map(float, piece.point(piece.half_width * 0 + s))), strict=True))
-        placed = arc(half, "arc", certificate({name: arb(ball) for name, ball in point.items()}, name="v"))
-        entry = placed.placed["v"]
-        if entry.place is None:
-            # A float is not exactly the end: then it is beyond it, or beside.
-            assert not inside
-            continue
-        exact = replace(entry, place=replace(entry.place, s=arb(s)))
+    placed = arc(circle(Claim("arc"), [1.0]), "arc", certificate(circle_point(1.0), name="v"))
+    entry = placed.placed["v"]
+    assert entry.place is not None
+    for s, inside in ((arb(1), False), (arb(-1), False), (arb(0), True), (arb(1, 2**-30), False)):
+        exact = replace(entry, place=replace(entry.place, s=s))
         outcome = conclude_web(web({"arc": {"v": PASSES}}), [replace(placed, placed={"v": exact})])
         assert isinstance(outcome, Proved) == inside
 
@@ -271,9 +264,23 @@ def test_a_family_ends_at_its_libration_point_and_at_no_other() -> None:
     assert found.arcs[0].level.contains(arb("3.17435194426883474"))
     assert "shrinks to L2" in refusal(web({family.id: {"L2": ENDS}}), family)
     claim = family.atlas.claim
-    for claimed in (replace(claim, increasing=()), replace(claim, covers=None)):
+    off = (Covers("eps", Fraction(-1, 100), Fraction(-1, 200)), Covers("eps", Fraction(1, 200), Fraction(1, 100)))
+    other = Covers("vy", Fraction(-1), Fraction(1))
+    claims = (replace(claim, covers=covers) for covers in (None, other, *off))
+    for claimed in (replace(claim, increasing=()), *claims):
         silent = replace(family, atlas=replace(family.atlas, claim=claimed))
         assert "shrinks to L1" in refusal(web({family.id: {"L1": ENDS}}), silent)
+
+
+def test_it_is_a_planar_arc_through_the_same_vertex_from_which_another_one_branches_off() -> None:
+    _, family = lyapunov()
+    spatial = arc(loop(), "loop", INSIDE)
+    onto = Incidence("halo", "one", BRANCHES, halo().placed["one"].place)
+    along, beside = replace(onto, arc=family.id, how=PASSES), replace(onto, arc="loop", how=PASSES)
+    arcs = (family, halo(), spatial)
+    assert proved_web._switches(arcs, (onto, along, beside)) == (Switch("one", family.id, "halo"),)
+    assert proved_web._switches(arcs, (onto, replace(along, vertex="other"))) == ()
+    assert proved_web._switches(arcs, (replace(onto, how=PASSES), along)) == ()
 
 
 @pytest.mark.parametrize("system", ["cr3bp", "cr3bp-axial"])
@@ -330,6 +337,8 @@ def test_the_certificate_of_a_web_stands_as_far_as_those_that_it_rests_on() -> N
     assert found.rendered is None
     lower = {name: replace(check, level=Level.FORM) for name, check in checks.items()}
     assert recheck_web(document(), certificates, lower).level is Level.FORM
+    other = forged(document(), FORGED["another digest"])
+    assert "rests on sha256:000" in recheck_web(other, certificates, lower).findings[0].message
     higher = {name: replace(check, level=Level.INTEGRATION, precision=90) for name, check in checks.items()}
     integrated = recheck_web(document(), certificates, higher)
     assert (integrated.level, integrated.precision) == (Level.INTEGRATION, 90)
@@ -346,6 +355,9 @@ def test_what_it_rests_on_has_to_stand() -> None:
         assert fresh["verdict"] == "not proved"
         assert "does not stand" in fresh["reason"]["message"]
         assert fresh["arcs"] == fresh["vertices"] == []
+        lower = {**checks, name: replace(checks[name], level=Level.FORM)}
+        said = certified_web(claim, certificates, lower)["reason"]["message"]
+        assert "not checked up to its conclusion" in said
     with pytest.raises(ValueError, match="the check of another certificate"):
         certified_web(claim, certificates, {**checks, "near": replace(checks["near"], digest="sha256:" + 64 * "0")})
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -284,6 +284,9 @@ def certified_web(web: Web, certificates: Sequence[Resting], checks: Mapping[str
 _LISTS: Mapping[str, Any] = {name: [] for name in ("arcs", "vertices", "switches", "parts")}
 
 
+_NOT_CHECKED = "it was not checked up to its conclusion"
+
+
 def _digest_of(entry: Resting) -> str:
     document = entry.document if isinstance(entry, AtlasCertificate) else entry.to_json()
     return str(document.get("digest", ""))
@@ -302,11 +305,16 @@ def _arc(
     if not certificate.is_proved:
         problem = f"the certificate says {certificate.verdict!r}"
     elif not check.stands or check.level < Level.CONCLUSION:
-        problem = f"the certificate does not stand: {check.why or 'it was not checked'}"
+        problem = f"the certificate does not stand: {check.why or _NOT_CHECKED}"
     if problem:
         return Arc(atlas, None, problem)
     wanted = [vertices[meeting.vertex] for meeting in claimed.meets if meeting.vertex in vertices]
-    points = [certified_point(atlas, entry, lambda entry: checks[entry.id]) for entry in wanted]
+
+    def examine(entry: Certificate) -> Recheck:
+        check = checks[entry.id]
+        return check if check.level >= Level.CONCLUSION else replace(check, obstacle=check.obstacle or _NOT_CHECKED)
+
+    points = [certified_point(atlas, entry, examine) for entry in wanted]
     conclusion = conclude(atlas, certificate.results, points, partner)
     if not isinstance(conclusion.outcome, Proved):
         return Arc(atlas, None, conclusion.outcome.reason.message)
