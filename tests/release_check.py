@@ -40,7 +40,7 @@ _FENCE = re.compile(r"^```(\w*)[ ]?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _INDENTED = re.compile(r"^ {4}(orbitproof .*)$", re.MULTILINE)
 _WRITTEN = re.compile(r"`(\w+\.py)`[^\n]*\n\n((?: {4}.*\n|\n)+)")
 _MISSING = re.compile(r"(\S+): cannot be read \(No such file")
-_PLACEHOLDER = re.compile(r"(^|\s)(FILE|FOLDER|ADDRESS|NAME|ID|K|MU|[A-Z]+\.json|\.\.)(\s|$)|=\.\.|\[|<")
+PATTERN = re.compile(r"(^|\s)(FILE|FOLDER|ADDRESS|NAME|ID|K|MU|[A-Z]+\.json|\.\.)(\s|$)|=\.\.|\[|<")
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def files_of(page: Path) -> dict[str, str]:
 
 def run_command(command: Command, folder: Path, python: Path, limit: float) -> Outcome:
     """Run a command in a folder, for at most `limit` seconds."""
-    if _PLACEHOLDER.search(command.text):
+    if PATTERN.search(command.text):
         return Outcome("skipped", "a pattern, with words for the reader's own")
     try:
         words = shlex.split(command.text)[1:]

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import release_check
 
 from orbitproof.__main__ import _COMMANDS as COMMANDS
 
@@ -64,6 +65,15 @@ def test_readme_shows_a_command_for_each_step() -> None:
 @pytest.mark.parametrize("command", commands_of(README), ids=" ".join)
 def test_readme_commands_parse(command: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     parse(command, monkeypatch)
+
+
+def test_commands_of_all_other_documents_parse(monkeypatch: pytest.MonkeyPatch) -> None:
+    pages = [*sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "docs").glob("*/*.md"))]
+    printed = [command for page in pages for command in release_check.commands_of(page)]
+    complete = [command.text for command in printed if not release_check.PATTERN.search(command.text)]
+    assert len(complete) > 150
+    for text in complete:
+        parse(shlex.split(text)[1:], monkeypatch)
 
 
 def test_a_command_with_a_misspelt_option_does_not_parse(monkeypatch: pytest.MonkeyPatch) -> None:
