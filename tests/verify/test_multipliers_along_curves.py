@@ -77,16 +77,18 @@ def test_the_multipliers_of_exact_curves_lie_in_the_enclosures(name: str) -> Non
                 assert float(ball.rad()) < 1e-9
 
 
-def test_on_a_part_of_a_piece_they_are_those_of_its_orbits() -> None:
-    atlas = turning_atlas()
-    result = attempt(atlas, interval=(Q(1, 4), Q(1))).stored
+def test_on_parts_of_a_piece_they_are_those_of_its_orbits() -> None:
+    atlas = replace(turning_atlas(), pieces=turning_atlas().pieces[:1])
+    results = tuple(attempt(atlas, interval=ends).stored for ends in ((Q(-1), Q(1, 4)), (Q(1, 4), Q(1))))
+    result = results[1]
     assert isinstance(result, PeriodicResult)
     assert isinstance(result.multipliers, MultiplierFunctions)
     for s in (Q(1, 4), Q(1, 2), Q(1)):
         ball = result.multipliers.coefficients[0].enclosed.value(enclose((s - Q(5, 8)) / (Q(3, 8) * REACH)))
         assert abs(float(ball.mid()) - TRUE["turning"](atlas, 0, s)[0]) <= float(ball.rad()) + 1e-14
-    (part,) = counted(replace(atlas, pieces=atlas.pieces[:1]), (*proved("turning")[:1], result))[:1]
-    assert part.counts == Counts(0, 0, 1)
+    before, gap, after = counted(atlas, results)
+    assert (before.counts, gap.counts, after.counts) == (Counts(0, 0, 1), None, Counts(1, 0, 0))
+    assert gap.between[0] <= Q(4, 5) <= gap.between[1]
 
 
 @pytest.mark.parametrize(
@@ -138,6 +140,10 @@ def test_a_multiplier_leaves_the_circle_where_the_curve_turns_and_nowhere_else()
     assert gap.between[1] - gap.between[0] < Q(1, 10**9)
     assert gap.all_values.contains(-1)
     assert float(gap.all_values.rad()) < 1e-12
+    ends = before.values[0], gap.values[0], after.values[0], after.values[1]
+    assert all(
+        abs(float(value) - (x**4 - 2 * x**2)) < 1e-12 for value, x in zip(ends, (0.775, 1, 1, 1.225), strict=True)
+    )
     words = conclusion_in_words(conclude_periodic(turning_atlas(), proved("turning")))
     for expected in (
         "Besides the multiplier 1 of the direction of the flow each orbit has 1 other.",
@@ -146,6 +152,13 @@ def test_a_multiplier_leaves_the_circle_where_the_curve_turns_and_nowhere_else()
         "1 inside, 0 outside the unit circle: asymptotically stable orbits.",
     ):
         assert expected in words
+
+
+def test_orbits_that_lose_area_are_attracting() -> None:
+    (part,) = counted(ATLASES["twice"], proved("twice"))
+    assert part.counts == Counts(2, 0, 0)
+    words = conclusion_in_words(conclude_periodic(ATLASES["twice"], proved("twice")))
+    assert "2 others; for every orbit of the curve 2 inside, 0 outside the unit circle: asymptotically stable" in words
 
 
 def test_orbits_of_levels_are_not_called_asymptotically_stable() -> None:
