@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import time
+from dataclasses import replace
 from fractions import Fraction
+from math import inf
 
 from orbitproof.explore.atlases.build import BEYOND, AtlasRequest, IncompleteAtlas, build_atlas
 from orbitproof.explore.atlases.cover import CoverControl, CoverFailure
@@ -72,13 +74,12 @@ def _family(source: Source, options: argparse.Namespace, report: Reporter) -> tu
     assert source.system is not None
     assert source.family is not None
     report.stage("tracing")
-    family = trace_family(
-        source.system,
-        source.family,
-        given_parameters(source.system, source.mass, options.parameter),
-        _limits(source, options),
-        progress=report.update,
-    )
+    parameters, limits = given_parameters(source.system, source.mass, options.parameter), _limits(source, options)
+    family = trace_family(source.system, source.family, parameters, limits, progress=report.update)
+    if _begins_beyond(family, limits):
+        family = trace_family(
+            source.system, source.family, parameters, _limits_from_above(source, limits), progress=report.update
+        )
     if family.outcome == "interrupted":
         raise KeyboardInterrupt
     report.message(f"{source.family}: {counted(len(family.orbits), 'orbit')}, {family.reason}")
@@ -102,6 +103,19 @@ def _limits(source: Source, options: argparse.Namespace) -> Limits:
         integral_min=options.jacobi_min,
         min_distance=options.min_distance,
     )
+
+
+def _begins_beyond(family: Family, limits: Limits) -> bool:
+    """Whether the family has to come down to what is to be covered."""
+    names, first = family.problem.system.centre_coordinates, family.orbits[0].unknowns
+    return any(abs(first[names.index(name)]) >= bound for name, bound in limits.coordinate_max.items())
+
+
+def _limits_from_above(source: Source, limits: Limits) -> Limits:
+    """Of a family along which the coordinate falls."""
+    assert source.covers is not None
+    lowest = source.covers.start - 4 * BEYOND * abs(source.covers.start)
+    return replace(limits, coordinate_max={}, bounds={source.covers.coordinate: (float(lowest), inf)})
 
 
 def _read(source: Source) -> tuple[Family, str, str]:

@@ -45,7 +45,7 @@ from orbitproof.shared.formats import (
     stated_format,
 )
 from orbitproof.shared.numbers import parse_exact
-from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR, SYSTEMS, ReversibleSystem
+from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR, SYSTEMS, THREE_BODY, UNITS, ReversibleSystem
 
 _REMEDY = "give candidates, certificates, families, branches, an atlas or its certificate, tori, or a catalogue"
 
@@ -53,12 +53,18 @@ _REMEDY = "give candidates, certificates, families, branches, an atlas or its ce
 def find_orbit(path: Path, choice: Choice) -> SourceOrbit:
     """The orbit that is meant. Raises `InputError` for bad files and choices, `NoOrbit` if there is none there.
 
-    Orbits of the CR3BP in the plane come as orbits of the CR3BP in space.
+    Orbits of the CR3BP in the plane come as orbits of the CR3BP in space. Units are those that the file names, or else
+    those of the catalogue whose mass parameter the orbit has.
     """
     kind = stated_format(path, _REMEDY)
     if kind not in _READERS:
         raise InputError(f"{path}: holds {kind}; {_REMEDY}")
     found = _READERS[kind](path, choice)
+    known = UNITS.get(found.parameters.get("mu", Fraction(0)))
+    if known is not None and found.system in (*THREE_BODY, CR3BP_PLANAR):
+        units = found.units or Units(known.length, known.time, f"of the catalogue's system {known.name}")
+        first, second = known.name.split("-")
+        found = replace(found, units=units, primaries=found.primaries or (first, second))
     if found.system is CR3BP_PLANAR and found.unknowns is not None and found.legs is None:
         x, vy, half_period = found.unknowns
         return replace(found, system=CR3BP, unknowns=np.array([x, 0.0, vy, half_period]))
