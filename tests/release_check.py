@@ -39,7 +39,7 @@ FOUND, REFUSED = (0, 1), 2
 _FENCE = re.compile(r"^```(\w*)[ ]?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _INDENTED = re.compile(r"^ {4}(orbitproof .*)$", re.MULTILINE)
 _WRITTEN = re.compile(r"`(\w+\.py)`[^\n]*\n\n((?: {4}.*\n|\n)+)")
-_MISSING = re.compile(r"(\S+): cannot be read \(No such file")
+_MISSING = re.compile(r"(\S+(?<!\.py)): cannot be read")
 PATTERN = re.compile(r"(^|\s)(FILE|FOLDER|ADDRESS|NAME|ID|K|MU|[A-Z]+\.json|\.\.)(\s|$)|=\.\.|\[|<")
 
 
