@@ -22,10 +22,10 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 help:
 	@echo "make demo       find and certify bifurcations of Earth-Moon halo orbits, draw them (into $(OUT)/)"
-	@echo "make branches   prove whole branches: the theorems on curves and surfaces (into $(BRANCHES)/; 20 minutes)"
+	@echo "make branches   prove whole branches: the theorems on curves and surfaces (into $(BRANCHES)/; half an hour)"
 	@echo "make web        families of L1 and L2 joined into a graph that is proved (into $(WEBS)/; goes on where it stopped)"
 	@echo "make examples   example systems from files: found, proved, drawn (into $(EXAMPLES)/; minutes)"
-	@echo "make report     every theorem, proved and told: both tables and all branches (into $(BRANCHES)/; half an hour)"
+	@echo "make report     every theorem, proved and told: both tables and all branches (into $(BRANCHES)/; forty minutes)"
 	@echo "make archive    all certificates of make report with a guide for readers (into $(ARCHIVE)/)"
 	@echo "make figures    every picture, with its data and proofs (into $(PICTURES)/; long, goes on where it stopped)"
 	@echo "make docs       this project as a site, its notebooks executed (into $(SITE)/)"
@@ -112,7 +112,7 @@ branches: $(VENV)/demo.stamp
 	  cover $$name atlas --preset $$name; \
 	  case $$name in \
 	    falkner-skan) only=falkner-skan-*; list="--complete 12";; \
-	    dro-*) only=$${name#dro-}-dro-*; list=;; \
+	    dro-*) only=$${name#dro-}-dro-*; list="--complete 4 --lasting";; \
 	    *) mass=$${name#*-*-}; point=$$(echo $${name%%-*} | tr l L); only=$$mass-$$point-*; list=;; \
 	  esac; \
 	  prove $$name "$$only" "$$list"; \

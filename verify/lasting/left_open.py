@@ -7,13 +7,15 @@ from fractions import Fraction
 from flint import ctx
 
 from orbitproof.shared.formats import Piece
-from orbitproof.verify.evidence import is_positive
+from orbitproof.verify.evidence import enclose, is_below, is_positive
 from orbitproof.verify.functions import REACH, StoredFunction
 from orbitproof.verify.lasting.stored import LastingResult, TwistFunctions, may_be_stable, parts_from
 from orbitproof.verify.stability import PRECISION, StabilityFunctions, between, zeros_on
 
 _HOPELESS = 2**10
 """A shorter interval helps, and more precision little, where a bound is not so many times as small as its function."""
+_SHARP = Fraction(1, 2**44)
+"""Of tau: orbits without twist shall be enclosed as well as that."""
 
 
 def twist_open_on(piece: Piece, result: LastingResult) -> str:
@@ -30,9 +32,14 @@ def twist_open_on(piece: Piece, result: LastingResult) -> str:
         functions = [each.enclosed for each in stored]
         for low, high in parts[1:-1]:
             values = s.value(between(low, high))
-            elliptic = is_positive(1 - values * values)
-            if elliptic and all(zeros_on(function, low, high).undecided for function in functions):
+            if not is_positive(1 - values * values):
+                continue
+            found = [zeros_on(function, low, high) for function in functions]
+            if all(zeros.undecided for zeros in found):
                 return "stability" if all(map(_is_wide, stored)) else "zeros"
+            decided = next(zeros for zeros in found if not zeros.undecided)
+            if not all(is_below(zero.place.rad(), enclose(_SHARP)) for zero in decided.zeros):
+                return "zeros"
     return ""
 
 
