@@ -36,7 +36,7 @@ from orbitproof.explore.names import (
 from orbitproof.explore.refinement import RefinementFailure, refine_tasks
 from orbitproof.explore.search import Target, targets_of
 from orbitproof.explore.seeds import FirstOrbit
-from orbitproof.explore.trajectories import UNITS
+from orbitproof.explore.trajectories import units_of
 from orbitproof.explore.values import Orbit, OrbitFamily, level_text, orbit_value
 from orbitproof.shared.formats import Candidate, InputError
 from orbitproof.shared.numbers import parse_exact
@@ -143,7 +143,7 @@ def trace(
     if family.outcome == "interrupted":
         raise KeyboardInterrupt
     traced = TracedFamily(name, label, family)
-    return OrbitFamily(name, system, family.outcome, family.reason, traced, UNITS.get(label))
+    return OrbitFamily(name, system, family.outcome, family.reason, traced, units_of(parameters.get("mu")))
 
 
 def trace_from(

@@ -28,6 +28,6 @@ from .spk import centre_number as centre_number
 from .spk import write_spk as write_spk
 from .trajectory import Trajectory as Trajectory
 from .trajectory import trajectory_of as trajectory_of
-from .units import UNITS as UNITS
 from .units import Units as Units
 from .units import chosen_units as chosen_units
+from .units import units_of as units_of

@@ -29,7 +29,7 @@ from orbitproof.explore.trajectories.source import (
     refuse_number,
     some,
 )
-from orbitproof.explore.trajectories.units import Units
+from orbitproof.explore.trajectories.units import Units, units_of
 from orbitproof.shared.formats import (
     HALF_PERIOD,
     AnyAtlas,
@@ -62,7 +62,7 @@ def find_orbit(path: Path, choice: Choice) -> SourceOrbit:
     found = _READERS[kind](path, choice)
     known = UNITS.get(found.parameters.get("mu", Fraction(0)))
     if known is not None and found.system in (*THREE_BODY, CR3BP_PLANAR):
-        units = found.units or Units(known.length, known.time, f"of the catalogue's system {known.name}")
+        units = found.units or units_of(found.parameters["mu"])
         first, second = known.name.split("-")
         found = replace(found, units=units, primaries=found.primaries or (first, second))
     if found.system is CR3BP_PLANAR and found.unknowns is not None and found.legs is None:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 
 from orbitproof.shared.formats import InputError
+from orbitproof.shared.systems import UNITS
 
 
 @dataclass(frozen=True)
@@ -28,10 +29,10 @@ class Units:
         return self.length / self.time
 
 
-UNITS: Mapping[str, Units] = {
-    "jpl-earth-moon": Units(389703.264829278, 382981.289129055, "of the periodic orbit catalogue"),
-}
-"""Of systems by the name of their mass, as in `docs/examples/gateway-rows.json`."""
+def units_of(mass: Fraction | None) -> Units | None:
+    """Those of the catalogue whose system has this mass parameter, exactly; `None` if there is none."""
+    known = None if mass is None else UNITS.get(mass)
+    return None if known is None else Units(known.length, known.time, f"of the catalogue's system {known.name}")
 
 
 def chosen_units(wanted: str, length: float | None, time: float | None, known: Units | None) -> Units | None:

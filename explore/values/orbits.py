@@ -22,7 +22,6 @@ from orbitproof.explore.orbits import ShootingProblem, SymmetricOrbit, multiplie
 from orbitproof.explore.plots import draw_orbits
 from orbitproof.explore.refinement import OrbitTask, refine_orbit
 from orbitproof.explore.trajectories import (
-    UNITS,
     Choice,
     Frame,
     Samples,
@@ -39,11 +38,12 @@ from orbitproof.explore.trajectories import (
     sample,
     seconds_of,
     trajectory_of,
+    units_of,
     write_csv,
     write_spk,
 )
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Candidate, Equation, write_text
-from orbitproof.shared.systems import CR3BP, THREE_BODY, ReversibleSystem, System
+from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS, THREE_BODY, UNITS, ReversibleSystem, System
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -334,9 +334,11 @@ class Orbit:
 def units_named(units: Units | str) -> Units:
     """Units as they are, or those of a system by the name of its mass. Raises `ValueError`."""
     if isinstance(units, str):
-        if units not in UNITS:
-            raise ValueError(f"units: {units!r} is unknown; there are {', '.join(UNITS)}, or give explore.Units")
-        return UNITS[units]
+        known = units_of(MASS_PARAMETERS.get(units))
+        if known is None:
+            names = ", ".join(name for name, mass in MASS_PARAMETERS.items() if mass in UNITS)
+            raise ValueError(f"units: {units!r} is unknown; there are {names}, or give explore.Units")
+        return known
     return units
 
 
