@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from math import dist, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -35,8 +36,13 @@ from orbitproof.shared.wording import counted
 if TYPE_CHECKING:
     from orbitproof.explore.engines import Reporter
     from orbitproof.explore.families import Family, TracedFamily
+    from orbitproof.explore.orbits import SymmetricOrbit
     from orbitproof.explore.records import FamilyRecord
     from orbitproof.explore.refinement import OrbitTask
+    from orbitproof.explore.seeds import FirstOrbit
+
+WORTH_TELLING = 0.01
+"""A correction that moves a guess so far, relative to it, is told."""
 
 _EXAMPLES = """\
 examples:
@@ -171,6 +177,12 @@ def _started(options: argparse.Namespace, system: ReversibleSystem) -> int:
                 report.error(f"{request.name}: {error}")
                 continue
             found.append(TracedFamily(request.name, request.label, family))
+            moved = _moved(request.first, family.orbits[0])
+            if moved > WORTH_TELLING:
+                report.message(
+                    f"{request.name}: the orbit that was found starts {moved:.1%} of the guess's size away from it; "
+                    "if another one is meant, give a closer guess and --half-period"
+                )
         if equation is not None:
             tasks = [
                 OrbitTask(
@@ -187,6 +199,12 @@ def _started(options: argparse.Namespace, system: ReversibleSystem) -> int:
     for item in found:
         print("\n".join(_lines(item)))
     return 0 if len(found) == len(requests) else 1
+
+
+def _moved(first: FirstOrbit, orbit: SymmetricOrbit) -> float:
+    """How far an orbit starts from the point that was given, relative to that."""
+    size = sqrt(sum(value * value for value in first.point)) or 1.0
+    return dist(first.point, [float(value) for value in orbit.unknowns[:-1]]) / size
 
 
 def _of_families(options: argparse.Namespace, system: ReversibleSystem | None) -> int:

@@ -34,6 +34,7 @@ class TraceTask:
         folds: whether to look for folds as well.
         start: a part that is traced already.
         both_ways: whether that part is continued at both of its ends.
+        of_catalogue: whether that part is a row of a catalogue.
         first: an approximate first orbit, in place of `start`, for a family that has no name of its own.
         control: steps and tolerances.
         sampling_timeout: seconds for sampling the stability.
@@ -49,6 +50,7 @@ class TraceTask:
     mirrored: bool = False
     start: Family | None = None
     both_ways: bool = False
+    of_catalogue: bool = False
     first: FirstOrbit | None = None
     control: StepControl = CONTROL
     sampling_timeout: float = SAMPLING_TIMEOUT

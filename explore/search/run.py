@@ -115,7 +115,7 @@ def _catalogue_tasks(request: Request, start: CatalogueStart) -> list[TraceTask]
     options, problem = request.options, start.seed.problem
     asked = FamilyRequest(problem.system, start.name, problem.parameters, start.label)
     limits = _limits(options, problem.system, options.vy_max[0] if options.vy_max else None)
-    return [_trace_task(request, asked, limits, start=start.seed, both_ways=True)]
+    return [_trace_task(request, asked, limits, start=start.seed, both_ways=True, of_catalogue=True)]
 
 
 def _trace_tasks(request: Request) -> list[TraceTask]:
@@ -236,7 +236,9 @@ def _is_complete(result: Traced, report: Reporter) -> bool:
         return False
     if result.interrupted:
         return False
-    complete = not item.family.failed and not item.detection.undecided
+    # Of the family of a catalogue's row as much is asked for as can be followed; where it ends is said.
+    asked = result.task.multiplicities or result.task.folds or not result.task.of_catalogue
+    complete = not (asked and item.family.failed) and not item.detection.undecided
     for line in item.detection.undecided:
         report.error(f"{item.title}: {line}")
     found = {resonance.k for resonance in item.detection.resonances if not resonance.is_fold}
