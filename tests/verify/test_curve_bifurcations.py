@@ -134,6 +134,15 @@ def test_a_certified_point_is_what_its_certificate_says() -> None:
     assert "meet the section 2 times, those of the curve 1" in elsewhere.reason
 
 
+@pytest.mark.parametrize("kind", ["periodic", "periodic-fold", "periodic-torus"])
+def test_an_orbit_that_need_not_be_symmetric_is_not_placed_by_the_coordinates_that_r_fixes(kind: str) -> None:
+    # Near a loss of R the new orbits have these nearly in common with symmetric ones.
+    entry = replace(certificate(circle_point(0.7)), kind=kind)
+    (found,) = concluded(symmetric_loop(), entry).bifurcations
+    assert found.place is None
+    assert "need not be symmetric" in found.reason
+
+
 FOREIGN: dict[str, tuple[dict[str, Any], str]] = {
     "of another mass": (certificate(circle_point(0.7), parameters={"mu": "0.0125000001"}), "another value of mu"),
     "of another system": (certificate({"beta": arb(1), "y": arb(1)}), "another system"),

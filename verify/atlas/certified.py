@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from orbitproof.shared.claims import BOX_KINDS
 from orbitproof.shared.formats import Atlas, InputError, read_system
 from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
 from orbitproof.verify.certificate import Certificate, Recheck
@@ -17,6 +18,9 @@ Examine = Callable[[Certificate], Recheck]
 def certified_point(atlas: Atlas, certificate: Certificate, examine: Examine) -> CertifiedPoint:
     """What a certificate that fits its schema proves of a point, for a curve."""
     name, kind, k = certificate.id, certificate.kind, certificate.k
+    if kind not in BOX_KINDS:
+        # Its coordinates may be near the curve's although others, which R negates, are not 0.
+        return CertifiedPoint(name, kind, k, "it is about an orbit that need not be symmetric")
     system = _own_system(atlas, certificate)
     if isinstance(system, str):
         return CertifiedPoint(name, kind, k, system, True)
