@@ -8,6 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from orbitproof.shared.claims.web import Web
+from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import (
     AnyAtlas,
     BoxClaim,
@@ -18,6 +19,7 @@ from orbitproof.shared.formats import (
     check_writable,
     read_catalogue_rows,
     table_form,
+    web_from_json,
 )
 from orbitproof.shared.formats import read_web as read_claim_of_web
 from orbitproof.shared.numbers import parse_exact
@@ -315,7 +317,7 @@ def certify_web(
     """
     if output is not None:
         check_writable(Path(output))
-    claim = web if isinstance(web, Web) else read_claim_of_web(Path(web))
+    claim = web_from_json(to_json(web), "web") if isinstance(web, Web) else read_claim_of_web(Path(web))
     workplace = Workplace(_jobs(jobs), None, timeout, int(memory * GIBIBYTE), quiet)
     certificate = certify_the_web(claim, list(certificates), workplace)
     if output is not None:

@@ -22,6 +22,8 @@ def read_web(path: Path) -> Web:
 def web_from_json(entry: Mapping[str, Any], source: str) -> Web:
     """A web from a schema-valid JSON object; `source` begins the text of errors. Raises `InputError`."""
     web = from_json(Web, entry, source)
+    if not web.arcs:
+        raise InputError(f"{source}: field arcs: is empty; name at least one arc")
     for name in _repeated(arc.id for arc in web.arcs):
         raise InputError(f"{source}: field arcs: {name!r} appears twice; give each arc once")
     for index, arc in enumerate(web.arcs):

@@ -142,6 +142,22 @@ def twisting_atlas(low: Q, high: Q) -> PeriodicAtlas:
     return PeriodicAtlas("twisting", "Twisting", TWISTING, {}, claim, (piece,))
 
 
+OSCILLATOR = shared.define_system(
+    {
+        "name": "oscillator", "state": "x y", "parameters": "a", "field": lambda x, y, a: (a * y, -a * x),
+        "first_integral": lambda x, y, a: x * x + y * y,
+    }
+)  # fmt: skip
+"""Circles, run through in the time 2 pi/a; both multipliers are 1."""
+
+
+def oscillator_atlas() -> PeriodicAtlas:
+    """On the level 1, x = -1, a from 1.25 to 1.75."""
+    claim = PeriodicCurveClaim("periodic-arc", (Q(0), Q(1)), Q(0), 1, 1, "a", Q(1))
+    piece = _piece("p1", (Q(3, 2), Q(0)), 0, Q(1, 4), [[Q(-1)]])
+    return PeriodicAtlas("oscillator", "In the plane", OSCILLATOR, {}, claim, (piece,))
+
+
 def _flipping(x: Any, y: Any, u: Any, v: Any) -> tuple[Any, Any, Any, Any]:
     rate = (1 - x * x - y * y) / 8
     return rate * x - y, rate * y + x, v / 2, -u / 2

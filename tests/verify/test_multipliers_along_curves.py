@@ -18,6 +18,7 @@ from support.periodic_curves import (
     attempt,
     closed_atlas,
     faster_atlas,
+    oscillator_atlas,
     proved,
     turning_atlas,
     twisting_atlas,
@@ -226,6 +227,13 @@ def test_numbers_that_are_not_finite_count_nothing() -> None:
     assert counts_of_pair_of_area(arb("nan")) is None
     assert counts_of_pair_of_area(arb(2)) is None
     assert counts_of_pair_of_area(arb(-1.99, 0.02)) is None
+
+
+def test_where_all_multipliers_are_1_nothing_is_stored_or_said() -> None:
+    stored = attempt(oscillator_atlas()).stored
+    assert isinstance(stored, PeriodicResult)
+    assert (stored.verdict, stored.multipliers) == ("proved", None)
+    assert counted(oscillator_atlas(), (stored,)) == ()
 
 
 def test_results_without_multipliers_say_nothing_of_them() -> None:

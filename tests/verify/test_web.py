@@ -209,6 +209,10 @@ def test_an_arc_exchanged_for_another_is_refused() -> None:
 def test_one_curve_under_two_names_is_refused() -> None:
     said = refusal(web({"halo": {}, "again": {}}, connected=False), halo(), arc(symmetric_loop(), "again"))
     assert "have a piece in common" in said
+    atlas, results = symmetric_loop()
+    renamed = replace(atlas, system=replace(atlas.system, name="another", title="another"))
+    said = refusal(web({"halo": {}, "again": {}}, connected=False), halo(), arc((renamed, results), "again"))
+    assert "have a piece in common" in said
     twice = Web("a web", "a web", (WebArc("halo"), WebArc("halo")), False)
     assert "same id" in refusal(twice, halo(), halo())
 
@@ -227,6 +231,13 @@ def test_one_orbit_under_two_names_is_refused() -> None:
     said = refusal(web({"halo": {"twice": PASSES, "again": PASSES}}), arc(symmetric_loop(), "halo", *twice))
     assert said.startswith("vertices: ")
     assert "may be the same orbit" in said
+
+
+def test_a_vertex_whose_level_is_not_known_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("orbitproof.verify.web.proved_web.level_at", lambda *of: arb("nan"))
+    said = refusal(web({"halo": {"inside": PASSES}}), halo())
+    assert said.startswith("vertices: ")
+    assert "the level of inside is not known" in said
 
 
 def test_an_arc_that_is_not_proved_is_refused_with_its_reason() -> None:
@@ -438,6 +449,8 @@ def test_a_claim_names_each_arc_and_each_meeting_once(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=why):
             read_web(file)
     assert web_from_json({"id": "w", "title": "w", "arcs": [one]}, "it").connected
+    with pytest.raises(InputError, match="name at least one arc"):
+        verify.certify_web(Web("w", "w", ()), [], quiet=True)
 
 
 def test_the_theorem_says_what_it_is_about() -> None:
@@ -450,6 +463,9 @@ def test_the_theorem_says_what_it_is_about() -> None:
     assert "only symmetric points are in Fix(S)" in words
     assert "- inside: period tupling of order 2, Jacobi constant in" in words
     assert "joined by a path" not in words
+    assert "closed sets of states, compared" in words
+    # Orbits for two values of a parameter may consist of the same states.
+    assert "closed sets of states with the value of beta, compared" in document()["statement"]["theorem"]
 
 
 @pytest.mark.slow

@@ -85,8 +85,8 @@ class StoredArc:
         reversor: the reversing symmetry of its orbits, if it is not R.
         kind, symmetry, crossings: of its claim.
         level, period: contain those of all its orbits; absent where they are not known.
-        order: up to which all resonances of it are listed, if they are.
-        stable: between which orbits its own list says that they are linearly stable.
+        order: of its own list of resonances, if it has one, with the gaps that this names.
+        stable: between which orbits that list says that they are linearly stable.
     """
 
     id: Id
@@ -114,7 +114,10 @@ class StoredVertex:
 
 @dataclass(frozen=True)
 class StoredSwitch:
-    """At a vertex the arc `onto` branches off from the planar arc `along`, and there is no third one."""
+    """Near a vertex the points with P^2(x) = x that its reversing symmetry fixes are those of both arcs (Lemma 33.3).
+
+    `along` is planar, and `onto` branches off from it.
+    """
 
     vertex: Id
     along: Id
@@ -138,7 +141,7 @@ class WebDocument:
         reason: why it is not proved. Failure to verify is not a proof that the claim is false.
         rests_on: the certificates of arcs and vertices.
         arcs, vertices: what is proved of them; nothing if the claim is not proved.
-        switches: where one arc is all that branches off from another.
+        switches: where one arc branches off from another, and no other points that the same symmetry fixes are near.
         parts: the ids of arcs that hang together.
         software: names and versions of what made this certificate, with a digest of the sources.
         digest: SHA-256 of the certificate without this key, as JSON with sorted keys and no spaces.

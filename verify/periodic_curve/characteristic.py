@@ -42,7 +42,7 @@ class PeriodicResult(IntervalResult):
     """What was found for a piece of such a curve.
 
     Attributes:
-        multipliers: of the orbits, or why they are not known; `None` if that is not said.
+        multipliers: of the orbits, or why they are not known; `None` if nothing is said of them.
     """
 
     multipliers: MultiplierFunctions | NotKnown | None = None
@@ -70,8 +70,8 @@ def multipliers_along(
     images: Sequence[Series],
     widths: Sequence[Fraction],
     omega: Sequence[arb],
-) -> MultiplierFunctions | NotKnown:
-    """The multipliers on a proved interval, or why they are not known.
+) -> MultiplierFunctions | NotKnown | None:
+    """The multipliers on a proved interval, or why they are not known; `None` if all are 1 for all such orbits.
 
     Args:
         images: the coordinates of P in (sigma, omega), of which the interval is |sigma| <= 16/17.
@@ -83,7 +83,7 @@ def multipliers_along(
         coefficients = _characteristic(matrix)
         if atlas.claim.uses_integral:
             coefficients = _without_one(coefficients)
-        return MultiplierFunctions(tuple(_stored(each) for each in coefficients))
+        return MultiplierFunctions(tuple(_stored(each) for each in coefficients)) if coefficients else None
     except IntegrationFailure as failure:
         return NotKnown(failure.reason)
 

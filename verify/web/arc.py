@@ -58,6 +58,15 @@ class Arc:
             *(None if integral is None else integral.text(), system.family_parameter, system.fixed_level),
         )
 
+    @property
+    def setting(self) -> tuple[object, ...]:
+        """In what its pieces are written, by no name that a file gives its system."""
+        system = self.atlas.system
+        return (
+            *(system.program.text(), system.section, system.reversing_symmetry),
+            *(system.centre_coordinates, point_name(system)),
+        )
+
     def levels(self) -> arb:
         """A ball with the levels of all orbits over the pieces; not finite if they are not enclosed (33.5)."""
         assert self.curve is not None

@@ -132,9 +132,12 @@ def _check_arcs(checklist: Checklist, web: Web, arcs: Sequence[Arc]) -> None:
         for arc in arcs:
             proved = arc.curve is not None and not arc.problem
             evidence.require(proved, f"{shown(arc.id)}: {arc.problem or 'it is not proved'}")
-        pieces = [(arc.atlas.system.name, piece.centre, piece.frame, piece.polynomial)
-                  for arc in arcs for piece in arc.atlas.curve_pieces()]  # fmt: skip
-        evidence.require(len(set(pieces)) == len(pieces), "two arcs have a piece in common")
+        own = [
+            {(arc.setting, piece.centre, piece.frame, piece.polynomial) for piece in arc.atlas.curve_pieces()}
+            for arc in arcs
+        ]
+        different = len(set().union(*own)) == sum(map(len, own))
+        evidence.require(different, "two arcs have a piece in common")
 
 
 def _check_equations(checklist: Checklist, arcs: Sequence[Arc]) -> None:
@@ -186,7 +189,10 @@ def _check_vertices(
                 vertex = Vertex(vertex.id, vertex.kind, vertex.k, meet(before.level, vertex.level))
             vertices[vertex.id] = vertex
         for vertex in vertices.values():
-            evidence.record(f"level of {shown(vertex.id)}", vertex.level)
+            if vertex.level.is_finite():
+                evidence.record(f"level of {shown(vertex.id)}", vertex.level)
+            else:
+                evidence.require(False, f"the level of {shown(vertex.id)} is not known")
         for one, other in combinations(vertices.values(), 2):
             different = excludes_zero(one.level - other.level)
             evidence.require(different, f"{shown(one.id)} and {shown(other.id)} may be the same orbit")

@@ -24,9 +24,11 @@ def web_in_words(theorem: WebTheorem, web: ProvedWeb, digests: Mapping[str, str]
     level = system.family_parameter or system.first_integral_name or "first integral"
     values = ", ".join(f"{name} = {exact_text(value)}" for name, value in first.atlas.parameters.items())
     of_system = f"{system.title}{f' with {values}' if values else ''}"
+    # Orbits for two values may consist of the same states.
+    family = "" if system.family_parameter is None else f" with the value of {system.family_parameter}"
     lines = [
         f"Let the certificates named below be proved. Periodic orbits of the {of_system}, and libration points, are "
-        "here closed sets of states, compared by their Hausdorff distance."
+        f"here closed sets of states{family}, compared by their Hausdorff distance."
     ]
     for known in web.arcs:
         lines += _arc(known, web, level, digests[known.arc.id])
@@ -34,9 +36,9 @@ def web_in_words(theorem: WebTheorem, web: ProvedWeb, digests: Mapping[str, str]
     lines += itemised("The vertices are different from each other:", vertices)
     for switch in web.switches:
         lines.append(
-            f"Let R' be the reversing symmetry of the certificate of {shown(switch.vertex)}. Near its point the points "
-            f"x of Fix(R') with P^2(x) = x are those of {shown(switch.along)}, in the plane, and those of "
-            f"{shown(switch.onto)}."
+            f"Let R' be the reversing symmetry of the certificate of {shown(switch.vertex)}, and P its map. "
+            f"Near its point the points x of Fix(R') with P^2(x) = x are those of {shown(switch.along)}, in the "
+            f"plane, and those of {shown(switch.onto)}."
         )
     for part in web.parts:
         if len(part) > 1:
@@ -84,5 +86,5 @@ def _meeting(entry: Incidence, arc: Arc) -> str:
 def _vertex(vertex: Vertex, level: str, digest: str | None) -> str:
     of_order = f" of order {vertex.k}" if vertex.k > 1 else ""
     certificate = "" if digest is None else f" ({digest})"
-    where = f"{level} in {interval_text(vertex.level, _DIGITS)}" if vertex.level.is_finite() else f"{level} not known"
+    where = f"{level} in {interval_text(vertex.level, _DIGITS)}"
     return f"{shown(vertex.id)}: {vertex.kind.replace('_', ' ')}{of_order}, {where}{certificate}"
