@@ -5,7 +5,7 @@ from __future__ import annotations
 STOPS = frozenset((
     "bifurcations", "collision", "complete", "crossing count", "derivatives", "derived parameter", "distance",
     "evaluation", "exact checks", "half-orbit", "integration", "lasting", "level", "level-box", "memory",
-    "multiplicity",
+    "multiplicity", "multipliers",
     "newton", "piece", "plane", "precision", "process", "radii", "results", "section", "sheet", "singularity", "size",
     "stability", "start", "steps", "system", "theorem", "time", "tube", "unfinished", "verification",
 ))  # fmt: skip
