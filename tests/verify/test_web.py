@@ -9,6 +9,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -33,22 +34,26 @@ from orbitproof import verify
 from orbitproof.shared.claims import Claim, Covers
 from orbitproof.shared.claims.web import BRANCHES, ENDS, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import InputError, read_atlas, read_web, web_from_json
+from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.atlas import (
     AtlasCertificate,
     Resting,
     certified_web,
     check_of_conclusion,
+    read_web_certificate,
     recheck_web,
     resting,
+    write_web_certificate,
 )
+from orbitproof.verify.atlas import web as of_webs
 from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck, certify, recheck
 from orbitproof.verify.curve import CertifiedPoint
 from orbitproof.verify.curve import conclude as conclude_of_points
 from orbitproof.verify.curve.bifurcations_on_it import place_bifurcation
 from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.stability import conclude_list
-from orbitproof.verify.web import Arc, Incidence, ProvedWeb, Switch, conclude_web, proved_web
+from orbitproof.verify.web import Arc, Incidence, ProvedWeb, Switch, conclude_web, level_at, proved_web
 from orbitproof.verify.words import web_in_words
 
 DATA = Path(__file__).parents[1] / "data"
@@ -92,13 +97,21 @@ def proof(claim: Web, *arcs: Arc) -> ProvedWeb:
     return outcome.results
 
 
+def theorem(claim: Web, *arcs: Arc) -> str:
+    """A web that is proved, in words."""
+    outcome = conclude_web(claim, arcs)
+    assert isinstance(outcome, Proved), outcome
+    digests = {name: f"d{number}" for number, name in enumerate(claim.certificates, 1)}
+    return web_in_words(outcome.theorem, outcome.results, digests)  # type: ignore[arg-type]
+
+
 ONE, OTHER = symmetric_point("one", 1, 2), symmetric_point("other", -1, 4)
 INSIDE = certificate(circle_point(0.7), name="inside")
 
 
 @cache
 def halo() -> Arc:
-    return arc(symmetric_loop(), "halo", ONE, OTHER, INSIDE)
+    return arc(symmetric_loop(), "halo", ONE, OTHER, INSIDE, NEAR)
 
 
 def shifted(case: Case) -> Case:
@@ -145,8 +158,11 @@ def test_the_ranges_contain_levels_and_periods_of_random_orbits_of_the_arc() -> 
     assert not found.period.contains(arb(7))
 
 
+NEAR = certificate(circle_point(0.05), name="near")
 FALSE: dict[str, tuple[dict[str, str], str]] = {
     "a branch at a point off the plane": ({"inside": BRANCHES}, "no symmetric point of it"),
+    "a branch at another point of a symmetric piece": ({"near": BRANCHES}, "no symmetric point of it"),
+    "another way": ({"inside": "crosses"}, "no such way to meet"),
     "a passage at a symmetric point": ({"one": PASSES}, "branches off there"),
     "an end at a libration point": ({"L1": ENDS}, "the family that shrinks to L1"),
     "a passage through a libration point": ({"L2": PASSES}, "end at libration points, and at nothing else"),
@@ -160,6 +176,15 @@ def test_an_arc_that_meets_a_vertex_in_another_way_is_refused(meets: dict[str, s
     said = refusal(web({"halo": meets}), halo())
     assert said.startswith("meetings: ")
     assert why in said
+
+
+def test_the_other_point_of_an_orbit_is_no_symmetric_point() -> None:
+    one = halo().placed["one"]
+    assert one.place is not None
+    other = replace(halo(), placed={"one": replace(one, place=replace(one.place, other_point=True))})
+    assert "no symmetric point of it" in refusal(web({"halo": {"one": BRANCHES}}), other)
+    words = theorem(web({"halo": {"one": PASSES}}), other)
+    assert "passes through one: the other point of the orbit, on piece p000" in words
 
 
 def test_an_arc_that_stops_before_its_vertex_does_not_meet_it() -> None:
@@ -226,11 +251,63 @@ def test_arcs_of_other_equations_or_parameters_are_refused() -> None:
     assert "different equations" in refusal(web({"halo": {}, "b": {}}, False), halo(), other)
 
 
+def test_equations_are_compared_in_all_that_they_are() -> None:
+    def equations(**changes: Any) -> object:
+        def text(of: str) -> Any:
+            return SimpleNamespace(text=lambda: of)
+
+        what = {
+            "field": "f",
+            "argument": "x",
+            "integral": "H",
+            "function": "sin",
+            "parameter": "a",
+            "level": 1,
+            **changes,
+        }
+        system = SimpleNamespace(
+            name=what.get("name"), program=text(what["field"]), argument_programs=[text(what["argument"])],
+            defined=[SimpleNamespace(name="s", function=what["function"])], family_parameter=what["parameter"],
+            first_integral_program=text(what["integral"]), fixed_level=what["level"],
+        )  # fmt: skip
+        return Arc(SimpleNamespace(system=system), None).equations  # type: ignore[arg-type]
+
+    assert equations() == equations(name="another")
+    for name in ("field", "argument", "integral", "function", "parameter", "level"):
+        assert equations() != equations(**{name: "other"}), name
+
+
+def test_the_level_of_a_point_needs_all_coordinates_of_its_state() -> None:
+    atlas, _ = symmetric_loop()
+    integral = CR3BP.first_integral_program
+    assert integral is not None
+    point = {"x": arb(1), "z": arb(0), "vy": arb(1)}
+    level = level_at(atlas, point)
+    known = SimpleNamespace(
+        state=CR3BP.state, normalised={"vy": Fraction(1)}, family_parameter=None, defined=(),
+        first_integral_program=integral, derived_parameters={},
+    )  # fmt: skip
+    held = SimpleNamespace(system=known, parameters=atlas.parameters)
+    assert level_at(held, {"x": arb(1), "z": arb(0)}).overlaps(level)  # type: ignore[arg-type]
+    known.defined = ("sin_x",)
+    assert not level_at(held, point).is_finite()  # type: ignore[arg-type]
+
+
+def test_levels_that_are_not_known_somewhere_are_not_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    numbers = iter(range(10**6))
+    monkeypatch.setattr("orbitproof.verify.web.arc.level_at", lambda *of: arb("nan" if next(numbers) == 7 else 1))
+    assert not halo().levels().is_finite()
+
+
 def test_one_orbit_under_two_names_is_refused() -> None:
+    first = certificate(circle_point(0.3), name="first")
     twice = certificate(circle_point(0.7), name="twice"), certificate(circle_point(0.7), name="again")
     said = refusal(web({"halo": {"twice": PASSES, "again": PASSES}}), arc(symmetric_loop(), "halo", *twice))
     assert said.startswith("vertices: ")
     assert "may be the same orbit" in said
+    three = {"first": PASSES, "twice": PASSES, "again": PASSES}
+    said = refusal(web({"halo": three}), arc(symmetric_loop(), "halo", first, *twice))
+    assert "twice and again may be the same orbit" in said
 
 
 def test_a_vertex_whose_level_is_not_known_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -292,6 +369,7 @@ def test_it_is_a_planar_arc_through_the_same_vertex_from_which_another_one_branc
     assert proved_web._switches(arcs, (onto, along, beside)) == (Switch("one", family.id, "halo"),)
     assert proved_web._switches(arcs, (onto, replace(along, vertex="other"))) == ()
     assert proved_web._switches(arcs, (replace(onto, how=PASSES), along)) == ()
+    assert proved_web._switches(arcs, (onto, replace(along, how=ENDS))) == ()
 
 
 @pytest.mark.parametrize("system", ["cr3bp", "cr3bp-axial"])
@@ -369,6 +447,9 @@ def test_what_it_rests_on_has_to_stand() -> None:
         lower = {**checks, name: replace(checks[name], level=Level.FORM)}
         said = certified_web(claim, certificates, lower)["reason"]["message"]
         assert "not checked up to its conclusion" in said
+    point, curve = (next(e for e in certificates if isinstance(e, kind)) for kind in (Certificate, AtlasCertificate))
+    silent = AtlasCertificate(curve.atlas, {**curve.document, "verdict": "not proved"})
+    assert "says 'not proved'" in certified_web(claim, resting(claim, [point, silent]), checks)["reason"]["message"]
     with pytest.raises(ValueError, match="the check of another certificate"):
         certified_web(claim, certificates, {**checks, "near": replace(checks["near"], digest="sha256:" + 64 * "0")})
 
@@ -409,6 +490,15 @@ def test_other_words_are_told_anew() -> None:
     assert found.rendered["statement"]["theorem"] == document()["statement"]["theorem"]
 
 
+def test_a_file_that_was_changed_is_not_read(tmp_path: Path) -> None:
+    file = tmp_path / "web.json"
+    write_web_certificate(file, document())
+    assert read_web_certificate(file).is_proved
+    file.write_text(file.read_text().replace("a web", "my web"))
+    with pytest.raises(InputError, match="field digest"):
+        read_web_certificate(file)
+
+
 def test_a_web_that_is_not_proved_claims_nothing() -> None:
     _, certificates, checks = documents()
     wrong = web({"parabola": {"near": BRANCHES}})
@@ -425,6 +515,7 @@ def test_a_certificate_that_is_missing_or_given_twice_or_of_another_kind_is_told
     for given, why in (
         ([curve], "no such certificate is given"),
         ([curve, point, point], "appears twice"),
+        ([curve, point, certificate(circle_point(0.7), name="L1")], "has the name of a libration point"),
     ):
         with pytest.raises(InputError, match=why):
             resting(claim, given)
@@ -455,9 +546,7 @@ def test_a_claim_names_each_arc_and_each_meeting_once(tmp_path: Path) -> None:
 
 def test_the_theorem_says_what_it_is_about() -> None:
     claim = web({"halo": {"one": BRANCHES, "inside": PASSES}})
-    outcome = conclude_web(claim, [halo()])
-    assert isinstance(outcome, Proved)
-    words = web_in_words(outcome.theorem, outcome.results, {"halo": "d1", "one": "d2", "inside": "d3"})  # type: ignore[arg-type]
+    words = theorem(claim, halo())
     assert "The arc halo (d1), a symmetric loop of orbits symmetric under R, mirror images included" in words
     assert "branches off at one: at the symmetric point of piece p000" in words
     assert "only symmetric points are in Fix(S)" in words
@@ -466,6 +555,25 @@ def test_the_theorem_says_what_it_is_about() -> None:
     assert "closed sets of states, compared" in words
     # Orbits for two values of a parameter may consist of the same states.
     assert "closed sets of states with the value of beta, compared" in document()["statement"]["theorem"]
+    assert "mirror" not in theorem(web({"loop": {}}), arc(loop(), "loop"))
+    atlas, results = symmetric_loop()
+    case = replace(atlas, system=replace(atlas.system, reversor="flip")), results
+    below = certificate(circle_point(-0.7), name="below")
+    words = theorem(web({"halo": {"below": PASSES}}), arc(case, "halo", below))
+    assert "of orbits symmetric under flip, mirror images included" in words
+    assert "on piece p001 (its mirror image)" in words
+
+
+def test_what_is_stored_of_an_arc_is_its_own() -> None:
+    claim = web({"halo": {"inside": PASSES}, "loop": {"inside": PASSES}})
+    assert claim.vertices == ("inside",)
+    assert web({"halo": {}, "loop": {"inside": PASSES}}).vertices == ("inside",)
+    found = proof(claim, halo(), arc(shifted(loop()), "loop", INSIDE))
+    plain: Any = SimpleNamespace(document={"conclusion": None}, stable=())
+    stored = of_webs._stored_arc(replace(found.arcs[0], period=arb("nan")), found, plain)
+    assert [entry.vertex for entry in stored.meets] == ["inside"]
+    assert stored.period is None
+    assert stored.level is not None
 
 
 @pytest.mark.slow

@@ -78,8 +78,6 @@ class Arc:
                     middle, reach = enclose((low + high) / 2), enclose((high - low) / 2)
                     point = point_over(stretch, middle + reach * arb(0, 1))
                     found.append(level_at(self.atlas, dict(zip(names, point, strict=True))))
-                    if not found[-1].is_finite():
-                        return _NOT_KNOWN
         return hull(found[0], *found[1:])
 
 
