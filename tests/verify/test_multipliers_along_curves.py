@@ -90,6 +90,9 @@ def test_on_parts_of_a_piece_they_are_those_of_its_orbits() -> None:
     before, gap, after = counted(atlas, results)
     assert (before.counts, gap.counts, after.counts) == (Counts(0, 0, 1), None, Counts(1, 0, 0))
     assert gap.between[0] <= Q(4, 5) <= gap.between[1]
+    # Where two results overlap, orbits are counted once.
+    whole = proved("turning")[0]
+    assert _places(counted(atlas, (whole, result))) == _places(counted(atlas, (whole,)))
 
 
 @pytest.mark.parametrize(
@@ -127,6 +130,10 @@ def counted(atlas: PeriodicAtlas, results: tuple[IntervalResult, ...]) -> tuple[
     outcome = conclude_periodic(atlas, results).outcome
     assert isinstance(outcome, Proved), outcome
     return outcome.results.multipliers
+
+
+def _places(parts: tuple[CountedPart, ...]) -> list[Any]:
+    return [(part.pieces, part.between, part.counts) for part in parts]
 
 
 def test_a_multiplier_leaves_the_circle_where_the_curve_turns_and_nowhere_else() -> None:
@@ -227,6 +234,28 @@ def test_numbers_that_are_not_finite_count_nothing() -> None:
     assert counts_of_pair_of_area(arb("nan")) is None
     assert counts_of_pair_of_area(arb(2)) is None
     assert counts_of_pair_of_area(arb(-1.99, 0.02)) is None
+
+
+def test_the_level_is_that_of_points_of_the_section() -> None:
+    """(x + y/2 = 1 as 2 x + y = 2); H = x^2 + y^2 falls from y = -1/10 on."""
+    atlas, results = ATLASES["tilted"], proved("tilted")
+    for factor in (1, 2):
+        normal = tuple(factor * entry for entry in atlas.claim.normal)
+        claim = replace(atlas.claim, normal=normal, offset=factor * atlas.claim.offset)
+        (part,) = counted(replace(atlas, claim=claim), results)
+        for value, y in zip(part.values, (-0.1, 0.1), strict=True):
+            level = (1 - y / 2) ** 2 + y * y
+            assert abs(float(value.mid()) - level) < 1e-12 + float(value.rad()) < 1e-6
+            assert part.all_values.contains(arb(level, 1e-9))
+
+
+def test_multipliers_of_what_is_not_proved_are_not_counted() -> None:
+    first, second = proved("turning")
+    assert isinstance(first, PeriodicResult)
+    reason = Reason("newton", "for a test", "")
+    refused = replace(first, verdict="not proved", reason=reason, multipliers=_doubled(first))
+    alone, together = (counted(turning_atlas(), (first, second, *others)) for others in ((), (refused,)))
+    assert _places(together) == _places(alone)
 
 
 def test_where_all_multipliers_are_1_nothing_is_stored_or_said() -> None:
