@@ -315,3 +315,5 @@ def test_new_integrations_confirm_what_is_stored_and_nothing_narrower() -> None:
     elsewhere = replace(fresh, interval=(Q(-1), Q(1, 2)))
     assert list(unconfirmed_multipliers(stored, elsewhere))
     assert list(unconfirmed_multipliers(stored, replace(fresh, multipliers=None)))
+    without = {key: value for key, value in vars(fresh).items() if key != "multipliers"}
+    assert list(unconfirmed_multipliers(stored, IntervalResult(**without)))

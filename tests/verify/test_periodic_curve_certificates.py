@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from support.forgeries import noticed
+from support.forgeries import checked, honest, noticed
 from support.periodic_curves import ATLASES, TUBE, levels_atlas, proved, shifted, turning_atlas
 
 from orbitproof import verify
@@ -31,7 +31,8 @@ from orbitproof.verify.atlas.certificate import results_for
 from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.certificate import digest
-from orbitproof.verify.periodic_curve import conclude_periodic
+from orbitproof.verify.certificate.stored_balls import to_json
+from orbitproof.verify.periodic_curve import MultiplierFunctions, PeriodicResult, conclude_periodic
 from orbitproof.verify.run.branch_command import main
 
 Document = dict[str, Any]
@@ -174,6 +175,20 @@ def test_forged_certificates_do_not_stand(name: str) -> None:
     # Words that do not follow are told anew.
     assert noticed(found)
     assert found.stands == (name == "another theorem")
+
+
+def test_multipliers_that_an_integration_does_not_find_do_not_stand_it() -> None:
+    atlas, (first, second) = ATLASES["turning"], proved("turning")
+    assert isinstance(first, PeriodicResult)
+    assert isinstance(first.multipliers, MultiplierFunctions)
+    true = honest([to_json(first), to_json(second)])
+    (function,) = first.multipliers.coefficients
+    for factor in (1, 2):
+        other = replace(function, coefficients=tuple(factor * value for value in function.coefficients))
+        results = replace(first, multipliers=MultiplierFunctions((other,))), second
+        document = make_atlas_certificate(atlas, results, told(conclude_periodic(atlas, results)), ())
+        assert checked(document).stands
+        assert checked(document, true).stands == (factor == 1)
 
 
 def test_results_of_another_claim_are_not_used_again(tmp_path: Path) -> None:

@@ -392,7 +392,7 @@ def _interval_findings(stored: Result, fresh: Result, time: str = _HALF_PERIOD) 
             *unconfirmed_twist(old.twist if old else None, new.twist if new else None),
         ]
         yield from (Finding(f"{place}, stability", text) for text in found)
-    if isinstance(stored, PeriodicResult) and isinstance(fresh, PeriodicResult):
+    if isinstance(stored, PeriodicResult):
         yield from (Finding(place, text) for text in unconfirmed_multipliers(stored, fresh))
     for part in _parts(stored):
         inside = [entry for entry in _parts(fresh) if covers([part.interval], entry.interval)]

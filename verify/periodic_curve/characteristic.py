@@ -165,13 +165,14 @@ def _stored(function: BoundedFunction) -> StoredFunction:
     return StoredFunction.near(coefficients, function.error)
 
 
-def unconfirmed_multipliers(stored: PeriodicResult, fresh: PeriodicResult) -> Iterator[str]:
+def unconfirmed_multipliers(stored: PeriodicResult, fresh: object) -> Iterator[str]:
     """What is stored of the multipliers and is not contained in what a new integration finds, in words."""
-    old, new = stored.multipliers, fresh.multipliers
+    old, new = stored.multipliers, fresh.multipliers if isinstance(fresh, PeriodicResult) else None
     if not isinstance(old, MultiplierFunctions):
         return
     # Functions of s are written in a variable that runs over the interval: on another one they are others.
-    if not isinstance(new, MultiplierFunctions) or fresh.interval != stored.interval:
+    is_same = isinstance(fresh, PeriodicResult) and fresh.interval == stored.interval
+    if not is_same or not isinstance(new, MultiplierFunctions):
         yield "multipliers are not enclosed again on this interval"
         return
     if len(old.coefficients) != len(new.coefficients):
