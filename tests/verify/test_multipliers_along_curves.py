@@ -26,13 +26,14 @@ from support.periodic_curves import (
 
 from orbitproof.shared.formats import PeriodicAtlas
 from orbitproof.verify.curve import IntervalResult
-from orbitproof.verify.evidence import NotKnown, Proved, Reason, enclose
+from orbitproof.verify.evidence import IntegrationFailure, NotKnown, Proved, Reason, enclose, interval_text
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.periodic_curve import (
     CountedPart,
     Counts,
     MultiplierFunctions,
     PeriodicResult,
+    characteristic,
     conclude_periodic,
     unconfirmed_multipliers,
 )
@@ -125,6 +126,35 @@ def test_derivatives_are_those_at_the_curve_and_not_at_its_polynomial(
         assert float(ball.rad()) < 1
 
 
+@pytest.mark.parametrize("grade", [0, 1, 2])
+def test_what_is_not_known_of_an_image_counts_in_its_derivatives(grade: int) -> None:
+    """sigma^16 omega^grade / 1000 is among what is not known."""
+    piece = replace(turning_atlas().curve_pieces()[0], polynomial=((Q(0),),))
+    arithmetic = LIMITS.arithmetic([Q(1)], LIMITS.precision, 2)
+    nothing = arithmetic.polynomial({(0,): [Q(0)]})
+    image = nothing.with_errors([0.001 * (number == grade) for number in range(3)])
+    found = multipliers_along(turning_atlas(), piece, (Q(-1), Q(1)), [image], [Q(1, 4)], [arb(1) / 32])
+    assert isinstance(found, MultiplierFunctions)
+    slope = Q(16, 1000) * Q(16, 17) ** 15 / 32**grade / (piece.half_width * Q(17, 16))
+    ball = found.coefficients[0].enclosed.value(enclose(Q(32, 33)))
+    assert (ball + enclose(slope)).contains(0)
+
+
+def test_coordinates_are_those_of_the_section_whatever_the_frame_is() -> None:
+    """a = p_0, x = 2 p_0 + p_1: p_0 alone does not change with x."""
+    frame = ((Q(1), Q(0)), (Q(2), Q(1)))
+    piece = replace(turning_atlas().curve_pieces()[0], polynomial=((Q(0),),), frame=frame)
+    image = LIMITS.arithmetic([Q(1)], LIMITS.precision, 2).polynomial({(0,): [Q(0), Q(1)]})
+    found = multipliers_along(turning_atlas(), piece, (Q(-1), Q(1)), [image], [Q(1, 4)], [arb(0)])
+    assert isinstance(found, MultiplierFunctions)
+    assert abs(float(found.coefficients[0].enclosed.value(arb(0)).mid())) < 1e-9
+
+
+def test_of_many_coordinates_the_reason_is_told() -> None:
+    with pytest.raises(IntegrationFailure, match="in at most 6 coordinates"):
+        characteristic._characteristic([[]] * 7)
+
+
 def counted(atlas: PeriodicAtlas, results: tuple[IntervalResult, ...]) -> tuple[CountedPart, ...]:
     """The parts of a curve that is proved."""
     outcome = conclude_periodic(atlas, results).outcome
@@ -153,7 +183,9 @@ def test_a_multiplier_leaves_the_circle_where_the_curve_turns_and_nowhere_else()
         abs(float(value) - (x**4 - 2 * x**2)) < 1e-12 for value, x in zip(ends, (0.775, 1, 1, 1.225), strict=True)
     )
     words = conclusion_in_words(conclude_periodic(turning_atlas(), proved("turning")))
+    first, last = (interval_text(value, 18) for value in before.values)
     for expected in (
+        f"from a in {first} to a in {last}, 0 inside",
         "Besides the multiplier 1 of the direction of the flow each orbit has 1 other.",
         "0 inside, 1 outside the unit circle: unstable orbits;",
         "it is not decided; as the numbers on both sides differ, an orbit there has one on the circle;",
