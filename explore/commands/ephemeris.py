@@ -8,8 +8,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from orbitproof.explore.commands.common import add_command, add_orbit_choice, add_quiet, positive
 from orbitproof.explore.commands.trajectory import add_spice_numbers
 from orbitproof.shared.formats import InputError, check_writable, write_text
@@ -73,6 +71,8 @@ def run(options: argparse.Namespace) -> int:
     for package in ("spiceypy", *(["ccsds_ndm"] if options.oem else [])):
         import_module(package)
     # Only now: JAX takes a moment to load.
+    import numpy as np
+
     from orbitproof.explore.engines import Reporter
     from orbitproof.explore.ephemeris_model import (
         NotCarried,

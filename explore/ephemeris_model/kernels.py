@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from orbitproof.explore.flow import Vector
-from orbitproof.shared.formats import InputError
+from orbitproof.shared.formats import ArgumentError
 
 AXES = "J2000"
 """SPICE's name of the axes of everything here; they do not turn."""
@@ -39,15 +39,18 @@ class Bodies:
         return self.gravity[1] / (self.gravity[0] + self.gravity[1])
 
     def state(self, index: int, origin: int, seconds: float) -> Vector:
-        """State of a body relative to another, km and km/s, at TDB seconds past J2000. Raises `InputError`."""
+        """State of a body relative to another, km and km/s, at TDB seconds past J2000. Raises `ArgumentError`."""
         import spiceypy
 
         try:
             state, _ = spiceypy.spkgeo(self.numbers[index], seconds, AXES, self.numbers[origin])
         except spiceypy.utils.exceptions.SpiceyError as error:
-            raise InputError(
-                f"--kernels: nothing about {self.names[index]} and {self.names[origin]} at {_date(seconds)} TDB "
-                f"({error.short.strip()}); give kernels that cover it, or another --epoch"
+            raise ArgumentError(
+                "{kernels}: nothing about {0} and {1} at {2} TDB ({3}); give kernels that cover it, or another {epoch}",
+                self.names[index],
+                self.names[origin],
+                _date(seconds),
+                error.short.strip(),
             ) from None
         return np.asarray(state, dtype=float)
 
@@ -64,20 +67,20 @@ def _date(seconds: float) -> str:
 
 @contextmanager
 def kernels_loaded(paths: Sequence[Path]) -> Iterator[None]:
-    """Load kernels into SPICE, for as long as the block runs. Raises `InputError`."""
+    """Load kernels into SPICE, for as long as the block runs. Raises `ArgumentError`."""
     import spiceypy
 
     loaded: list[str] = []
     try:
         for path in paths:
             if not path.is_file():
-                raise InputError(f"--kernels {path}: cannot be read; give the path of a kernel for SPICE")
+                raise ArgumentError("{kernels} {0}: cannot be read; give the path of a kernel for SPICE", path)
             if len(str(path)) > _LONGEST_PATH:
-                raise InputError(f"--kernels {path}: SPICE reads paths of up to {_LONGEST_PATH} characters")
+                raise ArgumentError("{kernels} {0}: SPICE reads paths of up to {1} characters", path, _LONGEST_PATH)
             try:
                 spiceypy.furnsh(str(path))
             except spiceypy.utils.exceptions.SpiceyError as error:
-                raise InputError(f"--kernels {path}: no kernel for SPICE ({error.short.strip()})") from None
+                raise ArgumentError("{kernels} {0}: no kernel for SPICE ({1})", path, error.short.strip()) from None
             loaded.append(str(path))
         yield
     finally:
@@ -91,7 +94,7 @@ def bodies_named(names: Sequence[str], given: Mapping[str, float]) -> Bodies:
     Arguments:
         given: GM of bodies whose GM no kernel has, km^3/s^2, by the same names.
 
-    Raises `InputError`.
+    Raises `ArgumentError`.
     """
     import spiceypy
 
@@ -100,17 +103,17 @@ def bodies_named(names: Sequence[str], given: Mapping[str, float]) -> Bodies:
         try:
             number = int(spiceypy.bods2c(name))
         except spiceypy.utils.exceptions.NotFoundError:
-            raise InputError(f"--bodies {name}: SPICE knows no such body; give its name or number") from None
+            raise ArgumentError("{bodies} {0}: SPICE knows no such body; give its name or number", name) from None
         numbers.append(number)
         if name in given:
             gravity.append(given[name])
         elif spiceypy.bodfnd(number, "GM"):
             gravity.append(float(spiceypy.bodvcd(number, "GM", 1)[1][0]))
         else:
-            raise InputError(f"--gm {name}=..: missing; no kernel has its GM: give it in km^3/s^2, or such a kernel")
+            raise ArgumentError("{gm} {0}: missing; no kernel has its GM: give it in km^3/s^2, or such a kernel", name)
     if len(set(numbers)) != len(numbers):
-        raise InputError(f"--bodies {' '.join(names)}: one of them twice; name each once")
+        raise ArgumentError("{bodies} {0}: one of them twice; name each once", " ".join(names))
     unknown = next((name for name in given if name not in names), None)
     if unknown is not None:
-        raise InputError(f"--gm {unknown}: is none of --bodies {' '.join(names)}")
+        raise ArgumentError("{gm} {0}: is none of {bodies} {1}", unknown, " ".join(names))
     return Bodies(tuple(names), tuple(numbers), tuple(gravity))

@@ -141,7 +141,9 @@ def test_a_value_that_looks_like_an_argument_stays_as_it_is() -> None:
 
 
 SAYS_OPTION = re.compile(r'(?:InputError|ValueError)\(\s*f?"--')
-COMMAND_LINES = re.compile(r"/commands/|__main__|_command\.py$|^explore/(search|names|atlases|trajectories|catalogue)/")
+COMMAND_LINES = re.compile(
+    r"/commands/|__main__|_command\.py$|^explore/(search|names|atlases|trajectories|catalogues)/"
+)
 
 
 def test_only_command_lines_raise_in_the_words_of_options() -> None:

@@ -99,7 +99,7 @@ def test_every_file_says_that_it_is_numerical_and_is_read_back(
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (["--gm", *GIVEN[:2]], "--gm Sun=..: missing; no kernel has its GM"),
+        (["--gm", *GIVEN[:2]], "--gm Sun: missing; no kernel has its GM"),
         (["--gm", *GIVEN, "Mars=3"], "--gm Mars: is none of --bodies"),
         (["--gm", "Moon=heavy"], "--gm Moon=heavy: give a name"),
         (["--epoch", "2031-01-01T00:00:00"], "--kernels: nothing about Moon and Earth at 2031-01-01"),
