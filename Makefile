@@ -55,7 +55,7 @@ $(VENV)/demo.stamp: pyproject.toml setup.py | $(BIN)/python
 
 $(VENV)/dev.stamp: pyproject.toml setup.py | $(BIN)/python
 	@echo "installing orbitproof with all extras (the first time it downloads a few hundred megabytes)" >&2
-	@$(BIN)/python -m pip install --editable '.[explore,figures,oem,spk,interactive,cluster,docs,dev]'
+	@$(BIN)/python -m pip install --editable '.[explore,figures,oem,spk,parquet,interactive,cluster,docs,dev]'
 	@touch $@ $(VENV)/demo.stamp
 
 $(VENV)/docs.stamp: pyproject.toml setup.py | $(BIN)/python
