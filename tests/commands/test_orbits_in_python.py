@@ -11,6 +11,7 @@ import pytest
 from oem import OrbitEphemerisMessage
 
 from orbitproof import explore, verify
+from orbitproof.figures.style import close
 from orbitproof.shared import CR3BP, FALKNER_SKAN, InputError
 
 DATA = Path(__file__).resolve().parents[1] / "data"
@@ -86,4 +87,4 @@ def test_an_orbit_of_a_file_is_written_as_an_ephemeris_and_has_tori_and_tubes(tm
 def test_pictures_say_that_they_are_numerical(family: explore.OrbitFamily) -> None:
     for figure in (family.plot(orbits=2), family[0].plot(), family.plot_stability()):
         assert "(numerical)" in figure.get_suptitle()
-        figure.clear()
+        close(figure)

@@ -49,6 +49,7 @@ def test_extremal_distances_are_marked_where_they_are(orbits: dict[str, Certific
     body = np.array([1.0 - float(claim.parameters["mu"]), 0.0, 0.0])
     away = np.linalg.norm(solution.states(np.linspace(0.0, solution.period, 2000))[:, :3] - body, axis=1)
     assert float(found.least.distance.mid()) == pytest.approx(away.min(), rel=1e-4)
+    before = plt.get_fignums()
     with use_style():
         figure = draw_orbit(claim, found)
         labels = [line.get_label() for line in figure.axes[0].get_lines()]
@@ -59,7 +60,7 @@ def test_extremal_distances_are_marked_where_they_are(orbits: dict[str, Certific
         assert np.isclose(x, solution.states(time)[0][0]).any()
         assert np.isclose(z, solution.states(time)[0][2]).any()
         close(figure)
-    assert not plt.get_fignums()
+    assert plt.get_fignums() == before
 
 
 def test_a_report_shows_the_orbit(orbits: dict[str, Certificate], tmp_path: Path) -> None:
