@@ -47,7 +47,7 @@ class CurveControl:
         most: number of pieces in each direction.
     """
 
-    tube: float = 1e-10
+    tube: float = 1e-9
     most: int = 200
 
 
