@@ -36,8 +36,9 @@ def refine_at(
         k: multiplicity.
         parameters: the fixed parameters, exact: `Fraction`, int, or text such as "0.1", "1/3", "earth-moon".
         kind: one of `shared.KINDS`, "reversor_breaking" or "krein_collision"; by default the generic bifurcation at a
-            1:k resonance.
-        symmetry: for symmetry breaking, the symmetry that breaks; by default the only one.
+            1:k resonance, for n = 1 and k = 3 period tupling where a symmetry fixes the point.
+        symmetry: for symmetry breaking, the symmetry that breaks, for period tupling with k = 3 the one that fixes the
+            point; by default the only one.
         crossings: how often the half orbit, from Fix(R) to Fix(R), meets the section, its end included.
         digits: decimal digits of the centre.
         radii: half-widths of the box along p_0, p_1, ..; by default such as suit the branch, for a proof.
@@ -68,6 +69,9 @@ def refine_at(
         raise ValueError(str(error)) from None
     name = id or f"{label_of(system, None, words) or system.name}-{short_name(kind, k)}"
     guess = tuple(float(point[each]) for each in wanted)
+    if kind is None and k == 3 and symmetry is None:
+        symmetry = _fixes(system, guess)
+        kind = None if symmetry is None else "period_tupling"
     task = Task(
         id=name,
         system=system,
@@ -86,3 +90,16 @@ def refine_at(
     if result.candidate is None:
         raise RefinementFailure(f"{name}: not refined: {result.failure}")
     return result.candidate if widths is None else replace(result.candidate, radii=widths)
+
+
+def _fixes(system: ReversibleSystem, point: Sequence[float]) -> str | None:
+    """The symmetry that fixes a point and negates the one direction across its family, n = 1; `None` without one."""
+    if len(system.kernel_coordinates) != 1:
+        return None
+    for name, signs in system.symmetries.items():
+        negated = {system.state[i] for i, sign in enumerate(signs) if sign == -1}
+        if system.state[system.kernel_coordinates[0]] in negated and all(
+            value == 0 for key, value in zip(system.centre_coordinates, point, strict=True) if key in negated
+        ):
+            return name
+    return None

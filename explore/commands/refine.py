@@ -44,7 +44,10 @@ def add_parser(commands: Any) -> None:
         "--kind", choices=(*KINDS, *ACROSS_KINDS), help="of the bifurcation (default: the generic one of that K)"
     )
     parser.add_argument(
-        "--symmetry", metavar="NAME", help="for symmetry breaking: the symmetry that breaks (default: the only one)"
+        "--symmetry",
+        metavar="NAME",
+        help="the symmetry that breaks, for symmetry breaking, or that fixes the point, for period tupling with K = 3 "
+        "(default: the only one)",
     )
     parser.add_argument(
         "--crossings",

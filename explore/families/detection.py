@@ -37,6 +37,9 @@ BREAKS = "the symmetry breaks"
 _LOST_RANK = 1e-2
 """Smallest singular value beside that of the orbits on both sides; it falls in proportion to the distance."""
 
+_SAME = 1e-9
+"""Between a stability parameter and the entry of the stability matrix that it is."""
+
 _DIFFERENCE = 1e-5
 """In scaled arclength: rounding and truncation leave ten digits of a derivative."""
 
@@ -48,7 +51,7 @@ class LocatedResonance:
     Attributes:
         k: multiplicity, 1 for symmetry breaking and folds.
         kind: "symmetry_breaking", "fold", "touch_and_go" (k = 3) or "period_tupling".
-        symmetry: the symmetry that breaks, or `None`.
+        symmetry: the symmetry that breaks or, for period tupling with k = 3, that fixes the family; otherwise `None`.
         orbit: the resonant orbit.
         side: the point of the orbit on Fix(R) near which new orbits meet Fix(R).
         other_side: whether they (for even k: others) do so near the other point as well.
@@ -194,7 +197,9 @@ def _tuplings(
         orbit = family.problem.with_derivative(curve.orbit(place))
         assert orbit.derivative is not None
         sides = tupling_sides(orbit.derivative, k)
-        found.append(LocatedResonance(k, kind_of(k), None, orbit, sides[0], len(sides) > 1, value))
+        symmetry = _tripling_symmetry(family.problem, orbit, value) if k == 3 else None
+        kind = kind_of(k) if symmetry is None else "period_tupling"
+        found.append(LocatedResonance(k, kind, symmetry, orbit, sides[0], len(sides) > 1, value))
     undecided = zeros.undecided
     if k == 2:
         doublings = {touch: _doublings(curve, samples, touch) for touch in undecided}
@@ -206,6 +211,22 @@ def _tuplings(
         for touch in undecided
     ]
     return found, unclear
+
+
+def _tripling_symmetry(problem: ShootingProblem, orbit: SymmetricOrbit, value: float) -> str | None:
+    """The symmetry that fixes the family and negates the direction in which the orbit is resonant, if there is one.
+
+    Then the new orbits do not touch and go.
+    """
+    name = problem.symmetry
+    if name is None or orbit.derivative is None or len(problem.odd_unknowns(name)) != 1:
+        return None
+    odd = [i for i, state in enumerate(problem.system.kernel_coordinates) if problem.parities[state] == -1]
+    if len(odd) != 1:
+        return None
+    parameters = np.linalg.eigvals(orbit.derivative.stability_matrix)
+    across = orbit.derivative.stability_matrix[odd[0], odd[0]]
+    return name if abs(across - value) <= np.min(np.abs(parameters - value)) + _SAME else None
 
 
 def _doublings(curve: StabilityCurve, samples: Samples, touch: Touch) -> list[LocatedResonance]:

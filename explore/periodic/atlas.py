@@ -47,7 +47,7 @@ class CurveControl:
         most: number of pieces in each direction.
     """
 
-    tube: float = 1e-9
+    tube: float = 1e-10
     most: int = 200
 
 
@@ -275,11 +275,12 @@ def _chart(curve: SectionCurve, centre: CurvePoint, half_width: float) -> _Chart
             error = max(error, before.error)
     series = np.atleast_2d(chebyshev.chebfit(nodes, across, _NODES - 1).T)
     tail = float(np.abs(series[:, _DEGREE:]).max())
-    if tail > max(_SMALL, 20 * error):
+    # A step that has converged is far longer than what is left.
+    left = error if error > CONVERGED else 0.0
+    if tail > max(_SMALL, 20 * left):
         raise PeriodicFailure("the piece is too wide")
     ends = tuple(_at(curve, centre, centre, frame, sign * half_width, across, nodes, periods) for sign in (-1.0, 1.0))
-    # A step that has converged is far longer than what is left.
-    noise = max(tail, error if error > CONVERGED else 0.0, _TINY)
+    noise = max(tail, left, _TINY)
     large = np.flatnonzero(np.abs(series).max(axis=0) > noise)
     kept = series[:, : min(_DEGREE, int(large[-1]) if len(large) else 0) + 1]
     return _Chart(centre, half_width, kept, frame, (ends[0], ends[1]), noise)

@@ -75,8 +75,8 @@ def bifurcation_frame(
 
     `level_gradient` is the gradient of the bifurcation parameter: that of the first integral, or
     (1, 0, .., 0) for a family parameter. `tangential`: the new branch is tangent to a level set
-    (k = 1, k even, odd k >= 5) and p_1 is its direction; otherwise (touch and go) p_1 is orthogonal
-    to the family. With `parity` (k = 1) the frame is adapted to S, with exact zeros.
+    (all but touch and go) and p_1 is its direction; otherwise p_1 is orthogonal to the family. With `parity` the
+    frame is adapted to S, with exact zeros.
     Raises `RefinementFailure` where these directions are not defined.
     """
     n = derivative.rows

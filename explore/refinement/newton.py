@@ -160,7 +160,8 @@ def refine(
         kind, k: as in `shared.formats.candidates.Candidate`; k = 1 exactly for symmetry breaking and folds.
         guess: 1 + n numbers in the order of `centre_coordinates`, off by 1e-5 or less.
         digits: decimal digits of the centre; a box that has to be small for its orbit gets more.
-        symmetry: the symmetry that breaks, for symmetry breaking; may be left out if the system has only one.
+        symmetry: the symmetry that breaks, for symmetry breaking, or that fixes the family, for period tupling with
+            k = 3; may be left out if the system has only one.
         crossings: of the section in the half orbit, its end included.
         progress: called with a message and the fraction done.
 
@@ -216,12 +217,13 @@ def _checked(
     if len(guess) != len(system.centre_coordinates) or not all(isfinite(x) for x in guess):
         wanted = ", ".join(system.centre_coordinates)
         raise RefinementFailure(f"the guess needs finite numbers for {wanted}")
-    if kind != "symmetry_breaking":
+    if kind != "symmetry_breaking" and not (kind == "period_tupling" and k == 3):
         return None, None
     if symmetry is None and len(system.symmetries) == 1:
         symmetry = next(iter(system.symmetries))
     if symmetry not in system.symmetries:
-        raise RefinementFailure(f"symmetry breaking needs a symmetry of {system.name}, not {symmetry}")
+        what = "symmetry breaking" if k == 1 else "period tupling with k = 3"
+        raise RefinementFailure(f"{what} needs a symmetry of {system.name}, not {symmetry}")
     return parity_of(system, symmetry), symmetry
 
 
@@ -272,7 +274,7 @@ class _Newton:
         self.point = [Fraction(float(x)) for x in guess]
         if problem.parity is not None:
             if abs(self.point[problem.parity.odd[0]]) > NEIGHBOURHOOD:
-                raise RefinementFailure("the guess does not have the symmetry that is to break")
+                raise RefinementFailure("the symmetry does not fix the guess")
             self.point[problem.parity.odd[0]] = Fraction(0)
         self._seed = list(self.point)
         self.iterations: list[tuple[int, float]] = []

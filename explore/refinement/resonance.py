@@ -55,7 +55,7 @@ class Resonance:
     """What is to be solved: a 1:k resonance of the symmetric orbits of a system, or a fold.
 
     `tangential`: the new branch is tangent to a level set of the bifurcation parameter; see
-    `explore.refinement.frames.bifurcation_frame`. `parity` is set for symmetry breaking (k = 1) only.
+    `explore.refinement.frames.bifurcation_frame`. `parity` is set where the claim uses a symmetry S.
     `regularisation`: the coordinates in which the orbits are followed, if not the system's own.
     `crossings`: of the section in a half orbit, m; P^m stands for P.
     """

@@ -68,7 +68,8 @@ class Candidate:
         parameters: exact values of the system's fixed parameters, by name.
         kind: one of `BOX_KINDS`.
         k: multiplicity; 1 exactly for symmetry breaking, folds, orbits, where R is lost, and where multipliers collide.
-        symmetry: name of the symmetry that breaks, for symmetry breaking.
+        symmetry: name of the symmetry S that breaks, for symmetry breaking; for period tupling with k = 3, of one that
+            fixes the points of the family.
         centre: shape (1 + n,), in the order of `coordinates`.
         frame: shape (1 + n, 1 + n), rows; column j is the direction of p_j.
         kernel_frame: shape (n, n), rows; q_i is row i times the kernel coordinates.
@@ -199,9 +200,19 @@ class Candidate:
         return self.kind == "symmetry_breaking"
 
     @property
+    def uses_symmetry(self) -> bool:
+        """Whether the theorem rests on a symmetry S, which maps the family to itself, point by point."""
+        return self.breaks_symmetry or (self.kind == "period_tupling" and self.k == 3)
+
+    @property
     def leading_power(self) -> int:
         """Of p_1, with which the bifurcation parameter begins to change along the branch, or the curve of a fold."""
         return LEADING_POWERS[self.kind]
+
+    @property
+    def is_tangential(self) -> bool:
+        """Whether the bifurcation parameter has an extremum along the branch, or along the curve of a fold."""
+        return self.leading_power > 1
 
     @property
     def uses_level(self) -> bool:

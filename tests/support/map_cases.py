@@ -68,6 +68,8 @@ CASES: dict[str, tuple[ReversibleMap, str, int, tuple[F, ...]]] = {
     "k=3": (ReversibleMap(F(-1, 2), cubic), "touch_and_go", 3, SLOPED),
     "k=3, sloped family": (ReversibleMap(F(-1, 2), cubic, slope=F(1, 2**8)), "touch_and_go", 3, SLOPED),
     "k=3, n=2": (ReversibleMap(F(-1, 2), coupled, (F(1, 5),)), "touch_and_go", 3, SLOPED_2),
+    "k=3, symmetric": (ReversibleMap(F(-1, 2), odd), "period_tupling", 3, WIDE),
+    "k=3, symmetric, n=2": (ReversibleMap(F(1, 2), coupled_odd, (F(1, 5),)), "period_tupling", 3, WIDE_2),
     "k=4": (ReversibleMap(ROOT, cubic), "period_tupling", 4, WIDE),
     "k=4, n=2": (ReversibleMap(ROOT, coupled, (F(1, 5),)), "period_tupling", 4, WIDE_2),
 }
@@ -75,10 +77,12 @@ CASES: dict[str, tuple[ReversibleMap, str, int, tuple[F, ...]]] = {
 
 def outcome_of(name: str, hamiltonian: bool = False, **changes: Any) -> Outcome[BifurcationResults]:
     system, kind, k, radii = CASES[name]
-    level = None if not hamiltonian else even if k == 1 else tilted
+    symmetric = k == 1 or (k == 3 and kind == "period_tupling")
+    level = None if not hamiltonian else even if symmetric else tilted
     tables, integral = tables_of_maps(system, k, radii, level)
     n = len(radii) - 1
-    candidate = claim(description(n, hamiltonian, symmetric_system=k == 1), kind, k, radii, **changes)
+    values = {"symmetry": "S" if symmetric else None, **changes}
+    candidate = claim(description(n, hamiltonian, symmetric_system=symmetric), kind, k, radii, **values)
     return verdict(candidate, tables, integral)
 
 

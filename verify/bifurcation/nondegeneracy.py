@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from flint import arb
 
+from orbitproof.shared.formats import Candidate
 from orbitproof.verify.bifurcation.conditions import Point, Problem
 from orbitproof.verify.bifurcation.reduction import BifurcationFunction, Family
 from orbitproof.verify.evidence import Checklist, excludes_zero, meet, show, sign
@@ -39,15 +40,15 @@ def side_of(second_derivative: arb) -> str:
 
 
 def check_family_of_maps(
-    checklist: Checklist, problem: Problem, family: Family, reduction: BifurcationFunction, point: Point
+    checklist: Checklist, claim: Candidate, reduction: BifurcationFunction, point: Point
 ) -> Nondegeneracy:
-    """Maps with a parameter: G_11 != 0 for k = 3; G_01 != 0 and G_111 != 0 otherwise.
+    """Maps with a parameter: G_11 != 0 for touch-and-go; G_01 != 0 and G_111 != 0 otherwise.
 
-    For k != 3, G_11 = 0 at the point, hence nu'' = -G_111 / (3 G_01) along the branch.
+    Otherwise G_11 = 0 at the point, hence nu'' = -G_111 / (3 G_01) along the branch.
     """
     jet = reduction.jet(point.where)
     alpha = point.crossing
-    if problem.k == 3:
+    if not claim.is_tangential:
         second = jet.derivative(0, 2)
         _require_nonzero(checklist, "G_11", "9.1", "G_11", second)
         return Nondegeneracy("both", {"alpha": alpha, "beta": -second / (2 * alpha)})
@@ -69,13 +70,18 @@ def check_level_slope(checklist: Checklist, problem: Problem, where: Sequence[ar
 
 
 def check_hamiltonian(
-    checklist: Checklist, problem: Problem, family: Family, reduction: BifurcationFunction, point: Point
+    checklist: Checklist,
+    claim: Candidate,
+    problem: Problem,
+    family: Family,
+    reduction: BifurcationFunction,
+    point: Point,
 ) -> Nondegeneracy:
-    """The level of H as parameter: dH/dp_0, h_fp', and h_b' (k = 3) or h_b'' (otherwise) are not zero."""
+    """The level of H as parameter: dH/dp_0, h_fp', and h_b' (touch-and-go) or h_b'' (otherwise) are not zero."""
     integral = problem.first_integral
     if integral is None:
         raise ValueError("a Hamiltonian problem has a first integral")
-    where, k = point.where, problem.k
+    where = point.where
     jet, level, curve = reduction.jet(where), reduction.restrict(integral, where), family.jet(where)
     k_0, k_1 = level.derivative(1, 0), level.derivative(0, 1)
 
@@ -86,13 +92,13 @@ def check_hamiltonian(
     g_0 = jet.derivative(1, 1) + jet.derivative(0, 2) * curve.slope / 2
     g_1 = jet.derivative(0, 2) / 2
     alpha = point.crossing / k_0
-    if k == 3:
+    if not claim.is_tangential:
         branch_slope = k_0 * (-g_1 / g_0) + k_1
         _require_nonzero(checklist, "h_b'", "9.4", "the derivative of H along the branch", branch_slope)
         beta = branch_slope / (1 - curve.slope * branch_slope / family_slope)
         return Nondegeneracy("both", {"alpha": alpha, "beta": beta, "h_b'": branch_slope, "h_fp'": family_slope})
-    # h_b' = 0 at the point, so that p_0' = -K_1 / K_0 as well; by symmetry it is 0 for k = 1.
-    slope = arb(0) if k == 1 else meet(-g_1 / g_0, -k_1 / k_0)
+    # h_b' = 0 at the point, so that p_0' = -K_1 / K_0 as well; by a symmetry S it is 0.
+    slope = arb(0) if claim.uses_symmetry else meet(-g_1 / g_0, -k_1 / k_0)
     g_11 = jet.derivative(0, 3) / 3
     g_01 = jet.derivative(1, 2) / 2 + jet.derivative(0, 3) * curve.slope / 6
     g_00 = (

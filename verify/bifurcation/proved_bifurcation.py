@@ -68,7 +68,7 @@ class BifurcationResults:
 
 @dataclass(frozen=True)
 class BifurcationTheorem:
-    """The box of a claim contains exactly one bifurcation, of the kind that it names (section 9; Theorems 11.2, 11.3).
+    """The box of a claim contains exactly one bifurcation, of the kind that it names (section 9; Theorems 11.2 to 11.5).
 
     Attributes:
         claim: what the hypotheses are about; made by `theorem_of`, which refuses claims that no theorem is about.
@@ -87,9 +87,9 @@ class BifurcationTheorem:
         names = ["family", *(f"regular-{i}" for i in range(1, k))] if k > 1 else []
         names += [f"{prefix}C2", f"{prefix}C3", f"{prefix}C4", "point"]
         if hamiltonian:
-            names += ["dH/dp_0", "h_fp'", "h_b'" if k == 3 else "h_b''"]
+            names += ["dH/dp_0", "h_fp'", "h_b''" if self.claim.is_tangential else "h_b'"]
         else:
-            names += ["G_11"] if k == 3 else ["G_01", "G_111"]
+            names += ["G_01", "G_111"] if self.claim.is_tangential else ["G_11"]
         return around(self.claim, names, self.in_own_box)
 
 
@@ -97,7 +97,7 @@ def around(claim: Candidate, names: Sequence[str], in_own_box: bool) -> tuple[st
     """The hypotheses of a theorem with these conditions, in the order of checking."""
     before = ["symmetries", "frames"]
     before += ["level"] if claim.uses_level else []
-    before += ["adapted-frames"] if claim.breaks_symmetry else []
+    before += ["adapted-frames"] if claim.uses_symmetry else []
     before += ["poincare-map"]
     before += ["half-orbit"] if claim.crossings > 1 else []
     return (*before, *names, *(("level-box", "candidate-box") if in_own_box else ()))
@@ -116,8 +116,6 @@ def theorem_of(candidate: Candidate) -> BifurcationTheorem | Reason:
         return Reason("theorem", f"{kind} with k = {k}", "symmetry breaking has k = 1, the other kinds k > 1")
     if kind == "touch_and_go" and k % 2 == 0:
         return Reason("theorem", f"touch-and-go is for odd k, this is k = {k}", "claim period_tupling for even k")
-    if k == 3 and kind == "period_tupling":
-        return Reason("theorem", "period tupling with k = 3 has no theorem here", "claim touch_and_go for k = 3")
     if kind == "touch_and_go" and k > 3:
         message = f"at odd k = {k} >= 5 the second derivative G_11 vanishes: touch-and-go cannot happen"
         return Reason("theorem", message, "claim period_tupling for odd k >= 5 (section 11)")
@@ -180,7 +178,7 @@ def prepare(candidate: Candidate, checklist: Checklist) -> None:
     check_frames(checklist, candidate)
     if candidate.uses_level:
         check_level(checklist, candidate)
-    if candidate.breaks_symmetry:
+    if candidate.uses_symmetry:
         check_adapted_frames(checklist, candidate)
 
 
@@ -206,9 +204,9 @@ def check(candidate: Candidate, checklist: Checklist, problem: Problem) -> Bifur
     check_transversality(checklist, problem, family, reduction)
     point = locate(checklist, problem, family, reduction)
     if problem.first_integral is None:
-        conclusion = check_family_of_maps(checklist, problem, family, reduction, point)
+        conclusion = check_family_of_maps(checklist, candidate, reduction, point)
     else:
-        conclusion = check_hamiltonian(checklist, problem, family, reduction, point)
+        conclusion = check_hamiltonian(checklist, candidate, problem, family, reduction, point)
     return results_at(candidate, problem, point.where, conclusion)
 
 

@@ -59,11 +59,12 @@ def check_frames(checklist: Checklist, candidate: Candidate) -> None:
 
 
 def check_adapted_frames(checklist: Checklist, candidate: Candidate) -> None:
-    """For k = 1: S maps (p_0, p_1, p_2) to (p_0, -p_1, p_2) and (q_1, q_2) to (-q_1, q_2), exactly."""
+    """A symmetry S is used: it maps (p_0, p_1, p_2) to (p_0, -p_1, p_2) and (q_1, q_2) to (-q_1, q_2), exactly."""
     statement = "a symmetry S is named, it fixes the centre, negates p_1 and q_1 and fixes the other coordinates"
     with checklist.hypothesis("adapted-frames", "8.6", statement, _ADAPT) as evidence:
         system = candidate.system
-        evidence.require(candidate.symmetry is not None, "the candidate names no symmetry")
+        otherwise = "; without one a claim with k = 3 is touch_and_go" if candidate.k == 3 else ""
+        evidence.require(candidate.symmetry is not None, f"the candidate names no symmetry{otherwise}")
         if candidate.symmetry is None:
             return
         signs = system.symmetries[candidate.symmetry]

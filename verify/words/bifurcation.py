@@ -78,6 +78,8 @@ def _statement(candidate: Candidate) -> str:
         if k % 2 == 0
         else f"two R-symmetric orbits of period {k} of P^2, each of which meets Fix(R) once near the point, branch off"
     )
+    if candidate.uses_symmetry and k > 1:
+        tupled += f"; {candidate.symmetry} fixes the points of the first curve and maps the two orbits to each other"
     branch = {
         "symmetry_breaking": "a symmetry breaking bifurcation of P^2: a pair of R-symmetric period-two points, "
         f"exchanged by {candidate.symmetry}, branches off",
@@ -113,7 +115,8 @@ def kind_in_words(claim: Candidate) -> str:
             f"x of Fix(R) near by with P^2(x) = x, exchanged by {claim.symmetry}, and they merge at the bifurcation "
             f"point."
         )
-    exchanged = f", exchanged by P^{k}," if k % 2 == 0 else ""
+    by = f"P^{k}" if k % 2 == 0 else claim.symmetry if claim.uses_symmetry else None
+    exchanged = "" if by is None else f", exchanged by {by},"
     return (
         f"Period-{k}-tupling means: {along}; on one side of this value only, there are exactly two further points x of "
         f"Fix(R) near by with P^{2 * k}(x) = x{exchanged} and they merge at the bifurcation point."
