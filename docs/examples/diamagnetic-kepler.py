@@ -1,4 +1,4 @@
-"""An electron about a nucleus in a magnetic field, without angular momentum about the field; nu = 0 are straight orbits."""
+"""An electron about a nucleus in a magnetic field, without angular momentum; nu = 0: straight orbits."""
 
 name = "diamagnetic-kepler"
 title = "diamagnetic Kepler problem"

@@ -59,12 +59,15 @@ def test_the_derivative_of_a_half_return_holds_its_digits_across_a_fast_mode(osc
 
 def test_the_straight_orbits_of_the_diamagnetic_kepler_problem_are_followed_to_proofs() -> None:
     system = define_system(DIAMAGNETIC_KEPLER)
-    family = explore.trace_from(system, {"eps": -0.33, "nu": 0.0}, bounds={"eps": (-0.35, -0.27)}, quiet=True)
-    found = explore.resonances(family, k=(1, 4), quiet=True)
+    family = explore.trace_from(system, {"eps": -0.33, "nu": 0.0}, bounds={"eps": (-0.35, -0.3)}, quiet=True)
+    found = explore.resonances(family, k=(1, 3, 4), quiet=True)
     places = sorted((each.k, round(float(each.point[0]), 9)) for each in found)
-    assert places == [(1, -0.327850585), (4, -0.314651862), (4, -0.278318012)]
+    assert places == [(1, -0.327850585), (3, -0.307821108), (4, -0.314651862)]
     claims = [explore.refine(each, digits=30, quiet=True) for each in found]
     assert all(proof.proved for proof in verify.certify(claims, quiet=True))
+    # S fixes the straight orbits: no touch-and-go at 1:3.
+    (tripling,) = [claim for claim in claims if claim.k == 3]
+    assert (tripling.kind, tripling.symmetry) == ("period_tupling", "S")
 
 
 QUARTIC = {

@@ -110,7 +110,9 @@ def test_the_new_orbits_are_on_the_side_that_is_reported(name: str) -> None:
     assert (above, below) == {"above": (2, 0), "below": (0, 2), "both": (1, 1)}[side]
 
 
-@pytest.mark.parametrize("name", [name for name, case in CASES.items() if len(case[3]) == 2 and case[1] != "touch_and_go"])
+@pytest.mark.parametrize(
+    "name", [name for name, case in CASES.items() if len(case[3]) == 2 and case[1] != "touch_and_go"]
+)
 def test_beta_is_the_curvature_of_the_new_branch(name: str) -> None:
     system, _, k, _ = CASES[name]
     result = proof(outcome_of(name)).results

@@ -68,7 +68,7 @@ class BifurcationResults:
 
 @dataclass(frozen=True)
 class BifurcationTheorem:
-    """The box of a claim contains exactly one bifurcation, of the kind that it names (section 9; Theorems 11.2 to 11.5).
+    """The box of a claim contains exactly one bifurcation, of the kind that it names (9, 11.2 to 11.5).
 
     Attributes:
         claim: what the hypotheses are about; made by `theorem_of`, which refuses claims that no theorem is about.
