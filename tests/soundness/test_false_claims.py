@@ -119,8 +119,11 @@ def test_touch_and_go_claimed_for_another_multiplicity_has_no_theorem(name: str)
 
 
 @pytest.mark.parametrize("name", ["fs3", "em3"])
-def test_period_tupling_claimed_for_three_has_no_theorem(name: str) -> None:
-    assert refusal(replace(known(name), kind="period_tupling")) == "theorem"
+def test_period_tupling_claimed_for_three_is_not_proved_without_a_symmetry_that_fixes_the_orbit(name: str) -> None:
+    claim = replace(known(name), kind="period_tupling")
+    assert refusal(claim) == "adapted-frames"
+    for symmetry in claim.system.symmetries:
+        assert refusal(replace(claim, symmetry=symmetry)) == "adapted-frames"
 
 
 @pytest.mark.slow
