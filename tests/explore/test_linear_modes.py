@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from math import cos, pi
 
@@ -77,6 +78,18 @@ QUARTIC = {
     "family_parameter": "a", "level_coordinate": "px", "fixed_level": {"value": "1/4", "sign": 1},
     "first_integral": "(px**2 + py**2)/2 + (x**4 + y**4)/4 + a*x**2*y**2/2",
 }  # fmt: skip
+
+
+def test_a_tripling_by_symmetry_is_claimed_of_a_point_and_nothing_else_is_proved_there() -> None:
+    claim = explore.refine_at(define_system(QUARTIC), {"a": 3.7113019, "y": 0.0}, k=3, digits=30, quiet=True)
+    assert (claim.kind, claim.symmetry) == ("period_tupling", "S")
+    touching = replace(claim, id="touching", kind="touch_and_go", symmetry=None)
+    beside = replace(claim, id="beside", centre=(claim.centre[0] + claim.radii[0] * Fraction(33, 32), claim.centre[1]))
+    proofs = verify.certify([claim, touching, beside], other_boxes=0, quiet=True)
+    assert [proof.proved for proof in proofs] == [True, False, False]
+    assert proofs[0].side == "above"
+    assert proofs[1].reason is not None
+    assert proofs[1].reason.condition in ("C3", "G_11")
 
 
 def test_a_stability_parameter_that_touches_minus_one_gives_a_claim_that_is_proved() -> None:
