@@ -145,7 +145,8 @@ def read_document(path: Path, name: str, number: Callable[[str], float] = float)
 
     Raises `InputError` if the file cannot be read, is not JSON, or does not fit the schema.
     """
-    text = _text_of(path, f"give the path of a {name} file")
+    article = "an" if name[0] in "aeiou" else "a"
+    text = _text_of(path, f"give the path of {article} {name} file")
     if _long_numbers(text) > _MOST_BITS:
         raise InputError(f"{path}: its numbers are too long for this memory; write smaller exponents")
     try:

@@ -10,6 +10,7 @@ import signal
 import sys
 import time
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -77,8 +78,12 @@ def test_the_theorem_is_proved_printed_and_stored(tmp_path: Path, capsys: Any) -
     assert stored.is_proved
     assert stored.document["statement"]["theorem"] in output
     assert stored.document["conclusion"]["joints"]
-    assert "p001: again with more precision, not proved for s in [-1, 1]: the tube is empty" in errors
-    assert "p001: split, not proved for s in [-1, 1]: the tube is empty" in errors
+    place = ", ".join(
+        f"{name} = {float(value):.6g}"
+        for name, value in zip(CURVE.system.centre_coordinates, CURVE.pieces[1].point(Fraction(0)), strict=True)
+    )
+    assert f"p001: again with more precision, not proved for s in [-1, 1], near {place}: the tube is empty" in errors
+    assert f"p001: split, not proved for s in [-1, 1], near {place}: the tube is empty" in errors
     assert "[3/3]" in errors
     assert "s left" in errors
     row = next(line for line in output.splitlines() if line.startswith("p001"))
@@ -124,7 +129,7 @@ def test_a_piece_that_cannot_be_proved_is_named_and_the_rest_is_kept(tmp_path: P
     assert main([source, "-o", str(target), "--max-splits", "1"], atlas_work.not_the_second) == 1
     output, errors = capsys.readouterr()
     assert "NOT PROVED" in output
-    assert errors.count("p001: not proved: the tube is empty") == 1
+    assert len(re.findall(r"p001: not proved, near beta = [0-9.]+, y = [0-9.]+: the tube is empty", errors)) == 1
     assert "[4/3]" not in errors
     assert "Traceback" not in errors
     stored = read_atlas_certificate(target)
@@ -150,7 +155,7 @@ def test_an_interval_without_end_is_ended_at_the_time_limit(tmp_path: Path, caps
     source = write(tmp_path / "atlas.json")
     assert main([source, "--timeout", "0.2", "--max-splits", "0"], atlas_work.endless) == 1
     errors = capsys.readouterr().err
-    assert "p001: not proved: the time limit of 0.2 s passed within one step" in errors
+    assert re.search(r"p001: not proved, near .*: the time limit of 0.2 s passed within one step", errors)
     assert "p002: proved" in errors
 
 

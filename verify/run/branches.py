@@ -137,6 +137,15 @@ class AtlasRun:
         longest = max((float(last - first) for (first, last), _ in state.missing), default=0.0) / float(end - start)
         return done + fraction * longest
 
+    def _place(self, name: str, interval: Interval) -> str:
+        """Where the middle of an interval is, in words, if its piece is one of a curve of symmetric orbits."""
+        piece = self._pieces[name]
+        if not isinstance(self.atlas, Atlas) or not isinstance(piece, Piece):
+            return ""
+        start, end = interval
+        values = zip(self.atlas.system.centre_coordinates, piece.point((start + end) / 2), strict=True)
+        return ", near " + ", ".join(f"{coordinate} = {float(value):.6g}" for coordinate, value in values)
+
     def _tell(self, display: Display, name: str, result: Result) -> None:
         state = self._plans[name]
         if name in self._told:
@@ -148,15 +157,17 @@ class AtlasRun:
             number = sum(entry.is_proved for entry in results)
             inside = f" in {number} intervals" if number > 1 else ""
             message = "" if result.reason is None else result.reason.message
-            verdict = f"proved{inside}" if state.is_proved else f"not proved: {message}"
+            place = "" if result.reason is None else self._place(name, result.interval)
+            verdict = f"proved{inside}" if state.is_proved else f"not proved{place}: {message}"
             display.finish(name, f"{verdict}, {seconds:.1f} s")
             return
         if result.reason is not None:
             start, end = result.interval
             again = any(interval == (start, end) for interval, _ in state.missing)
             word = "again with more precision" if again else "split"
+            place = self._place(name, (start, end))
             display.message(
-                f"{name}: {word}, not proved for s in {exact_interval_text(start, end)}: {result.reason.message}"
+                f"{name}: {word}, not proved for s in {exact_interval_text(start, end)}{place}: {result.reason.message}"
             )
         display.advance(name, self._share(name, 0.0), "next interval")
 
