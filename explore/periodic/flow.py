@@ -75,10 +75,21 @@ def velocity_at(system: System, point: Sequence[float] | Vector, parameters: Seq
 
 def stretching(system: System, states: Matrix, parameters: Sequence[float]) -> float:
     """The mean over states of the fastest rate at which neighbours move apart, where they do."""
-    field, values = field_of(system), jnp.asarray(parameters, dtype=float)
-    slopes = np.asarray(jax.vmap(jax.jacfwd(lambda state: field(state, values)))(jnp.asarray(states)))
+    slopes = _slopes(system, states, parameters)
     rates = np.linalg.eigvalsh((slopes + slopes.transpose(0, 2, 1)) / 2)[:, -1]
     return float(np.mean(np.maximum(rates, 0.0)))
+
+
+def growth_of_bounds(system: System, states: Matrix, parameters: Sequence[float]) -> float:
+    """The mean over states of the rate at which bounds of errors grow, those of what contracts too: by |Df|."""
+    rates = np.max(np.abs(np.linalg.eigvals(np.abs(_slopes(system, states, parameters)))), axis=1)
+    return float(np.mean(rates))
+
+
+def _slopes(system: System, states: Matrix, parameters: Sequence[float]) -> Matrix:
+    """Df at each state, shape (states, N, N)."""
+    field, values = field_of(system), jnp.asarray(parameters, dtype=float)
+    return np.asarray(jax.vmap(jax.jacfwd(lambda state: field(state, values)))(jnp.asarray(states)))
 
 
 def _integrator(system: System) -> Callable[..., Any]:

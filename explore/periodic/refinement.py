@@ -36,6 +36,8 @@ _MARGIN_DIGITS = 6
 _BOX_SHARE, _BOX_DIGITS = 0.7, 5
 """The half-widths of the box have this part of the digits of the centre, and so many more: over a narrower box the
 derivatives are known to fewer digits, over a wider one they vary more."""
+_KNOWN_DIGITS, _MOST_DIGITS = 9, 200
+"""So many digits narrower is the box than the growth of bounds asks for; the centre has no more than the second."""
 _MOST_NEWTON_STEPS = 24
 _MOST_STEPS = 4000
 _FARTHEST = 1e-3
@@ -66,6 +68,11 @@ class PeriodicTask:
     level: Fraction | None
     digits: int
     provenance: Mapping[str, Any]
+
+
+def digits_of_centre(growth: float) -> int:
+    """How many digits the centre needs for a box over which bounds may grow by so many."""
+    return min(_MOST_DIGITS, ceil((growth + _KNOWN_DIGITS - _BOX_DIGITS) / _BOX_SHARE))
 
 
 def refine_periodic(task: PeriodicTask, progress: Progress | None = None) -> PeriodicOrbit:

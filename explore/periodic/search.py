@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import floor, log10
+from math import floor, isfinite, log, log10
 
 import numpy as np
 
@@ -13,9 +13,9 @@ from orbitproof.explore.engines import Progress
 from orbitproof.explore.periodic.births import families
 from orbitproof.explore.periodic.continuation import PeriodicFamily, StepControl
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, correct
-from orbitproof.explore.periodic.flow import velocity_at
+from orbitproof.explore.periodic.flow import growth_of_bounds, velocity_at
 from orbitproof.explore.periodic.nearly import follow, nearby_orbits, recurrences
-from orbitproof.explore.periodic.refinement import PeriodicTask, refine_periodic
+from orbitproof.explore.periodic.refinement import PeriodicTask, digits_of_centre, refine_periodic
 from orbitproof.explore.periodic.section import AffineSection, suggested, through_the_middle
 from orbitproof.explore.periodic.symmetries import Symmetry, is_symmetry
 from orbitproof.explore.refinement import RefinementFailure
@@ -26,6 +26,8 @@ FOLLOWED = 100.0
 """Time for which an orbit is followed if nothing else is said."""
 _SAMPLED = 4000
 _LEVEL_DIGITS = 12
+_EVERY = 16
+"""Every so many states of an orbit tell how bounds grow along it."""
 
 
 @dataclass(frozen=True)
@@ -73,8 +75,14 @@ class FoundOrbit:
         """What there is to refine."""
         return PeriodicTask(
             name, self.problem.system, self.problem.parameters, self.section, self.crossings,
-            tuple(map(float, self.orbit.point)), self.orbit.period, self.level, digits, {},
+            tuple(map(float, self.orbit.point)), self.orbit.period, self.level, max(digits, self._digits_of_box()), {},
         )  # fmt: skip
+
+    def _digits_of_box(self) -> int:
+        """Of the centre, so that the derivatives are known over its box: bounds of errors grow along the orbit."""
+        orbit = self.orbit
+        rate = growth_of_bounds(self.problem.system, orbit.loop[::_EVERY], orbit.values)
+        return digits_of_centre(rate * orbit.period / log(10)) if isfinite(rate) else 0
 
 
 def find_periodic(request: PeriodicRequest, progress: Progress) -> Iterator[FoundOrbit]:

@@ -121,7 +121,8 @@ def draw_marks(marks: Sequence[MarkedPoint]) -> Figure:
         axes.set_xlabel(x)
         axes.set_ylabel(y)
     _title(fixed, "a", "marked points on Fix($R$)")
-    _title(level, "b", system.first_integral_name or "family parameter")
+    integral = system.first_integral_name or "first integral"
+    _title(level, "b", integral if system.family_parameter is None else "family parameter")
     _legend(figure, placements)
     return figure
 

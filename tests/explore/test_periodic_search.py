@@ -21,6 +21,8 @@ from orbitproof.explore.periodic import (
     map_derivative,
     refined,
 )
+from orbitproof.explore.periodic.flow import growth_of_bounds, stretching
+from orbitproof.explore.periodic.refinement import digits_of_centre
 from orbitproof.shared.formats import define_system, read_claims
 
 LORENZ = """\
@@ -147,3 +149,11 @@ def test_bad_input_is_one_line(
     error = capsys.readouterr().err
     assert words in error
     assert error.count("\n") == 1
+
+
+def test_bounds_grow_where_orbits_come_together_too_and_the_centre_has_digits_for_it() -> None:
+    system = define_system({"name": "decay", "state": "x y", "field": {"x": "-5*x", "y": "x - 2*y"}})
+    states = np.array([[1.0, 0.0], [0.5, 0.25]])
+    assert growth_of_bounds(system, states, ()) == pytest.approx(5.0)
+    assert stretching(system, states, ()) == 0.0
+    assert digits_of_centre(10.0) < 50 < digits_of_centre(45.0) < digits_of_centre(1e9) <= 200
