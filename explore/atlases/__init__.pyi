@@ -17,3 +17,5 @@ from .surface import intervals as intervals
 from .surface import piece as piece
 from .surface import system_of as system_of
 from .surface import trace as trace
+from .vertical import VerticalFamily as VerticalFamily
+from .vertical import vertical_atlas as vertical_atlas

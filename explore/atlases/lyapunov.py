@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -155,16 +156,49 @@ class LyapunovFamily:
             last, value = place, new
         raise LibrationFailure(f"S does not break at any abs(eps) < {self.libration.distance:.6g}; give the end")
 
-    def expansion(self, low: float, high: float) -> Vector:
-        """Chebyshev coefficients of vy on [low, high], those above the rounding."""
-        nodes = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
-        middle, half = 0.5 * (low + high), 0.5 * (high - low)
-        values = [self.orbit(middle + half * node).vy for node in nodes]
-        coefficients = np.asarray(chebyshev.chebfit(nodes, values, NODES - 1))
-        return coefficients[: np.flatnonzero(np.abs(coefficients) > NOISE * abs(coefficients[0]))[-1] + 1]
+    def values(self, eps: float) -> tuple[float, ...]:
+        """What is known of the orbit besides eps: vy."""
+        return (self.orbit(eps).vy,)
 
 
-def decay(family: LyapunovFamily, low: float, high: float, coefficients: Vector) -> float:
+class FamilyOfSizes(Protocol):
+    """A family around a libration point, as a curve over its size."""
+
+    mu: Fraction
+
+    @property
+    def libration(self) -> LibrationPoint:
+        """The libration point in float64."""
+
+    @property
+    def system(self) -> ReversibleSystem:
+        """The equations around the point."""
+
+    def orbit(self, place: float) -> AnyOrbit:
+        """The orbit of this size. Raises `LibrationFailure`."""
+
+    def values(self, place: float) -> tuple[float, ...]:
+        """The other coordinates of its centre."""
+
+
+class AnyOrbit(Protocol):
+    """An orbit of such a family."""
+
+    @property
+    def half_period(self) -> float:
+        """From Fix(R) to Fix(R)."""
+
+
+def expansion(family: FamilyOfSizes, low: float, high: float) -> list[Vector]:
+    """Chebyshev coefficients of the coordinates after the first on [low, high], those above the rounding."""
+    nodes = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    values = np.array([family.values(middle + half * node) for node in nodes])
+    rows = [np.asarray(chebyshev.chebfit(nodes, column, NODES - 1)) for column in values.T]
+    return [row[: np.flatnonzero(np.abs(row) > NOISE * np.abs(row).max())[-1] + 1] for row in rows]
+
+
+def decay(family: FamilyOfSizes, low: float, high: float, coefficients: list[Vector]) -> float:
     """The factor by which the Taylor coefficients of the half return in s decay on the piece over [low, high].
 
     The orbits are followed from the points of the unit circle of s by the classical Runge-Kutta method, whose errors
@@ -179,8 +213,11 @@ def decay(family: LyapunovFamily, low: float, high: float, coefficients: Vector)
         return np.array(program.evaluate([*state, *parameters]))
 
     step = family.orbit(middle).half_period / TIME_STEPS
-    ones = np.ones(CIRCLE, dtype=complex)
-    state = np.array([ones, 0 * ones, 0 * ones, chebyshev.chebval(s, coefficients)])
+    ones, system = np.ones(CIRCLE, dtype=complex), family.system
+    known = {name: float(value) * ones for name, value in system.normalised.items()}
+    names = system.centre_coordinates[1:]
+    known |= {name: chebyshev.chebval(s, row) for name, row in zip(names, coefficients, strict=True)}
+    state = np.array([known.get(name, 0 * ones) for name in system.state])
     with np.errstate(all="ignore"):
         for _ in range(TIME_STEPS):
             first = slope(state)
@@ -196,14 +233,14 @@ def decay(family: LyapunovFamily, low: float, high: float, coefficients: Vector)
     return float((sizes[FROM] / sizes[TO]) ** (1 / (TO - FROM)))
 
 
-def pieces_over(family: LyapunovFamily, low: float, high: float, tube: float) -> tuple[Piece, ...]:
+def pieces_over(family: FamilyOfSizes, low: float, high: float, tube: float) -> tuple[Piece, ...]:
     """Pieces over [low, high] from left to right, each as wide as is narrow enough. Raises `LibrationFailure`."""
     pieces: list[Piece] = []
     begin = low
     while True:
         end = high
         while True:
-            coefficients = family.expansion(begin, end)
+            coefficients = expansion(family, begin, end)
             if decay(family, begin, end, coefficients) >= LEAST_DECAY:
                 break
             end = begin + SHRINK * (end - begin)
@@ -216,17 +253,17 @@ def pieces_over(family: LyapunovFamily, low: float, high: float, tube: float) ->
         begin = end - OVERLAP * (end - begin)
 
 
-def _piece(name: str, middle: float, half: float, coefficients: Vector, tube: float) -> Piece:
-    size = abs(float(coefficients[0]))
-    monomials = chebyshev.cheb2poly(coefficients)
+def _piece(name: str, middle: float, half: float, coefficients: list[Vector], tube: float) -> Piece:
+    rows = [chebyshev.cheb2poly(row) for row in coefficients]
+    size = 1 + len(rows)
     return Piece(
         id=name,
         kind="regular",
-        centre=(Fraction(middle), Fraction(float(monomials[0]))),
-        frame=((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1))),
+        centre=(Fraction(middle), *(Fraction(float(row[0])) for row in rows)),
+        frame=tuple(tuple(Fraction(int(i == j)) for j in range(size)) for i in range(size)),
         half_width=Fraction(half),
-        polynomial=((Fraction(0), *(Fraction(float(value)) for value in monomials[1:])),),
-        tube=(Fraction(tube * size),),
+        polynomial=tuple((Fraction(0), *(Fraction(float(value)) for value in row[1:])) for row in rows),
+        tube=tuple(Fraction(tube * float(np.abs(row).max())) for row in coefficients),
         coordinates="physical",
     )
 

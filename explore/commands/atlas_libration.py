@@ -1,4 +1,4 @@
-"""``orbitproof explore atlas-libration``: planar Lyapunov families down to their libration point, as atlases."""
+"""``orbitproof explore atlas-libration``: planar and vertical families down to their libration point, as atlases."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from orbitproof.shared.systems import MASS_PARAMETERS
 
 POINTS = ("L1", "L2", "L3")
 THROUGH = ("halo", "axial")
-WIDEST_TUBE = 1e-3
+WIDEST_TUBE, PLANAR_TUBE, VERTICAL_TUBE = 1e-3, 1e-8, 1e-7
 
 _EXAMPLES = """\
 examples:
@@ -20,10 +20,13 @@ examples:
   orbitproof explore atlas-libration --point L1 --mass earth-moon --through axial -o lyapunov.json
   orbitproof explore atlas-libration --point L3 --mass 0.1 --side right -o lyapunov-l3.json
   orbitproof explore atlas-libration --point L2 --mass sun-jupiter --end -0.01 -o lyapunov-l2.json
+  orbitproof explore atlas-libration --vertical --point L1 --mass earth-moon -o vertical.json
 
 An orbit is given by eps, the signed distance from the libration point at which it starts on the axis, and vy, its
 speed there in units of eps; the orbit of eps = 0 is that of the linear centre. The pieces go from beyond the first
-symmetry breaking, where halo orbits branch off (or axial ones), across eps = 0. Takes a few seconds.
+symmetry breaking, where halo orbits branch off (or axial ones), across eps = 0. A vertical orbit is given by eps2, the
+square of its speed across the plane where it crosses the axis; the pieces go beyond the birth of axial orbits on the
+vertical family, or to the end that is given. Takes a few seconds.
 Exit codes: 0 written, 1 the family could not be followed, 2 bad input.
 """
 
@@ -33,7 +36,7 @@ def add_parser(commands: Any) -> None:
     parser = add_command(
         commands,
         "atlas-libration",
-        "atlas of a planar Lyapunov family from its symmetry breaking to the libration point",
+        "atlas of a planar or vertical family from the libration point through births of other orbits",
         _EXAMPLES,
     )
     parser.add_argument("--point", choices=POINTS, required=True, help="the libration point")
@@ -43,6 +46,7 @@ def add_parser(commands: Any) -> None:
         metavar="MU",
         help=f"mass parameter: a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1), taken exactly as written",
     )
+    parser.add_argument("--vertical", action="store_true", help="the vertical family instead of the planar one")
     parser.add_argument(
         "--side",
         choices=("left", "right"),
@@ -52,7 +56,7 @@ def add_parser(commands: Any) -> None:
         "--end",
         type=number,
         metavar="EPS",
-        help="go to this eps, positive on the right (default: a bit beyond a birth, see --through)",
+        help="go to this eps, positive on the right, or eps2 of vertical orbits (default: a bit beyond a birth)",
     )
     parser.add_argument(
         "--through",
@@ -62,9 +66,8 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--tube",
         type=positive,
-        default=1e-8,
         metavar="W",
-        help=f"half-width of the tubes, relative to vy, at most {WIDEST_TUBE:g} (default: %(default)s)",
+        help=f"half-width of the tubes, relative to vy, at most {WIDEST_TUBE:g} (default: 1e-8, vertical 1e-7)",
     )
     add_output(parser, "atlas file")
     add_quiet(parser)
@@ -74,8 +77,14 @@ def add_parser(commands: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Follow the family and write the atlas; returns the exit code. Raises `InputError`."""
     mu = mass_parameter("--mass", options.mass)
-    if options.tube > WIDEST_TUBE:
-        raise InputError(f"--tube {options.tube:g}: above {WIDEST_TUBE:g}; the default is 1e-8")
+    tube = options.tube or (VERTICAL_TUBE if options.vertical else PLANAR_TUBE)
+    if tube > WIDEST_TUBE:
+        raise InputError(f"--tube {tube:g}: above {WIDEST_TUBE:g}; the default is 1e-8, of vertical orbits 1e-7")
+    for name in ("side", "through"):
+        if options.vertical and getattr(options, name) is not None:
+            raise InputError(f"--{name}: not together with --vertical; leave it out, or give --end")
+    if options.vertical and options.end is not None and options.end < 0:
+        raise InputError(f"--end {options.end:g}: the square of a speed; give a positive number")
     if options.end is not None and options.side is not None:
         raise InputError("--side: not together with --end, whose sign tells the side; leave one of them out")
     if options.end is not None and options.through is not None:
@@ -86,14 +95,23 @@ def run(options: argparse.Namespace) -> int:
     side = {"left": -1, "right": 1, None: 1 if options.point == "L3" else -1}[options.side]
 
     # Only now: JAX takes a moment to load.
-    from orbitproof.explore.atlases import LibrationFailure, LyapunovFamily, lyapunov_atlas
+    from orbitproof.explore.atlases import (
+        LibrationFailure,
+        LyapunovFamily,
+        VerticalFamily,
+        lyapunov_atlas,
+        vertical_atlas,
+    )
     from orbitproof.explore.engines import Reporter
 
-    family = LyapunovFamily(options.point, mu)
     with Reporter(options.quiet) as report:
-        report.stage(f"{options.point}, the planar family")
+        report.stage(f"{options.point}, the {'vertical' if options.vertical else 'planar'} family")
         try:
-            atlas = lyapunov_atlas(family, options.mass, options.end, side, options.tube, options.through or "halo")
+            if options.vertical:
+                atlas = vertical_atlas(VerticalFamily(options.point, mu), options.mass, options.end, tube)
+            else:
+                family = LyapunovFamily(options.point, mu)
+                atlas = lyapunov_atlas(family, options.mass, options.end, side, tube, options.through or "halo")
         except LibrationFailure as error:
             report.error(f"orbitproof explore atlas-libration: {error}")
             return 1
@@ -101,7 +119,6 @@ def run(options: argparse.Namespace) -> int:
         covers = atlas.claim.covers
         assert covers is not None
         pieces = f"{len(atlas.pieces)} piece" + "s" * (len(atlas.pieces) > 1)
-        report.message(
-            f"{pieces} over eps from {float(covers.start):.6g} to {float(covers.end):.6g} written to {options.output}"
-        )
+        covered = f"{covers.coordinate} from {float(covers.start):.6g} to {float(covers.end):.6g}"
+        report.message(f"{pieces} over {covered} written to {options.output}")
     return 0

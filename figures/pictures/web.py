@@ -19,11 +19,16 @@ from orbitproof.figures.pictures.legends import bottom_margin, legend_below
 from orbitproof.figures.pictures.marks import draw_point
 from orbitproof.figures.style import INK, label_of, level_label
 from orbitproof.shared.formats import AnyAtlas, InputError
-from orbitproof.shared.systems import AROUND, BRANCH_SYSTEMS, CR3BP, ReversibleSystem
+from orbitproof.shared.systems import AROUND, BRANCH_SYSTEMS, CR3BP, VERTICAL, ReversibleSystem, System
 from orbitproof.verify.atlas import StoredArc, StoredVertex, WebCertificate
 
-_COLOURS = {"planar": "#3c6e91", "R": "#1b7837", "axial": "#b2182b"}
-_WORDS = {"planar": "in the plane", "R": "symmetric under R", "axial": "symmetric under the half turn"}
+_COLOURS = {"planar": "#3c6e91", "R": "#1b7837", "axial": "#b2182b", "vertical": "#762a83"}
+_WORDS = {
+    "planar": "in the plane",
+    "R": "symmetric under R",
+    "axial": "symmetric under the half turn",
+    "vertical": "vertical, symmetric under both",
+}
 _WIDTH, _HEIGHT = 7.2, 4.4
 _CHARACTERS = 95
 _NEAR = "(b)  around the planar arcs"
@@ -71,9 +76,18 @@ def _drawn(arc: StoredArc, curve: Curve, vertices: Mapping[str, StoredVertex]) -
 
 def _kind_of(atlas: AnyAtlas) -> str:
     system = atlas.system
-    if any(system == known for known in AROUND.values()):
-        return "planar"
+    around = _around(system)
+    if around is not None:
+        return around[0]
     return "axial" if isinstance(system, ReversibleSystem) and system.reversor is not None else "R"
+
+
+def _around(system: System) -> tuple[str, str] | None:
+    """Planar or vertical, and the libration point, of a system in units of such orbits around one."""
+    kinds = {"planar": AROUND, "vertical": VERTICAL}
+    return next(
+        ((kind, name) for kind, points in kinds.items() for name, known in points.items() if known == system), None
+    )
 
 
 @dataclass(frozen=True)
@@ -84,13 +98,13 @@ class _States:
         names: of the coordinates of its points.
         mu: the mass parameter.
         libration_point: its x; of a curve that is not around one, 0.
-        around: whether the curve is in units of its orbits' size.
+        around: "planar" or "vertical" of a curve in units of such orbits around it; `None` for others.
     """
 
     names: tuple[str, ...]
     mu: float
     libration_point: float
-    around: bool
+    around: str | None
 
     @classmethod
     def of(cls, curve: Curve) -> _States:
@@ -98,21 +112,26 @@ class _States:
         system = curve.atlas.system
         if (
             "mu" not in curve.parameters
-            or not {"x", "eps"} & set(curve.coordinates)
+            or not {"x", "eps", "eps2"} & set(curve.coordinates)
             or system.name not in BRANCH_SYSTEMS
         ):
             raise InputError(f"the curve {curve.atlas.id}: is none of the CR3BP; give certificates of such arcs")
         mu = float(curve.parameters["mu"])
-        name = next((name for name, known in AROUND.items() if known == system), None)
-        return cls(curve.coordinates, mu, 0.0 if name is None else _libration_point(mu, name), name is not None)
+        around = _around(system)
+        if around is None:
+            return cls(curve.coordinates, mu, 0.0, None)
+        return cls(curve.coordinates, mu, _libration_point(mu, around[1]), around[0])
 
     def level_and_x(self, points: Array) -> Array:
         """Of points, shape (M, 1 + n); shape (2, M)."""
         known = dict(zip(self.names, points.T, strict=True))
         zero = np.zeros(len(points))
-        if self.around:
+        if self.around == "planar":
             eps = known["eps"]
             known = {"x": self.libration_point + eps, "vy": eps * known["vy"]}
+        elif self.around == "vertical":
+            size = np.maximum(known["eps2"], 0.0)
+            known = {"x": self.libration_point + size * known["x"], "vy": size * known["vy"], "vz": np.sqrt(size)}
         program = CR3BP.first_integral_program
         assert program is not None
         at = {**dict.fromkeys(CR3BP.state, zero), **known, "mu": self.mu}

@@ -1,9 +1,10 @@
-"""The planar CR3BP around a collinear libration point, in units of the size of the orbit.
+"""The CR3BP around a collinear libration point, in units of the size of the orbit: planar orbits, and vertical ones.
 
 With x_l the libration point, X = x_l + eps x and Y = eps y, the equations of (x, y) are analytic in eps
 through eps = 0, where they are the linearisation at the libration point. An orbit that starts on the axis at
 X is measured in the unit eps = X - x_l, so that it starts at x = 1; eps is negative on the left of the
-libration point. section 16, proves what this says about the CR3BP.
+libration point. Vertical orbits cross the axis, and eps is their speed across the plane there: they are of the size
+eps across it and eps^2 in it. Section 16 proves what this says about the CR3BP.
 """
 
 from __future__ import annotations
@@ -103,12 +104,52 @@ def _around(point: str, sides: tuple[int, int], interval: Any) -> ReversibleSyst
     )
 
 
-AROUND: Mapping[str, ReversibleSystem] = {
-    "L1": _around("L1", (1, -1), _between_primaries),
-    "L2": _around("L2", (1, 1), _beyond_smaller),
-    "L3": _around("L3", (-1, -1), _beyond_larger),
-}
-"""The system around each collinear libration point, by the name of the point."""
+def _vertical_field(sides: tuple[int, int]) -> VectorField:
+    """The CR3BP with X = x_l + eps^2 x, Y = eps^2 y, Z = eps z, in u = z^2, v = z z', w = z'^2, as in (16.5).
+
+    `sides` are the signs of x_l + mu and x_l + mu - 1.
+    """
+
+    def field(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
+        x, y, vx, vy, u, v, w = state
+        mu, x_l, eps2 = parameters
+        square = u + eps2 * (x * x + y * y)
+        along, across = x + 2 * vy, y - 2 * vx
+        pull: Any = 0
+        for mass, distance, side in ((1 - mu, x_l + mu, sides[0]), (mu, x_l + mu - 1, sides[1])):
+            inverse = distance**-1
+            stiffness = side * mass * (inverse * inverse * inverse)
+            # The squared distance from the primary is distance^2 (1 + eps2 inverse linear).
+            linear = 2 * x + inverse * square
+            ratio = (1 + eps2 * (inverse * linear)) ** -0.5
+            inverse_square = ratio * ratio
+            cube = stiffness * (inverse_square * ratio)
+            # (ratio^3 - 1) / eps2 = -linear * inverse * quotient without a division by eps2.
+            quotient = stiffness * (inverse_square * (ratio + 1 / (1 + ratio)))
+            along = along - (x * cube - linear * quotient)
+            pull = pull + cube
+        return (vx, vy, along, across - pull * y, 2 * v, w - pull * u, -2 * (pull * v))
+
+    return field
+
+
+def _vertical(point: str, sides: tuple[int, int], interval: Any) -> ReversibleSystem:
+    return ReversibleSystem(
+        name=f"cr3bp-{point.lower()}-vertical",
+        title=f"circular restricted three-body problem around {point} in units of vertical orbits, up to z -> -z",
+        state=("x", "y", "vx", "vy", "u", "v", "w"),
+        parameters={
+            "mu": ParameterRange(Fraction(0), Fraction(1)),
+            "x_l": ParameterRange(None, None),
+            "eps2": ParameterRange(None, None),
+        },
+        vector_field=_vertical_field(sides),
+        reversing_symmetry=(1, -1, -1, 1, 1, -1, 1),
+        section="y",
+        family_parameter="eps2",
+        normalised={"u": Fraction(0), "w": Fraction(1)},
+        derived_parameters={"x_l": DerivedParameter(_force_on_axis, interval)},
+    )
 
 
 def mass_of_distance(side: int, distance: Any) -> Any:
@@ -163,11 +204,25 @@ def _over_masses(point: str, side: int) -> ReversibleSystem:
     )
 
 
+_POINTS: Mapping[str, tuple[tuple[int, int], Any]] = {
+    "L1": ((1, -1), _between_primaries),
+    "L2": ((1, 1), _beyond_smaller),
+    "L3": ((-1, -1), _beyond_larger),
+}
+
+AROUND: Mapping[str, ReversibleSystem] = {point: _around(point, *known) for point, known in _POINTS.items()}
+"""The system of planar orbits around each collinear libration point, by the name of the point."""
+
+VERTICAL: Mapping[str, ReversibleSystem] = {point: _vertical(point, *known) for point, known in _POINTS.items()}
+"""That of vertical orbits around each of them."""
+
 SIDES: Mapping[str, int] = {"L1": -1, "L2": 1}
 """On which side of the smaller mass the libration point lies."""
 
 OVER_MASSES: Mapping[str, ReversibleSystem] = {point: _over_masses(point, side) for point, side in SIDES.items()}
 """The system around L1 and L2 with the distance from the smaller mass as parameter, which determines the mass."""
 
-BRANCH_SYSTEMS: Mapping[str, ReversibleSystem] = {**SYSTEMS, **{system.name: system for system in AROUND.values()}}
-"""Systems whose branches can be proved, by name. Those of `AROUND` are not for single candidates."""
+BRANCH_SYSTEMS: Mapping[str, ReversibleSystem] = {
+    **SYSTEMS, **{system.name: system for around in (AROUND, VERTICAL) for system in around.values()}
+}  # fmt: skip
+"""Systems whose branches can be proved, by name. Those of `AROUND` and `VERTICAL` are not for single candidates."""

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from orbitproof.shared.claims import BOX_KINDS
-from orbitproof.shared.formats import Atlas, InputError, read_system
+from orbitproof.shared.formats import Atlas, InputError, candidate_from_json, read_system
 from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
 from orbitproof.verify.certificate import Certificate, Recheck
 from orbitproof.verify.certificate.stated_system import stated
 from orbitproof.verify.curve import CertifiedPoint, certified_systems
+from orbitproof.verify.reversor_breaking import BreakingResults, is_shifted_by
 
 Examine = Callable[[Certificate], Recheck]
 """Shows that a certificate's conclusion follows from what it stores."""
@@ -44,7 +45,19 @@ def certified_point(atlas: Atlas, certificate: Certificate, examine: Examine) ->
         parameter=certificate.parameter,
         stability=() if orbit is None else orbit.stability.parameters,
         other_point=None if orbit is None else orbit.other_point,
+        shifted_by=_shifting(certificate, system),
     )
+
+
+def _shifting(certificate: Certificate, system: ReversibleSystem) -> tuple[str, ...]:
+    """The symmetries that are shown to shift the orbit by half its period (Lemma 27.6)."""
+    found = certificate.results
+    if not isinstance(found, BreakingResults):
+        return ()
+    candidate = candidate_from_json(
+        certificate.statement["candidate"], "statement.candidate", {**SYSTEMS, system.name: system}
+    )
+    return tuple(name for name in system.symmetries if is_shifted_by(candidate, found, name))
 
 
 def _own_system(atlas: Atlas, certificate: Certificate) -> ReversibleSystem | str:

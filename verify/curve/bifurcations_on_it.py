@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from typing import Protocol
 
 from flint import acb, arb
 
@@ -18,10 +19,29 @@ from orbitproof.verify.evidence import EmptyIntersectionError, all_finite, enclo
 LACKS_COORDINATES = "the certificate does not have all coordinates of the point"
 
 Point = Mapping[str, arb]
-Partner = Callable[[ReversibleSystem, Mapping[str, Fraction], Point, int], Point | None]
 
 
-def no_partner(system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Point, crossings: int) -> None:
+class Partner(Protocol):
+    """Encloses the point of a symmetric orbit at the end of its half orbit."""
+
+    def __call__(
+        self,
+        system: ReversibleSystem,
+        parameters: Mapping[str, Fraction],
+        point: Point,
+        crossings: int,
+        onto: ReversibleSystem | None = None,
+    ) -> Point | None:
+        """On the fixed points of R, or of the reversing symmetry of `onto`, a system with the same equations."""
+
+
+def no_partner(
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    point: Point,
+    crossings: int,
+    onto: ReversibleSystem | None = None,
+) -> None:
     """A `Partner` that finds none."""
 
 
@@ -41,6 +61,7 @@ class CertifiedPoint:
         parameter_name, parameter: of the bifurcation.
         stability: enclosures of the stability parameters of one orbit; none of a bifurcation.
         other_point: enclosures of the coordinates of the orbit's other point on Fix(R), if they are known.
+        shifted_by: symmetries that are shown to shift the orbit along itself by half its period.
     """
 
     id: str
@@ -57,6 +78,7 @@ class CertifiedPoint:
     parameter: arb | None = None
     stability: tuple[acb, ...] = ()
     other_point: Point | None = None
+    shifted_by: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -118,10 +140,11 @@ def place_bifurcation(
     if certified.problem:
         return replace(entry, is_foreign=certified.is_foreign)
     crossings = certified.crossings
-    if crossings != atlas.claim.crossings:
-        reason = f"its half orbits meet the section {crossings} times, those of the curve {atlas.claim.crossings}"
+    wanted = _crossings_of(atlas)
+    if crossings != wanted:
+        reason = f"its half orbits meet the section {crossings} times, those of the curve {wanted}"
         return replace(entry, reason=reason)
-    point = _in_coordinates_of(atlas, certified)
+    point = _in_coordinates_of(atlas, certified, partner)
     if isinstance(point, str):
         return replace(entry, reason=point)
     entry = replace(
@@ -150,12 +173,25 @@ def place_bifurcation(
     return replace(entry, reason=place)
 
 
-def _in_coordinates_of(atlas: Atlas, certified: CertifiedPoint) -> Point | str:
+def _crossings_of(atlas: Atlas) -> int:
+    """How often half orbits of the curve meet the section in the system in which its points are certified."""
+    if atlas.system.derived_parameters:
+        from orbitproof.verify.curve.vertical_family import CROSSINGS, vertical_point
+
+        if vertical_point(atlas.system) is not None:
+            return CROSSINGS
+    return atlas.claim.crossings
+
+
+def _in_coordinates_of(atlas: Atlas, certified: CertifiedPoint, partner: Partner) -> Point | str:
     """The point by the coordinates of the curve, in their order, or why it is none of the curve's."""
     if atlas.system.derived_parameters:
         from orbitproof.verify.curve.lyapunov_family import carried
+        from orbitproof.verify.curve.vertical_family import carried_vertical, vertical_point
 
-        return carried(atlas, certified)
+        if vertical_point(atlas.system) is None:
+            return carried(atlas, certified)
+        return carried_vertical(atlas, certified, partner)
     names = atlas.system.centre_coordinates
     if not set(names) <= set(certified.point):
         return LACKS_COORDINATES

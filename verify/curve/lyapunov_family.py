@@ -11,6 +11,7 @@ from orbitproof.shared.formats import ORBIT_KINDS, Atlas
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, ReversibleSystem
 from orbitproof.verify.curve.bifurcations_on_it import LACKS_COORDINATES, CertifiedPoint
 from orbitproof.verify.curve.libration_point import derived_parameter
+from orbitproof.verify.curve.vertical_family import vertical_jacobi_constant, vertical_point
 from orbitproof.verify.evidence import IntegrationFailure, enclose, excludes_zero
 
 PLANAR = "S"
@@ -18,7 +19,7 @@ PLANAR = "S"
 
 
 def point_name(system: ReversibleSystem) -> str | None:
-    """The libration point around which a system is written; `None` for other systems."""
+    """The libration point around whose planar orbits a system is written; `None` for other systems."""
     return next((name for name, known in AROUND.items() if known is system), None)
 
 
@@ -27,6 +28,8 @@ def certified_systems(system: ReversibleSystem) -> tuple[ReversibleSystem, ...]:
 
     In the plane both reversing symmetries of the CR3BP are the same, so a planar orbit may break S under either (16.5).
     """
+    if vertical_point(system) is not None:
+        return (CR3BP,)
     return (system,) if point_name(system) is None else (CR3BP, CR3BP_AXIAL)
 
 
@@ -35,7 +38,8 @@ def libration_point(system: ReversibleSystem, parameters: Mapping[str, Fraction]
 
     Raises `IntegrationFailure` if it was not enclosed.
     """
-    return None if point_name(system) is None else derived_parameter(system, "x_l", parameters, ctx.prec).ball
+    around = point_name(system) or vertical_point(system)
+    return None if around is None else derived_parameter(system, "x_l", parameters, ctx.prec).ball
 
 
 def carried(atlas: Atlas, certified: CertifiedPoint) -> dict[str, arb] | str:
@@ -72,7 +76,9 @@ def in_units_of_orbit(
 def jacobi_constant(
     system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Mapping[str, arb]
 ) -> arb | None:
-    """The Jacobi constant of the orbit of the CR3BP that a point (eps, vy) stands for; `None` for other systems."""
+    """That of the orbit of the CR3BP for which a point of a family around a libration point stands; else `None`."""
+    if vertical_point(system) is not None:
+        return vertical_jacobi_constant(system, parameters, point)
     integral = CR3BP.first_integral_program
     if point_name(system) is None or integral is None:
         return None

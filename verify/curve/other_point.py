@@ -35,6 +35,7 @@ def enclose_other_point(
     parameters: Mapping[str, Fraction],
     point: Mapping[str, arb],
     crossings: int = 1,
+    onto: ReversibleSystem | None = None,
 ) -> dict[str, arb] | None:
     """Enclosures of the coordinates of P(x) for a symmetric orbit through x, or `None` if there are none.
 
@@ -42,6 +43,7 @@ def enclose_other_point(
         oracle: finds approximations.
         parameters: exact values of the system's fixed parameters.
         point: enclosures of the system's `centre_coordinates` at x, where P(x) is known to lie in Fix(R).
+        onto: a system with the same equations whose R is meant in this, if it is not `system`.
         crossings: m, how often half orbits meet the section; P^m stands for P.
     """
     if not all_finite(point.values()):
@@ -51,7 +53,7 @@ def enclose_other_point(
     with guarded(bits):
         try:
             arithmetic = Arithmetic(Grading((1,), 0), bits, 0, default_order(bits))
-            return _half_return(system, parameters, point, arithmetic, oracle, crossings)
+            return _half_return(system, parameters, point, arithmetic, oracle, crossings, onto or system)
         except (IntegrationFailure, ArithmeticError):
             return None
 
@@ -63,11 +65,12 @@ def _half_return(
     arithmetic: Arithmetic,
     oracle: WideOracle,
     crossings: int,
+    onto: ReversibleSystem,
 ) -> dict[str, arb] | None:
     known = {name: _constant(arithmetic, ball) for name, ball in point.items()}
     returns = HalfOrbits(system, arithmetic, {**parameter_series(arithmetic, system, given), **known}, oracle)
     state = [_ball(element) for element in returns.half_orbit(crossings)[0]]
-    if any(excludes_zero(state[index]) for index in system.kernel_coordinates):
+    if any(excludes_zero(state[index]) for index in onto.kernel_coordinates):
         # The orbit through x is not symmetric: what was said of x is wrong.
         return None
     at = dict(zip(system.state, state, strict=True))
@@ -77,7 +80,7 @@ def _half_return(
         if not is_in(system.fixed_level, at[str(system.level_coordinate)]):
             # The curve consists of points on one sheet of the level (12.5).
             return None
-    result = {name: at.get(name, point.get(name, arb("nan"))) for name in system.centre_coordinates}
+    result = {name: at.get(name, point.get(name, arb("nan"))) for name in onto.centre_coordinates}
     return result if all_finite(result.values()) else None
 
 

@@ -20,3 +20,4 @@ from orbitproof.verify.reversor_breaking.proved_reversor_breaking import (
     prove_breaking,
     theorem_of,
 )
+from orbitproof.verify.reversor_breaking.shifted import is_shifted_by

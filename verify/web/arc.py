@@ -10,7 +10,14 @@ from flint import arb
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import ReversibleSystem
-from orbitproof.verify.curve import Bifurcation, ProvedCurve, certified_systems, jacobi_constant, point_name
+from orbitproof.verify.curve import (
+    Bifurcation,
+    ProvedCurve,
+    certified_systems,
+    jacobi_constant,
+    point_name,
+    vertical_point,
+)
 from orbitproof.verify.evidence import enclose, hull
 from orbitproof.verify.stability import point_over
 
@@ -64,8 +71,14 @@ class Arc:
         system = self.atlas.system
         return (
             *(system.program.text(), system.section, system.reversing_symmetry),
-            *(system.centre_coordinates, point_name(system)),
+            *(system.centre_coordinates, point_name(system) or vertical_point(system)),
         )
+
+    @property
+    def period(self) -> arb:
+        """A ball with the periods of all its orbits; of vertical ones the proved times are quarters (16.7)."""
+        assert self.curve is not None
+        return (2 if vertical_point(self.atlas.system) is None else 4) * self.curve.half_period
 
     def levels(self) -> arb:
         """A ball with the levels of all orbits over the pieces; not finite if they are not enclosed (33.5)."""
@@ -87,7 +100,7 @@ def level_at(atlas: Atlas, point: Mapping[str, arb]) -> arb:
     Not finite where it is not known: of states with coordinates that are functions of others.
     """
     system = atlas.system
-    if point_name(system) is not None:
+    if point_name(system) is not None or vertical_point(system) is not None:
         level = jacobi_constant(system, atlas.parameters, point)
         return _NOT_KNOWN if level is None else level
     if system.family_parameter is not None:
@@ -105,7 +118,9 @@ def level_at(atlas: Atlas, point: Mapping[str, arb]) -> arb:
 
 
 def libration_vertex(arc: Arc) -> str | None:
-    """The libration point to which the orbits of a proved arc shrink (Theorem 16.3); `None` if there is none."""
+    """The libration point to which the orbits of a proved arc shrink (Theorems 16.3, 16.6); `None` if there is none."""
+    if vertical_point(arc.atlas.system) is not None:
+        return vertical_point(arc.atlas.system)
     name, claim = point_name(arc.atlas.system), arc.atlas.claim
     covers = claim.covers
     if name is None or covers is None or covers.coordinate != "eps" or "eps" not in claim.increasing:

@@ -118,7 +118,7 @@ def conclude_web(web: Web, arcs: Sequence[Arc]) -> Outcome[ProvedWeb]:
                     evidence.require(len(parts) == 1, f"these hang together, and no more is shown: {names}")
         except NotEstablishedError as error:
             return NotProved(error.reason, tuple(checklist.hypotheses))
-        known = tuple(KnownArc(arc, arc.levels(), 2 * arc.curve.half_period) for arc in arcs if arc.curve is not None)
+        known = tuple(KnownArc(arc, arc.levels(), arc.period) for arc in arcs if arc.curve is not None)
     results = ProvedWeb(known, vertices, found, _switches(arcs, found), parts)
     return Proved(WebTheorem(web), results, tuple(checklist.hypotheses))
 
@@ -201,7 +201,7 @@ def _check_vertices(
 
 def _vertex(incidence: Incidence, arc: Arc) -> Vertex:
     if incidence.vertex in LIBRATION_POINTS:
-        at_rest = {"eps": arb(0), "vy": arb(0)}
+        at_rest = {name: arb(0) for name in arc.atlas.system.centre_coordinates}
         return Vertex(incidence.vertex, LIBRATION_POINT, 1, level_at(arc.atlas, at_rest))
     entry = arc.placed[incidence.vertex]
     return Vertex(entry.id, entry.kind, entry.k, level_at(arc.atlas, entry.point))

@@ -10,7 +10,7 @@ from orbitproof.shared.formats import ORBIT_KINDS, Atlas
 from orbitproof.shared.systems import ReversibleSystem, shown
 from orbitproof.shared.wording import itemised
 from orbitproof.verify.claim import atlas_in_words, keyed_in_words, names_in_words, sheet_in_words, signs_on
-from orbitproof.verify.curve import Bifurcation, CurveTheorem, Ends, ProvedCurve, point_name
+from orbitproof.verify.curve import Bifurcation, CurveTheorem, Ends, ProvedCurve, point_name, vertical_point
 from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text, range_text
 
 _DIGITS = 18
@@ -34,7 +34,8 @@ def curve_in_words(theorem: CurveTheorem, curve: ProvedCurve) -> str:
     if further:
         paragraphs.append(further)
     if half_period.is_finite():
-        paragraphs.append(f"All half periods lie in {range_text(half_period, 4)}.")
+        said = "All half periods" if vertical_point(atlas.system) is None else "All these T"
+        paragraphs.append(f"{said} lie in {range_text(half_period, 4)}.")
     return "\n".join(paragraphs)
 
 
@@ -166,10 +167,18 @@ _SHOWN_DIGITS = 20
 
 def _libration_units(atlas: Atlas, x_l: arb | None) -> str:
     """A sentence on the units of a system around a libration point; empty for other systems."""
-    name = point_name(atlas.system)
+    planar, vertical = point_name(atlas.system), vertical_point(atlas.system)
+    name = planar or vertical
     if name is None or x_l is None:
         return ""
     side, force = _SIDES[name]
+    if vertical is not None:
+        return (
+            f" In its coordinates X = x_l + eps2 x, Y = eps2 y, Z = eps z of the three-body problem with primaries at "
+            f"-mu and 1 - mu, eps^2 = eps2, u = z^2, v = z z', w = z'^2, x_l is the only root X of X = {force} {side}, "
+            f"in {decimal_interval(x_l, _SHOWN_DIGITS)}, and (eps2, x, vy) stands for the initial point x, y = 0, "
+            f"x' = 0, y' = vy, z = 0, z' = 1."
+        )
     return (
         f" In its coordinates X = x_l + eps x, Y = eps y of the three-body problem with primaries at -mu and 1 - mu, "
         f"x_l is the only root X of X = {force} {side}, in {decimal_interval(x_l, _SHOWN_DIGITS)}, and (eps, vy) "
@@ -180,8 +189,11 @@ def _libration_units(atlas: Atlas, x_l: arb | None) -> str:
 def meaning(atlas: Atlas) -> str:
     """What a proved curve around a libration point says about the CR3BP; empty if it says nothing more.
 
-    Theorem 16.3: eps increases along the curve and takes values on an interval that contains 0.
+    Theorem 16.3: eps increases along the curve and takes values on an interval that contains 0. Of vertical orbits:
+    Theorem 16.6.
     """
+    if vertical_point(atlas.system) is not None:
+        return _vertical_meaning(str(vertical_point(atlas.system)))
     name, covers = point_name(atlas.system), atlas.claim.covers
     if name is None or covers is None or "eps" not in atlas.claim.increasing:
         return ""
@@ -194,4 +206,16 @@ def meaning(atlas: Atlas) -> str:
     return (
         f"{text} At eps = 0 it is the orbit of the linear centre, so the curve is the planar Lyapunov family that "
         f"emanates from {name}."
+    )
+
+
+def _vertical_meaning(name: str) -> str:
+    return (
+        "For eps2 > 0 let T be the time of the first return. The orbit of the circular restricted three-body problem "
+        "through X = x_l + eps2 x, Y' = eps2 vy, Z' = eps on the axis, at right angles to it, is periodic with the "
+        "least period 4 T and symmetric under R and under the half turn about the x axis: after the time T it meets "
+        "the plane Y = 0 at right angles, for the first time, off the axis, and z -> -z shifts it by the time 2 T. For "
+        "eps2 -> 0 "
+        f"it shrinks to {name}, and 4 T tends to 2 pi/c^(1/2), the period of the linear oscillation across the plane: "
+        f"it belongs to the vertical family that emanates from {name}."
     )

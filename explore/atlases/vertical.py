@@ -1,0 +1,177 @@
+"""Atlases of vertical families from their libration point, through the birth of the axial orbits.
+
+In the equations of `shared.systems.VERTICAL` the family is a curve over eps2, the square of the speed across the plane
+on the axis, through eps2 = 0, where z is that of the linear centre and drives a small orbit in the plane.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+
+from orbitproof.explore.atlases.lyapunov import LibrationFailure, pieces_over
+from orbitproof.explore.flow import FlowFailure, flow_of
+from orbitproof.explore.numerics import bracketed_zero
+from orbitproof.explore.seeds import LibrationPoint, libration_point, primaries
+from orbitproof.shared.formats import Atlas, Claim, Covers
+from orbitproof.shared.systems import CR3BP, VERTICAL, ReversibleSystem
+
+NEWTON_STEPS, TOLERANCE = 15, 1e-10
+STEP = 0.05
+"""Of the continuation in eps2, in units of the force scale c d^2, d the distance of the nearest primary."""
+FARTHEST, HALVINGS = 0.05, 6
+"""A step after which x or vy is another by more than this part of their size is halved, so many times at most."""
+BEYOND, BEFORE = 0.06, 0.02
+"""So far the pieces go beyond the birth, and beyond eps2 = 0 on the other side, relative to the birth's eps2."""
+Y, VX, V = 1, 2, 5
+"""Indices of what vanishes after a quarter of the period."""
+
+
+@dataclass(frozen=True)
+class VerticalOrbit:
+    """A vertical orbit in the coordinates of `shared.systems.VERTICAL`.
+
+    Attributes:
+        eps2: the square of its speed across the plane where it crosses the axis.
+        x, vy: where it does so, and the speed in the plane, in units of eps2.
+        half_period: up to z -> -z: a quarter of its period.
+    """
+
+    eps2: float
+    x: float
+    vy: float
+    half_period: float
+
+
+@dataclass(frozen=True)
+class VerticalFamily:
+    """The vertical family of a collinear libration point.
+
+    Attributes:
+        point: "L1", "L2" or "L3".
+        mu: the mass parameter, exact.
+    """
+
+    point: str
+    mu: Fraction
+    _known: list[VerticalOrbit] = field(default_factory=list, compare=False)
+
+    @cached_property
+    def libration(self) -> LibrationPoint:
+        """The libration point in float64."""
+        return libration_point(self.point, self.mu)
+
+    @property
+    def system(self) -> ReversibleSystem:
+        """The equations around the point."""
+        return VERTICAL[self.point]
+
+    @cached_property
+    def step(self) -> float:
+        """Of the continuation."""
+        return STEP * self.libration.stiffness * self.libration.distance**2
+
+    @cached_property
+    def first(self) -> VerticalOrbit:
+        """That of eps2 = 0, as in Lemma 16.4 (iv): z = sin(n t)/n with n^2 = c, and what z^2 drives in the plane."""
+        c, mu = self.libration.stiffness, float(self.mu)
+        distances = [self.libration.x - float(place[0]) for place in primaries(mu)]
+        force = 1.5 * sum(m / abs(d) ** 3 / d for m, d in zip((1 - mu, mu), distances, strict=True)) / (2 * c)
+        rate = 2 * np.sqrt(c)
+        matrix = np.array([[-(rate**2) - (1 + 2 * c), -2 * rate], [-2 * rate, -(rate**2) - (1 - c)]])
+        x, y = np.linalg.solve(matrix, [-force, 0.0])
+        return self._correct(0.0, -force / (1 + 2 * c) + float(x), float(y * rate), float(np.pi / rate))
+
+    def orbit(self, place: float) -> VerticalOrbit:
+        """The orbit of eps2 = `place`, from its nearest known neighbour in steps. Raises `LibrationFailure`."""
+        if not self._known:
+            self._known.append(self.first)
+        near = min(self._known, key=lambda orbit: abs(orbit.eps2 - place))
+        count = int(np.ceil(abs(place - near.eps2) / self.step))
+        for goal in np.linspace(near.eps2, place, count + 1)[1:]:
+            near = self._next(near, float(goal), HALVINGS)
+        return near
+
+    def values(self, place: float) -> tuple[float, float]:
+        """x and vy."""
+        orbit = self.orbit(place)
+        return orbit.x, orbit.vy
+
+    def _next(self, near: VerticalOrbit, eps2: float, halvings: int) -> VerticalOrbit:
+        found = self._correct(eps2, near.x, near.vy, near.half_period)
+        size = abs(near.x) + abs(near.vy)
+        if halvings and abs(found.x - near.x) + abs(found.vy - near.vy) > FARTHEST * size:
+            middle = self._next(near, 0.5 * (near.eps2 + eps2), halvings - 1)
+            return self._next(middle, eps2, halvings - 1)
+        self._known.append(found)
+        return found
+
+    def _correct(self, eps2: float, x: float, vy: float, quarter: float) -> VerticalOrbit:
+        """Newton's method for x, vy and the time: y, vx and z vz vanish at its end."""
+        flow, parameters = flow_of(self.system), [float(self.mu), self.libration.x, eps2]
+        for _ in range(NEWTON_STEPS):
+            if quarter <= 0:
+                break
+            try:
+                result = flow.derivative([x, 0.0, 0.0, vy, 0.0, 0.0, 1.0], quarter, parameters)
+            except FlowFailure as error:
+                raise LibrationFailure(f"at eps2 = {eps2:.6g}: {error}") from None
+            wanted = [Y, VX, V]
+            columns = (result.state_transition[wanted, 0], result.state_transition[wanted, 3], result.velocity[wanted])
+            try:
+                step = np.linalg.solve(np.stack(columns, axis=1), result.state[wanted])
+            except np.linalg.LinAlgError:
+                raise LibrationFailure(f"at eps2 = {eps2:.6g}: the family turns around") from None
+            x, vy, quarter = (value - float(change) for value, change in zip((x, vy, quarter), step, strict=True))
+            if np.abs(step).max() < TOLERANCE * (abs(x) + abs(vy)):
+                return VerticalOrbit(eps2, x, vy, quarter)
+        raise LibrationFailure(f"at eps2 = {eps2:.6g}: Newton's method does not converge")
+
+    def breaking_function(self, eps2: float) -> float:
+        """Zero where axial orbits are born, eps2 > 0.
+
+        It is the determinant of the quarter map's derivative from Fix(R S) to the coordinates that R fixes.
+        """
+        orbit, l = self.orbit(eps2), self.libration.x
+        state = [l + eps2 * orbit.x, 0.0, 0.0, 0.0, eps2 * orbit.vy, float(np.sqrt(eps2))]
+        transition = flow_of(CR3BP).derivative(state, orbit.half_period, [float(self.mu)]).state_transition
+        return float(np.linalg.det(transition[np.ix_([0, 2, 4], [0, 4, 5])]))
+
+    def birth(self) -> float:
+        """The first eps2 where axial orbits are born. Raises `LibrationFailure`."""
+        last, value = self.step, self.breaking_function(self.step)
+        for _ in range(int(4 / STEP)):
+            place = last + self.step
+            new = self.breaking_function(place)
+            if (new < 0) != (value < 0):
+                return bracketed_zero(self.breaking_function, (last, place), (value, new), 1e-12 * place)
+            last, value = place, new
+        raise LibrationFailure(f"no axial orbits are born at eps2 < {last:.6g}; give the end")
+
+
+def vertical_atlas(family: VerticalFamily, label: str, end: float | None, tube: float) -> Atlas:
+    """The atlas of the family from the libration point to eps2 = `end`, by default beyond the birth of axial orbits.
+
+    Arguments:
+        label: the mass as people call it.
+        tube: half-width of the tubes relative to x and vy.
+
+    Raises `LibrationFailure`.
+    """
+    birth = family.birth() if end is None else None
+    goal = (1 + BEYOND) * birth if birth is not None else end
+    assert goal is not None
+    pieces = pieces_over(family, -BEFORE * goal, goal, tube)
+    return Atlas(
+        id=f"vertical-{family.point.lower()}-{label}",
+        title=f"vertical orbits of {family.point}, {label}, from the libration point",
+        system=family.system,
+        parameters={"mu": family.mu},
+        # Short numbers for the statement; the pieces go beyond them.
+        claim=Claim("arc", None, ("eps2",), Covers("eps2", Fraction(0), Fraction(f"{0.9999 * goal:.5e}"))),
+        pieces=pieces,
+        provenance={"libration_point": family.libration.x, "axial_birth": birth},
+    )
