@@ -78,6 +78,7 @@ DOORS = {
     "orbits that are followed in regularised coordinates": ("verify.poincare.regularised",),
     "families around a libration point, in units of their orbits": (
         "verify.curve.libration_point",
+        "verify.curve.vertical_family",
         "verify.curve.lyapunov_family",
     ),
     "motion in a plane of a larger system": ("verify.out_of_plane.out_of_plane", "verify.stability.across_list"),

@@ -13,7 +13,6 @@ from orbitproof.verify.curve.gluing import Chain, follow
 from orbitproof.verify.curve.piece_claim import require_piece
 from orbitproof.verify.curve.piece_result import IntervalResult
 from orbitproof.verify.curve.tube import lower_end, read_tube, upper_end
-from orbitproof.verify.curve.vertical_family import check_vertical, vertical_point
 from orbitproof.verify.evidence import Checklist, Evidence, all_finite, exact_text, excludes_zero
 
 KINDS = ("arc", "symmetric-arc", "symmetric-loop", "loop")
@@ -31,7 +30,7 @@ def hypotheses_of(atlas: Atlas) -> tuple[str, ...]:
         *(("two-points",) if claim.kind == "symmetric-loop" else ()),
         *(f"increasing-{name}" for name in claim.increasing),
         *(("covers",) if claim.covers is not None else ()),
-        *(("vertical",) if vertical_point(atlas.system) is not None else ()),
+        *(("vertical",) if _is_of_vertical_orbits(atlas) else ()),
     )
 
 
@@ -63,9 +62,20 @@ def check_curve(checklist: Checklist, atlas: Atlas, results: Sequence[IntervalRe
         check_increasing(checklist, names, system, found, name)
     if claim.covers is not None:
         check_covers(checklist, names, system, found, claim.covers)
-    if vertical_point(system) is not None:
+    if _is_of_vertical_orbits(atlas):
+        from orbitproof.verify.curve.vertical_family import check_vertical
+
         check_vertical(checklist, atlas, found)
     return found
+
+
+def _is_of_vertical_orbits(atlas: Atlas) -> bool:
+    """Whether the curve is one of vertical orbits around a libration point (16.7)."""
+    if not atlas.system.derived_parameters:
+        return False
+    from orbitproof.verify.curve.vertical_family import vertical_point
+
+    return vertical_point(atlas.system) is not None
 
 
 def _check_pieces(evidence: Evidence, atlas: Atlas) -> None:

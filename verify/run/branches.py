@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from orbitproof.shared.formats import AnyAtlas, AnyPiece, ArgumentError, Atlas, InputError, Piece, check_writable
+from orbitproof.shared.systems import VERTICAL
 from orbitproof.verify.atlas import (
     AtlasCertificate,
     Lines,
@@ -227,6 +228,10 @@ def limits_of(
         raise ArgumentError(
             "{complete}: lists what is on a curve of symmetric orbits, and this atlas is about {0}; leave it out",
             kind_of(atlas).about,
+        )
+    if complete is not None and any(atlas.system is known for known in VERTICAL.values()):
+        raise ArgumentError(
+            "{complete}: the list of vertical orbits around a libration point is not made; leave it out"
         )
     if combinations and (complete is None or len(atlas.curve_pieces()[0].tube) != 2):
         raise ArgumentError(
