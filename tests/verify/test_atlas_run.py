@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -24,7 +25,7 @@ from orbitproof.verify.atlas import read_atlas_certificate
 from orbitproof.verify.run import Processes
 from orbitproof.verify.run.branch_command import main
 from orbitproof.verify.run.branch_tasks import RunLimits
-from orbitproof.verify.run.splitting import covers, full_interval, halves, plan
+from orbitproof.verify.run.splitting import Plan, covers, full_interval, halves, plan, with_closer_looks
 
 
 @given(st.lists(st.booleans(), max_size=6))
@@ -120,6 +121,36 @@ def test_intervals_that_are_halved_beforehand_are_not_tried_in_whole() -> None:
     assert plan(piece, [], [{}], 0, halved=1).missing == ((whole, 0),)
     proved = {"piece": "p001", "interval": ["-0x1", "0x1"], "verdict": "proved"}
     assert plan(piece, values([proved]), [{}], 3, halved=1).is_proved
+
+
+def test_places_that_are_known_roughly_are_looked_at_once_on_short_intervals() -> None:
+    whole = Fraction(-1), Fraction(1)
+    attempts = [{"precision": 80}, {"precision": 128}]
+    place, other = ((Fraction(n), Fraction(n) + Fraction(1, 64)) for n in (Fraction(1, 4), Fraction(1, 2)))
+
+    def entry(interval: tuple[Fraction, Fraction], precision: int, verdict: str = "proved") -> dict[str, Any]:
+        ends = [format_exact(end) for end in interval]
+        reason = {} if verdict == "proved" else {"reason": {"condition": "newton", "message": "", "remedy": ""}}
+        computation = {"precision": precision}
+        return {"piece": "p001", "interval": ends, "verdict": verdict, "computation": computation, **reason}
+
+    def looks(
+        *entries: dict[str, Any], again: Sequence[tuple[Fraction, Fraction]] = ((Fraction(0), Fraction(1)),)
+    ) -> Any:
+        state = Plan((), ((other, 0),), ())
+        wanted = {80: (place, (place[0], place[1] + Fraction(1, 64)), other), 128: again}
+        return with_closer_looks(
+            state, values(entries), lambda result: wanted[result.computation.precision], attempts
+        ).missing
+
+    assert looks(entry(whole, 80, "not proved")) == ((other, 0),)
+    # The second is about the same place; what a closer look finds is not looked at again, nor what it failed to find.
+    assert looks(entry(whole, 80)) == ((other, 0), (place, 1), (other, 1))
+    for verdict in ("proved", "not proved"):
+        assert looks(entry(whole, 80), entry(place, 128, verdict)) == ((other, 0), (other, 1))
+    closer = place[0], place[0] + Fraction(1, 2048)
+    assert looks(entry(place, 128), again=(closer,)) == ((other, 0), (closer, 1))
+    assert looks(entry(place, 128, "not proved"), again=(closer,)) == ((other, 0),)
 
 
 def test_what_takes_too_long_is_split_at_once() -> None:

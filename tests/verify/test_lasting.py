@@ -36,6 +36,7 @@ from orbitproof.verify.lasting import (
     FunctionJet,
     compose,
     conclude_lasting,
+    exceptions_to_sharpen,
     exchanged,
     inverse_of_plane_map,
     is_known_of,
@@ -510,17 +511,45 @@ def test_the_twist_is_open_where_it_is_not_decided_between_elliptic_orbits() -> 
 
     true = made_up(([], []))
     assert open_on(first, true[0]) == open_on(second, true[1]) == ""
-    assert open_on(second, made_up(([], [0.1]), error=1e-16)[1]) == ""
-    # More precision encloses an orbit without twist to more digits.
-    assert open_on(second, made_up(([], [0.1]))[1]) == "zeros"
+    assert open_on(second, made_up(([], [0.1]))[1]) == ""
+    # An orbit without twist has to be known well enough for a closer look.
+    assert open_on(second, made_up(([], [0.1]), error=1e-2)[1]) == "zeros"
     # More precision may part two zeros; where the bound is as large as the function, a shorter interval does more.
     assert open_on(second, made_up(([], [0.1, 0.1]))[1]) == "zeros"
     assert open_on(second, made_up(([], []), error=2.0)[1]) == "stability"
     assert open_on(first, made_up(([-0.5, -0.5], []))[0]) == ""
-    assert (
-        open_on(second, {**true[1], "twist": {"reason": {"condition": "x", "message": "y", "remedy": ""}}})
-        == "stability"
-    )
+    assert open_on(second, without_twist(true[1])) == "stability"
+
+
+def test_exceptions_that_are_known_roughly_are_looked_at_closer() -> None:
+    def looks(number: int, entry: dict[str, Any]) -> list[tuple[float, float]]:
+        found: Any = value_of(entry)
+        low, high = found.interval
+        middle, radius = (low + high) / 2, (high - low) / 2 * Fraction(33, 32)
+        intervals = exceptions_to_sharpen(found)
+        assert all(low <= first < last <= high for first, last in intervals)
+        return [(float((first - middle) / radius), float((last - middle) / radius)) for first, last in intervals]
+
+    def about(place: float, found: list[tuple[float, float]]) -> list[float]:
+        return [high - low for low, high in found if low < place - 1e-5 < place + 1e-5 < high]
+
+    third, fourth = of_beta(1, 453.442587), of_beta(1, 679.954155)
+    for error, is_looked_at in ((1e-2, False), (1e-6, True), (1e-15, False)):
+        widths = about(0.1, looks(1, made_up(([], [0.1]), error=error)[1]))
+        assert [width < 1e-3 for width in widths] == [True] * is_looked_at
+    # A resonance 1:3 or 1:4 is looked at if its place is known to some digits; 1:2 and unstable orbits are not.
+    blurred = made_up(([-0.9], []))
+    for result in blurred:
+        for function in result["stability"]["characteristic"]:
+            function["error"] = format_exact(Fraction(1, 2**16))
+    found = looks(1, blurred[1])
+    assert [len(about(place, found)) for place in (third, fourth)] == [1, 1]
+    assert len(found) == 2
+    assert looks(0, blurred[0]) == looks(0, without_twist(blurred[0])) == []
+
+
+def without_twist(entry: dict[str, Any]) -> dict[str, Any]:
+    return {**entry, "twist": {"reason": {"condition": "x", "message": "y", "remedy": ""}}}
 
 
 def test_no_twist_is_asked_for_where_all_orbits_are_unstable() -> None:

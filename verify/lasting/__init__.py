@@ -10,7 +10,7 @@ from orbitproof.verify.lasting.fates import (
     lasting_list,
 )
 from orbitproof.verify.lasting.jets import FunctionJet, compose, exchanged, inverse_of_plane_map, solved
-from orbitproof.verify.lasting.left_open import twist_open_on
+from orbitproof.verify.lasting.left_open import exceptions_to_sharpen, twist_open_on
 from orbitproof.verify.lasting.proved_lasting import LastingTheorem, ProvedLasting, conclude_lasting
 from orbitproof.verify.lasting.reversibility import Reversibility
 from orbitproof.verify.lasting.stored import LastingResult, TwistFunctions, is_known_of, twist_of_piece

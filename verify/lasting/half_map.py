@@ -18,7 +18,7 @@ Jet = FunctionJet[Series]
 
 _FRAME = 2**16
 """Denominator of the directions that are chosen at both points."""
-_SLOPE_BITS = 56
+_SLOPE_BITS = 48
 """Significant bits of derivatives of order 3, at least; those of lower order have more, as their errors spread."""
 
 

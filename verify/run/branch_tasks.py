@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError, PeriodicAtlas
@@ -65,11 +65,19 @@ def attempts_of(atlas: AnyAtlas, limits: RunLimits) -> tuple[Settings, ...]:
     return first, {name: value + more.get(name, 0) for name, value in first.items()}
 
 
+def closer_look_of(attempts: Sequence[Settings]) -> Settings:
+    """Settings for short intervals about exceptions of `lasting`: few powers of s, and more bits."""
+    first = attempts[0]
+    more = {"precision": _CLOSER_BITS, "order": _CLOSER_ORDER}
+    return {**{name: value + more.get(name, 0) for name, value in first.items()}, "width": _CLOSER_WIDTH}
+
+
+_CLOSER_BITS, _CLOSER_ORDER, _CLOSER_WIDTH = 48, 12, 12
 _MORE_BITS, _MORE_ORDER, _MORE_WIDTH = 48, 8, 8
 _FOR_STABILITY = {"precision": 96, "order": 40, "width": 60}
 """More than a proof takes: of n parameters of stability one may be small and the others large."""
-_FOR_LASTING = {"precision": 112, "order": 44, "width": 36}
-"""Each derivative of the return map loses some digits more."""
+_FOR_LASTING = {"precision": 96, "order": 40, "width": 36}
+"""Where it is not enough, shorter intervals take less time than more bits; exceptions are looked at closer anyway."""
 HALVED_FOR_LASTING = 1
 """Derivatives converge more slowly along the curve: with a smaller width halves of a piece take less time together."""
 

@@ -24,11 +24,18 @@ from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import exact_interval_text
-from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, is_known_of, twist_open_on
+from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, exceptions_to_sharpen, is_known_of, twist_open_on
 from orbitproof.verify.run import Answer, Display, Engine, Task, Work, Workplace
 from orbitproof.verify.run.branch_checks import checked_side_by_side, placing
-from orbitproof.verify.run.branch_tasks import HALVED_FOR_LASTING, RunLimits, attempts_of, result_of, task_of
-from orbitproof.verify.run.splitting import NOT_FOR_SPLITTING, Plan, full_interval, made_with, plan
+from orbitproof.verify.run.branch_tasks import (
+    HALVED_FOR_LASTING,
+    RunLimits,
+    attempts_of,
+    closer_look_of,
+    result_of,
+    task_of,
+)
+from orbitproof.verify.run.splitting import NOT_FOR_SPLITTING, Plan, full_interval, made_with, plan, with_closer_looks
 from orbitproof.verify.stability import open_on
 
 _STEPS_AT_FIRST = 16
@@ -52,11 +59,14 @@ class AtlasRun:
         self.limits = limits
         self.output = output
         self._attempts = attempts_of(atlas, limits)
+        self._all_attempts = (*self._attempts, closer_look_of(self._attempts)) if limits.lasting else self._attempts
         self._results: dict[str, list[Result]] = {piece.id: [] for piece in atlas.pieces}
         for result in earlier:
             self._results[result.piece].append(result)
         self._pieces = {piece.id: piece for piece in atlas.pieces}
+        # The result is kept with what is found of it, so that its identity is not given to another one.
         self._lacking: dict[int, tuple[Result, str]] = {}
+        self._to_sharpen: dict[int, tuple[Result, Sequence[Interval]]] = {}
         self._begun: set[tuple[str, Interval, int]] = set()
         self._told: set[str] = set()
         self._plans = {piece.id: self._plan(piece) for piece in atlas.pieces}
@@ -98,8 +108,19 @@ class AtlasRun:
         engine.run(work, self._next, progress, finished)
 
     def _plan(self, piece: AnyPiece) -> Plan:
-        halved = HALVED_FOR_LASTING if self.limits.lasting else 0
-        return plan(piece, self._results[piece.id], self._attempts, self.limits.max_splits, self._lacks, halved)
+        results, lasting = self._results[piece.id], self.limits.lasting
+        state = plan(
+            piece, results, self._attempts, self.limits.max_splits, self._lacks, HALVED_FOR_LASTING if lasting else 0
+        )
+        return with_closer_looks(state, results, self._rough, self._all_attempts) if lasting else state
+
+    def _rough(self, result: Result) -> Sequence[Interval]:
+        """Intervals about exceptions that a result knows, and less well than is wanted."""
+        if not isinstance(result, LastingResult) or self._lacks(result):
+            return ()
+        if id(result) not in self._to_sharpen:
+            self._to_sharpen[id(result)] = (result, exceptions_to_sharpen(result))
+        return self._to_sharpen[id(result)][1]
 
     def _lacks(self, result: Result) -> str:
         """What a list of resonances leaves open on a proved interval."""
@@ -107,7 +128,6 @@ class AtlasRun:
         if not (self.limits.stability and isinstance(piece, Piece) and isinstance(result, LastingResult)):
             return ""
         if id(result) not in self._lacking:
-            # The result is kept with it, so that its identity is not given to another one.
             lacks = open_on(piece, result, self.limits.order)
             if not lacks and self.limits.lasting:
                 lacks = twist_open_on(piece, result)
@@ -122,7 +142,7 @@ class AtlasRun:
             for interval, attempt in state.missing:
                 if (name, interval, attempt) not in self._begun:
                     self._begun.add((name, interval, attempt))
-                    settings = self._attempts[attempt]
+                    settings = self._all_attempts[attempt]
                     return task_of(self.atlas, self._pieces[name], interval, settings, self.limits, self._steps())
         return None
 
@@ -278,7 +298,9 @@ def started(atlas: AnyAtlas, limits: RunLimits, output: Path | None = None, fres
             output,
             before.atlas.id,
         )
-    earlier = reusable(before, atlas, attempts_of(atlas, limits), limits.stability, limits.lasting)
+    attempts = attempts_of(atlas, limits)
+    attempts = (*attempts, closer_look_of(attempts)) if limits.lasting else attempts
+    earlier = reusable(before, atlas, attempts, limits.stability, limits.lasting)
     return AtlasRun(atlas, limits, earlier, output)
 
 

@@ -7,7 +7,7 @@ intervals show together is decided by `verify.curve.conclude`, from the interval
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from orbitproof.shared.formats import AnyPiece
@@ -22,6 +22,9 @@ NOT_FOR_SPLITTING = ("process",)
 
 FOR_SPLITTING = ("time", "collision", "section", "crossing count", "stability")
 """Conditions that more precision does not mend: the interval takes too long, or its orbits differ too much."""
+
+_CLOSER = 16
+"""A place is not looked at again on an interval that is not so many times as short as the last one."""
 
 _SPLITS_FOR_LIST = 2
 """How often an interval that is proved is halved at most for what a list leaves open on it."""
@@ -116,6 +119,29 @@ def plan(
 
     walk(full_interval(piece), 0)
     return Plan(tuple(done), tuple(missing), tuple(failed))
+
+
+def with_closer_looks(
+    state: Plan,
+    results: Sequence[Result],
+    wanted: Callable[[Result], Sequence[Interval]],
+    attempts: Sequence[Settings],
+) -> Plan:
+    """A plan with short intervals about places that are known roughly, each tried once, with the last of the attempts.
+
+    Args:
+        wanted: such intervals of a proved result.
+    """
+    looked_at = [result.interval for result in results if made_with(result, attempts[-1])]
+    missing = list(state.missing)
+    for result in results:
+        for start, end in wanted(result) if result.is_proved else ():
+            # A look that did not show enough is followed by a closer one, if that is closer indeed.
+            longest = (end - start) * _CLOSER
+            if not any(first < end and start < last and last - first < longest for first, last in looked_at):
+                looked_at.append((start, end))
+                missing.append(((start, end), len(attempts) - 1))
+    return replace(state, missing=tuple(missing))
 
 
 def _asked(piece: AnyPiece, interval: Interval) -> Interval:
