@@ -183,6 +183,9 @@ def prove_row(certificate: Mapping[str, Any], _: Report) -> Row:
         row |= {"kind": result.kind, "twists": _texts(result.twists)}
         row["stability_parameters"] = [[_text(value.real), _text(value.imag)] for value in result.stability]
         row |= {} if result.rotation_number is None else {"rotation_number": _text(result.rotation_number)}
+        if result.torsion is not None:
+            row["rotation_numbers"] = [_text(value) for value in result.torsion.rotation_numbers]
+            row["torsion"] = [[_text(value) for value in line] for line in result.torsion.rows]
     if isinstance(result, (ProvedBirth, ProvedSymmetric)):
         row |= {name: getattr(result, name) for name in ("width", "bits", "steps")}
         row |= {name: _texts(getattr(result, name)) for name in ("point", "other_point")}

@@ -10,7 +10,7 @@ from flint import acb, arb
 from orbitproof.verify.evidence import ball_from_json
 from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, relation
 from orbitproof.verify.run.second_periodic import is_in_the_box
-from orbitproof.verify.second_proof import ProvedBirth, ProvedSymmetric
+from orbitproof.verify.second_proof import ProvedBirth, ProvedSymmetric, Torsion
 
 Pairs = dict[str, tuple[arb, Any]]
 
@@ -51,6 +51,11 @@ def compare_symmetric(certificate: Mapping[str, Any], result: ProvedSymmetric) -
         if found is not None:
             return found
         parts.append("the sign of the twist")
+    if result.torsion is not None:
+        found = _torsion(results, result.torsion, pairs)
+        if found is not None:
+            return found
+        parts.append("the sign of the determinant of the torsion, and tau_11 tau_22/(tau_12 tau_21)")
     left = ["that the first integral is one"] if result.level is not None else []
     left += ["distances"] if results.get("least_distance") is not None else []
     return _compared(certificate, result, ("point", "other_point"), pairs, parts, left)
@@ -99,6 +104,22 @@ def _twist(results: Mapping[str, Any], result: ProvedSymmetric, pairs: Pairs) ->
     pairs["normal_form.twist"] = result.twists[name], results["twist"]
     if not ball_from_json(results["defect"]).contains(0):
         return Comparison("disagrees", "defect: is not 0 in the certificate")
+    return None
+
+
+def _torsion(results: Mapping[str, Any], found: Torsion, pairs: Pairs) -> Comparison | None:
+    """The rotation numbers; of the torsion what does not depend on the lengths of vectors."""
+    for number, (value, entry) in enumerate(
+        zip(found.rotation_numbers, results["rotation_numbers"], strict=True), start=1
+    ):
+        pairs[f"rotation number {number}"] = value, entry
+    determinant = ball_from_json(results["torsion_determinant"])
+    if determinant.contains(0) or (determinant > 0) != (found.determinant > 0):
+        return Comparison("disagrees", "torsion_determinant: another sign than here")
+    (a, b), (c, d) = ([ball_from_json(entry) for entry in row] for row in results["torsion"])
+    (k, l), (m, n) = found.rows
+    if not (a * d * l * m).overlaps(b * c * k * n):
+        return Comparison("disagrees", "torsion: tau_11 tau_22/(tau_12 tau_21) is another number here")
     return None
 
 

@@ -2,6 +2,7 @@
 
 from .births import ProvedBirth
 from .claims import Outcome, read_claim, second_proof
+from .elliptic_tori import Torsion
 from .jets import CannotFollow
 from .periodic import ProvedPeriodic
 from .periodic_bifurcation import ProvedPeriodicBifurcation
@@ -12,5 +13,6 @@ from .symmetric_orbit import ProvedSymmetric
 
 __all__ = [
     "BadCertificate", "CannotFollow", "NotProved", "Outcome", "Proved", "ProvedBirth", "ProvedPeriodic",
-    "ProvedPeriodicBifurcation", "ProvedSymmetric", "ProvedTorus", "read_claim", "read_statement", "second_proof",
+    "ProvedPeriodicBifurcation", "ProvedSymmetric", "ProvedTorus", "Torsion", "read_claim", "read_statement",
+    "second_proof",
 ]  # fmt: skip

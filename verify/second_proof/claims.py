@@ -24,7 +24,7 @@ from .symmetric_orbit import ProvedSymmetric, prove_symmetric
 TORUS = "periodic-torus"
 PROOFS = {
     "periodic": prove_periodic, TORUS: prove_torus, "reversor_breaking": prove_birth,
-    "stable_orbit": prove_symmetric, "orbit": prove_symmetric,
+    "stable_orbit": prove_symmetric, "orbit": prove_symmetric, "invariant_tori": prove_symmetric,
 }  # fmt: skip
 """By kinds that are named in full."""
 Outcome = Proved | ProvedPeriodic | ProvedPeriodicBifurcation | ProvedTorus | ProvedBirth | ProvedSymmetric | NotProved

@@ -118,23 +118,29 @@ class FullReturn:
         twist = Hypothesis("twist", is_twist, twists | {"Re(conj(lambda) c_1)": bend.real})
         return [elliptic, away, twist], s.acos() / (2 * arb.pi()), twists, bend.real
 
-    def coefficient(self, at: acb) -> tuple[acb, Complex]:
-        """c_1 and the vector W to which it belongs. README, section 15.3."""
+    def direction(self, at: acb) -> tuple[Complex, Complex]:
+        """W and l with l . J' W = 1, for a multiplier. README, section 15.3."""
         lines, size = self.lines(at), len(self.tangent) + 1
         units = [[acb(int(i == j)) for j in range(size)] for i in range(len(self.tangent))]
         bordered = max((best_border(lines, below, acb_mat) for below in units), key=_size)
         inverse = bordered.inv().tolist()
         column, left = [row[size] for row in inverse][:-1], inverse[size][:-1]
         vector = self.whole(column)
-        pairing = product(
-            [left[i] for i in self.tangent if i != self.replaced],
-            [vector[i] for i in self.tangent if i != self.replaced],
-        )
+        rest = [i for i in self.tangent if i != self.replaced]
+        pairing = product([left[i] for i in rest], [vector[i] for i in rest])
+        return vector, [entry / pairing for entry in left]
+
+    def second(self, at: acb, *vectors: Complex) -> Complex:
+        """H with (D E - J) H = -E_2 at two vectors, J that of a product of multipliers."""
+        return self.whole(solve(self.lines(at), [-z for z in form(self.rows, *vectors)]))
+
+    def coefficient(self, at: acb) -> tuple[acb, Complex]:
+        """c_1 and the vector W to which it belongs. README, section 15.3."""
+        vector, left = self.direction(at)
         bar = [z.conjugate() for z in vector]
-        mixed = self.whole(solve(self.lines(acb(1)), [-z for z in form(self.rows, vector, bar)]))
-        square = self.whole(solve(self.lines(at * at), [-z for z in form(self.rows, vector, vector)]))
+        mixed, square = self.second(acb(1), vector, bar), self.second(at * at, vector, vector)
         terms = form(self.rows, vector, vector, bar), form(self.rows, vector, mixed), form(self.rows, bar, square)
-        return product(left, [a + 2 * b + c for a, b, c in zip(*terms, strict=True)]) / (2 * pairing), vector
+        return product(left, [a + 2 * b + c for a, b, c in zip(*terms, strict=True)]) / 2, vector
 
 
 def _size(matrix: acb_mat) -> float:

@@ -1,4 +1,4 @@
-"""A symmetric orbit, and one that is stable for ever, once more. README, sections 13 and 15."""
+"""A symmetric orbit, one that is stable for ever, and one with tori, once more. README, sections 13, 15 and 16."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from flint import acb, arb
 
 from .conditions import Hypothesis, Vector
 from .crossing import TIME
+from .elliptic_tori import Torsion, torsion
 from .full_return import FullReturn
 from .halves import Half, HalfOrbits, guess, read_symmetric
 from .jets import CannotFollow, Jet, ball
@@ -23,7 +24,7 @@ ORDER = 6
 
 @dataclass(frozen=True)
 class ProvedSymmetric:
-    """The symmetric orbit is proved; if it is claimed to be stable, that it is elliptic and has a twist.
+    """The symmetric orbit is proved; if it is claimed, that it is elliptic and has a twist, or a regular torsion.
 
     Attributes:
         kind: as claimed.
@@ -34,6 +35,7 @@ class ProvedSymmetric:
         stability: the stability parameters, those of multipliers lambda being (lambda + 1/lambda)/2.
         rotation_number, twists: of a stable orbit; twists by the name of t, `momentum` is that of q.
         defect: a multiple of Re(conj(lambda) c_1).
+        torsion: of an orbit at which tori accumulate.
         hypotheses, width, bits, steps: as of `ProvedPeriodic`.
     """
 
@@ -48,6 +50,7 @@ class ProvedSymmetric:
     momentum: str
     twists: dict[str, arb]
     defect: arb | None
+    torsion: Torsion | None
     hypotheses: tuple[Hypothesis, ...]
     width: int
     bits: int
@@ -79,21 +82,23 @@ class _Proof(HalfOrbits):
         """The proof. Raises `CannotFollow` if a condition does not hold."""
         claim, system = self.claim, self.claim.system
         newton, zero, half, _ = self.enclosed()
-        point, is_stable = zero[: self.time], system.kind == "stable_orbit"
+        point, is_stable, has_tori = zero[: self.time], system.kind == "stable_orbit", system.kind == "invariant_tori"
         named = [(system.state[i], i) for i in system.fixed]
         values = dict(zip(self.places, point, strict=True))
-        found = FullReturn(self, zero, 3 if is_stable else 1)
+        found = FullReturn(self, zero, 3 if is_stable or has_tori else 1)
         checks, stability = [newton, *self.check_point(zero), *found.checks], found.stability()
         rotation, twists, defect = None, dict[str, arb](), None
         if is_stable:
             more, rotation, twists, defect = found.twisted()
             checks += more
+        tori = torsion(found) if has_tori else None
+        checks += tori.hypotheses if tori is not None else []
         start = [Jet({(): jet[()]}, 0) for jet in self.jets(point, 0)]
         return ProvedSymmetric(
             system.kind, {name: values[i] for name, i in named}, {name: half.end[i][()] for name, i in named},
             tuple(claim.coordinates(point, system.level(start)[()])),
             system.conserved(start)[()] if found.has_level else None, 2 * zero[self.time], stability,
-            rotation, system.state[system.kernel[0]], twists, defect, checked(checks),
+            rotation, system.state[system.kernel[0]], twists, defect, tori, checked(checks),
             self.width, self.bits, self.steps,
         )  # fmt: skip
 
@@ -107,6 +112,8 @@ def prove_symmetric(certificate: Mapping[str, Any]) -> ProvedSymmetric | NotProv
         claim = read_symmetric(certificate)
         if claim.system.kind == "stable_orbit" and len(claim.system.kernel) != 1:
             raise CannotFollow("no theorem that is used here says that an orbit with n > 1 is stable")
+        if claim.system.kind == "invariant_tori" and len(claim.system.kernel) != 2:
+            raise CannotFollow("the theorem about tori that is used here is about n = 2")
     except CannotFollow as error:
         return NotProved(str(error))
     return attempted(
