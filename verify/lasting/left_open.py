@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from flint import ctx
+from flint import arb, ctx
 
 from orbitproof.shared.formats import Piece
 from orbitproof.verify.curve import Interval
@@ -16,7 +16,8 @@ from orbitproof.verify.stability import PRECISION, StabilityFunctions, between, 
 _HOPELESS = 2**10
 """A shorter interval helps, and more precision little, where a bound is not so many times as small as its function."""
 _SHARP, _ISOLATED = Fraction(1, 2**42), Fraction(1, 2**8)
-"""Of tau: what is known worse than by the first is looked at closer, if it is known better than by the second."""
+"""What is known worse than by the first, of level or half period, is looked at closer, if tau is known by the second.
+"""
 _AROUND = 16
 """A closer look goes so many times as far as an exception is uncertain: beyond it the first one excludes another."""
 _LEAST = Fraction(1, 2**16)
@@ -57,17 +58,22 @@ def exceptions_to_sharpen(result: LastingResult) -> list[Interval]:
     middle, radius = (low + high) / 2, (high - low) / 2 * REACH
     found = []
     with ctx.workprec(PRECISION):
-        s = known.characteristic[0].enclosed
+        s, level, half_period = (each.enclosed for each in (known.characteristic[0], known.level, known.half_period))
         resonances = [s.shifted(-resonant_value(k, 1)) for k in (3, 4)]
         for function in (*resonances, twist.twist.enclosed):
             for zero in zeros_on(function, -end, end).zeros:
                 value, uncertain = s.value(zero.place), dyadic_above(zero.place.rad())
-                if _SHARP < uncertain < _ISOLATED and is_positive(1 - value * value):
+                sharp = all(_is_sharp(quantity.value(zero.place)) for quantity in (level, half_period))
+                if not sharp and uncertain < _ISOLATED and is_positive(1 - value * value):
                     place = round(exact_value(zero.place.mid()) / _SHARP) * _SHARP
                     far = max(_LEAST, _AROUND * uncertain)
                     begin, last = (middle + radius * (place + sign * far) for sign in (-1, 1))
                     found.append((max(begin, low), min(last, high)))
     return found
+
+
+def _is_sharp(number: arb) -> bool:
+    return is_below(number.rad(), enclose(_SHARP) * (1 + abs(number)))
 
 
 def _is_wide(function: StoredFunction) -> bool:
