@@ -50,7 +50,8 @@ def test_beside_the_1_3_orbit_all_are_stable_for_ever_with_another_twist_on_each
     assert len(commands) == 2
     for line in commands:
         assert done_here(shlex.split(line)[1:]) == 0, capsys.readouterr().err
-    lasting = json.loads((tmp_path / "part-certificate.json").read_text())["complete"]["lasting"]
+    certificate = json.loads((tmp_path / "part-certificate.json").read_text())
+    lasting = certificate["conclusion"]["complete"]["lasting"]
     (third,) = lasting["exceptions"]
     assert (third["k"], third["fate"]) == (3, "unstable")
     assert [entry["twist"] for entry in lasting["stable"]] == [1, -1]
