@@ -22,8 +22,8 @@ from orbitproof.shared.formats import AnyAtlas, InputError
 from orbitproof.shared.systems import AROUND, BRANCH_SYSTEMS, CR3BP, VERTICAL, ReversibleSystem, System
 from orbitproof.verify.atlas import StoredArc, StoredVertex, WebCertificate
 
-_COLOURS = {"planar": "#3c6e91", "R": "#1b7837", "axial": "#b2182b", "vertical": "#762a83"}
-_WORDS = {
+COLOURS = {"planar": "#3c6e91", "R": "#1b7837", "axial": "#b2182b", "vertical": "#762a83"}
+WORDS = {
     "planar": "in the plane",
     "R": "symmetric under R",
     "axial": "symmetric under the half turn",
@@ -41,7 +41,7 @@ class DrawnArc:
     """An arc as it is drawn.
 
     Attributes:
-        kind: of its symmetry, a key of `_WORDS`.
+        kind: of its symmetry, a key of `WORDS`.
         lines: for each piece level and x, shape (2, M).
         marks: the vertices on it, with level and x.
     """
@@ -60,7 +60,7 @@ def drawn_arcs(web: WebCertificate, curves: Mapping[str, Curve]) -> tuple[DrawnA
 
 
 def _drawn(arc: StoredArc, curve: Curve, vertices: Mapping[str, StoredVertex]) -> DrawnArc:
-    kind, states = _kind_of(curve.atlas), _States.of(curve)
+    kind, states = _kind_of(curve.atlas), States.of(curve)
     lines = tuple(states.level_and_x(stretch.points) for stretch in curve.stretches)
     marks = []
     for meeting in arc.meets:
@@ -91,7 +91,7 @@ def _around(system: System) -> tuple[str, str] | None:
 
 
 @dataclass(frozen=True)
-class _States:
+class States:
     """How points of a curve are states of the CR3BP, in double precision.
 
     Attributes:
@@ -107,7 +107,7 @@ class _States:
     around: str | None
 
     @classmethod
-    def of(cls, curve: Curve) -> _States:
+    def of(cls, curve: Curve) -> States:
         """Raises `InputError` for curves of other systems."""
         system = curve.atlas.system
         if (
@@ -124,6 +124,17 @@ class _States:
 
     def level_and_x(self, points: Array) -> Array:
         """Of points, shape (M, 1 + n); shape (2, M)."""
+        program = CR3BP.first_integral_program
+        assert program is not None
+        states = self.states(points)
+        at = {**dict(zip(CR3BP.state, states.T, strict=True)), "mu": self.mu}
+        (level,) = program.evaluate(
+            [at[name] for name in program.inputs], float, lambda base, power: base ** float(power)
+        )
+        return np.array([level, states[:, 0]])
+
+    def states(self, points: Array) -> Array:
+        """The states of points, shape (M, 1 + n), in the CR3BP; shape (M, 6)."""
         known = dict(zip(self.names, points.T, strict=True))
         zero = np.zeros(len(points))
         if self.around == "planar":
@@ -132,13 +143,7 @@ class _States:
         elif self.around == "vertical":
             size = np.maximum(known["eps2"], 0.0)
             known = {"x": self.libration_point + size * known["x"], "vy": size * known["vy"], "vz": np.sqrt(size)}
-        program = CR3BP.first_integral_program
-        assert program is not None
-        at = {**dict.fromkeys(CR3BP.state, zero), **known, "mu": self.mu}
-        (level,) = program.evaluate(
-            [at[name] for name in program.inputs], float, lambda base, power: base ** float(power)
-        )
-        return np.array([level, known["x"]])
+        return np.column_stack([known.get(name, zero) for name in CR3BP.state])
 
 
 def _libration_point(mu: float, name: str) -> float:
@@ -158,8 +163,8 @@ def draw_web(web: WebCertificate, curves: Mapping[str, Curve]) -> Figure:
     planar = [arc for arc in arcs if arc.kind == "planar"]
     claims = sorted({(vertex.k, vertex.kind) for vertex in web.vertices if vertex.kind != _LIBRATION_POINT})
     handles = [
-        Line2D([], [], color=_COLOURS[kind], linewidth=1.6, label=words)
-        for kind, words in _WORDS.items() if any(arc.kind == kind for arc in arcs)
+        Line2D([], [], color=COLOURS[kind], linewidth=1.6, label=words)
+        for kind, words in WORDS.items() if any(arc.kind == kind for arc in arcs)
     ]  # fmt: skip
     if len(claims) < len(web.vertices):
         handles.append(Line2D([], [], **_POINT, label="libration point"))
@@ -184,7 +189,7 @@ def _draw(axes: Axes, arcs: Sequence[DrawnArc], around: Sequence[DrawnArc]) -> N
         set_limits(values.min() - room, values.max() + room)
     for arc in arcs:
         for level, x in arc.lines:
-            axes.plot(level, x, color=_COLOURS[arc.kind], linewidth=1.4)
+            axes.plot(level, x, color=COLOURS[arc.kind], linewidth=1.4)
     limits = np.array([axes.get_xlim(), axes.get_ylim()])
     for vertex, level, x in (mark for arc in arcs for mark in arc.marks):
         place = np.array([level, x])

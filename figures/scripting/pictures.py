@@ -156,10 +156,14 @@ def draw_web(
     certificates: Sequence[Source],
     folder: Source,
     *,
+    page: Source | None = None,
     files: Files | None = None,
     told: Told = quietly,
 ) -> list[Path]:
-    """The diagram of a proved web, from its certificate and those of its arcs, with the digests that it names."""
+    """The diagram of a proved web, from its certificate and those of its arcs, with the digests that it names.
+
+    `page`: a file for it as HTML, with the orbits of each arc.
+    """
     from orbitproof.verify.atlas import read_atlas_certificate, read_web_certificate
 
     known = read_web_certificate(Path(web))
@@ -180,6 +184,11 @@ def draw_web(
         figure = draw(known, curves)
         written.add(save(figure, target / f"web-{file_name(known.id)}"))
         close(figure)
+    if page is not None:
+        from orbitproof.figures.pictures.web_page import page_of
+
+        write_text(Path(page), page_of(known, curves))
+        written.add([Path(page)])
     return written.paths
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 from functools import cache
+from html import escape
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +17,8 @@ from support.forgeries import atlas_certificate, forged
 
 from orbitproof.figures import draw_web as draw_files
 from orbitproof.figures.certified import Curve
-from orbitproof.figures.pictures import draw_web
-from orbitproof.figures.pictures.web import drawn_arcs
+from orbitproof.figures.pictures import draw_web, web_page
+from orbitproof.figures.pictures.web import States, drawn_arcs
 from orbitproof.shared.claims.web import BRANCHES, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import InputError
 from orbitproof.verify.atlas import AtlasCertificate, WebCertificate, certified_web
@@ -68,6 +70,48 @@ def test_the_picture_has_filled_vertices_and_a_legend() -> None:
     labels = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
     assert {"symmetric under R", "filled: certified"} <= set(labels)
     assert "libration point" not in labels
+
+
+def test_the_page_has_arcs_with_orbits_vertices_and_the_theorem(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(web_page, "ORBITS", 2)
+    known, curve = web()
+    changed = forged(known.document, lambda d: d["statement"]["claim"].update(title="</script><b>a & b"))
+    page = web_page.page_of(WebCertificate(changed), {"circle": Curve.of(curve)})
+    assert page.count("</script>") == 2
+    assert "&lt;/script&gt;&lt;b&gt;a &amp; b" in page
+    assert "http" not in page
+    assert "@" not in page.replace("@media", "")
+    assert all(escape(line) in page for line in (known.theorem or "no theorem").split("\n"))
+    data = json.loads(page.partition('type="application/json">')[2].partition("</script>")[0])
+    (arc,) = data["arcs"]
+    assert arc["meets"] == ["branches off at one", "passes through inside"]
+    assert {vertex["id"] for vertex in data["vertices"]} == {"one", "inside"}
+    for orbit in arc["orbits"]:
+        places = np.reshape(orbit["p"], (-1, 3))
+        assert np.abs(places[0] - places[-1]).max() < 1e-5
+        assert abs(places[0][0] - orbit["x"]) < 1e-5
+        assert orbit["m"] >= 1 - 1e-6
+        assert orbit["t"] > 0
+
+
+@pytest.mark.parametrize("around", ["planar", "vertical"])
+def test_points_in_units_of_orbits_are_states_of_the_three_body_problem(around: str) -> None:
+    x_l, size, x, vy = 0.8, 0.04, 0.3, -0.7
+    names, point = {
+        "planar": (("eps", "vy"), [size, vy]),
+        "vertical": (("eps2", "x", "vy"), [size, x, vy]),
+    }[around]
+    states = States(names, MU, x_l, around)
+    wanted = {
+        "planar": [x_l + size, 0, 0, 0, size * vy, 0],
+        "vertical": [x_l + size * x, 0, 0, 0, size * vy, 0.2],
+    }[around]
+    assert np.allclose(states.states(np.array([point])), [wanted], rtol=0, atol=1e-15)
+    ((found, at),) = states.level_and_x(np.array([point])).T
+    larger, smaller = abs(wanted[0] + MU), abs(wanted[0] + MU - 1)
+    kinetic = wanted[4] ** 2 + wanted[5] ** 2
+    assert found == pytest.approx(wanted[0] ** 2 + 2 * ((1 - MU) / larger + MU / smaller) - kinetic, rel=1e-14)
+    assert at == wanted[0]
 
 
 def test_what_is_not_proved_is_not_drawn(tmp_path: Path) -> None:

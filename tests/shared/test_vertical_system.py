@@ -141,13 +141,17 @@ def ball(value: float, digits: int = 9) -> arb:
     return arb(value, 10.0**-digits)
 
 
+def top_of(family: VerticalFamily, size: float) -> Mapping[str, arb]:
+    orbit, x_l = family.orbit(size), family.libration.x
+    state = [x_l + size * orbit.x, 0.0, 0.0, 0.0, size * orbit.vy, size**0.5]
+    state = flow_of(CR3BP).derivative(state, orbit.half_period, [float(EARTH_MOON)]).state
+    return {name: ball(float(state[CR3BP.state.index(name)]), 11) for name in ("x", "z", "vy")}
+
+
 @pytest.fixture(scope="module")
 def top(family: VerticalFamily) -> Mapping[str, arb]:
     """The highest point of an orbit of the atlas, on Fix(R)."""
-    orbit, x_l = family.orbit(END / 2), family.libration.x
-    state = [x_l + END / 2 * orbit.x, 0.0, 0.0, 0.0, END / 2 * orbit.vy, (END / 2) ** 0.5]
-    state = flow_of(CR3BP).derivative(state, orbit.half_period, [float(EARTH_MOON)]).state
-    return {name: ball(float(state[CR3BP.state.index(name)]), 11) for name in ("x", "z", "vy")}
+    return top_of(family, END / 2)
 
 
 CHANGES = {
@@ -158,13 +162,15 @@ CHANGES = {
 }
 
 
-@pytest.mark.parametrize("change", [*CHANGES, "another orbit", "another mass"])
+@pytest.mark.parametrize("change", [*CHANGES, "another orbit", "another mass", "beyond the end"])
 def test_a_loss_of_the_reversor_is_on_the_family_if_it_is_shifted_by_half_its_period(
-    atlas: Atlas, proved: PieceResult[ProvedInterval], top: Mapping[str, arb], change: str
+    atlas: Atlas, proved: PieceResult[ProvedInterval], top: Mapping[str, arb], family: VerticalFamily, change: str
 ) -> None:
     claim = atlas
     if change == "another orbit":
         top = {**top, "vy": top["vy"] + arb(1e-3)}
+    elif change == "beyond the end":
+        top = top_of(family, 1.5 * END)
     elif change == "another mass":
         claim = replace(atlas, parameters={"mu": EARTH_MOON * Fraction(1001, 1000)})
     point = CertifiedPoint("v", REVERSOR_BREAKING, 1, crossings=2, point=top, shifted_by=("S",))
@@ -256,6 +262,8 @@ def test_the_command_writes_the_family(tmp_path: Path, capsys: pytest.CaptureFix
     assert found.id == "vertical-l1-earth-moon"
     assert verify(["atlas", str(path), "--complete", "4", "-o", str(tmp_path / "list.json"), "--quiet"]) == 2
     assert "the list of vertical orbits" in capsys.readouterr().err
+    assert main(["atlas", "--check", str(path), "--quiet"]) == 2
+    assert "field system: cr3bp-l1-vertical" in capsys.readouterr().err
     for wrong, word in ((["--side", "left"], "--side"), (["--end", "-0.1"], "--end"), (["--through", "halo"], "--thr")):
         assert main([*command, *wrong, "--quiet"]) == 2
         assert word in capsys.readouterr().err

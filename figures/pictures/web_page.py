@@ -1,0 +1,101 @@
+"""A proved web as one self-contained page: its diagram, and the orbits of the arc that is chosen, in space.
+
+Levels, ranges, vertices and the theorem are those of the certificate. Orbits, periods and multipliers are double
+precision.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from fractions import Fraction
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from orbitproof.explore.flow import FlowFailure, flow_of
+from orbitproof.figures.certified import Curve
+from orbitproof.figures.orbits import Array, OrbitNotClosed, symmetric_orbit
+from orbitproof.figures.pictures.web import COLOURS, WORDS, DrawnArc, States, drawn_arcs
+from orbitproof.figures.pictures.web_script import PAGE
+from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, shown
+from orbitproof.verify.atlas import StoredArc, WebCertificate
+from orbitproof.verify.evidence import range_text
+
+ORBITS, PLACES = 40, 120
+"""Orbits of an arc, and points of each, at most."""
+
+
+def page_of(web: WebCertificate, curves: Mapping[str, Curve]) -> str:
+    """The page of a proved web, from the certificates of its arcs by id. Raises `InputError`."""
+    drawn = drawn_arcs(web, curves)
+    arcs = [_arc(known, arc, curves[known.id]) for known, arc in zip(web.arcs, drawn, strict=True)]
+    vertices = {
+        vertex.id: {"id": vertex.id, "kind": vertex.kind.replace("_", " "), "level": level, "x": x}
+        for arc in drawn for vertex, level, x in arc.marks
+    }  # fmt: skip
+    mu = float(next(iter(curves.values())).parameters["mu"])
+    data = {"arcs": arcs, "vertices": list(vertices.values()), "bodies": [-mu, 1 - mu]}
+    theorem = "".join(f"<p>{escape(line)}</p>" for line in (web.theorem or "").split("\n"))
+    # "</" would end the script.
+    text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
+    parts = {"TITLE": escape(web.claim.title), "DATA": text, "THEOREM": theorem}
+    page = PAGE
+    for name, part in parts.items():
+        page = page.replace(f"@{name}@", part)
+    return page
+
+
+def _arc(known: StoredArc, arc: DrawnArc, curve: Curve) -> dict[str, Any]:
+    states = States.of(curve)
+    points = np.concatenate([stretch.points for stretch in curve.stretches])
+    chosen = np.unique(np.linspace(0, len(points) - 1, ORBITS).round().astype(int))
+    found = [_orbit(arc.kind, states, row) for row in points[chosen]]
+    return {
+        "id": known.id,
+        "name": shown(known.id),
+        "words": WORDS[arc.kind],
+        "colour": COLOURS[arc.kind],
+        "level": "not known" if known.level is None else range_text(known.level, 5),
+        "period": "not known" if known.period is None else range_text(known.period, 5),
+        "stable": len(known.stable),
+        "listed": known.order is not None,
+        "meets": [f"{meeting.how} {shown(meeting.vertex)}" for meeting in known.meets],
+        "line": [[_short(level), _short(x)] for line in arc.lines for level, x in line.T],
+        "orbits": [each for each in found if each is not None],
+    }
+
+
+def _orbit(kind: str, states: States, point: Array) -> dict[str, Any] | None:
+    """An orbit of the arc, or `None` where it is none of the CR3BP, or is not followed."""
+    ((level, x),) = states.level_and_x(point[None, :]).T
+    state = states.states(point[None, :])[0]
+    if not np.abs(state[1:]).any():
+        return None
+    system = CR3BP_AXIAL if kind in ("axial", "vertical") else CR3BP
+    start = [float(state[index]) for index in system.fixed_coordinates]
+    try:
+        rows = symmetric_orbit(system, {"mu": Fraction(states.mu)}, start)
+        period, multiplier = _period(state, rows, states.mu)
+    except (OrbitNotClosed, FlowFailure):
+        return None
+    kept = rows[np.unique(np.linspace(0, len(rows) - 1, PLACES).round().astype(int)), :3]
+    places = [_short(value) for value in kept.ravel()]
+    return {"c": _short(level, 8), "x": _short(x, 8), "t": _short(period), "m": _short(multiplier, 4), "p": places}
+
+
+def _period(state: Array, rows: Array, mu: float) -> tuple[float, float]:
+    """The period, and the largest modulus of a multiplier."""
+    speeds = np.linalg.norm(rows[:, 3:], axis=1)
+    guess = float(np.sum(2 * np.linalg.norm(np.diff(rows[:, :3], axis=0), axis=1) / (speeds[1:] + speeds[:-1])))
+    flow = flow_of(CR3BP)
+    half = flow.derivative(state, guess / 2, [mu])
+    # The section is crossed after half of it.
+    period = guess - 2 * float(half.state[1] / half.velocity[1])
+    values = np.linalg.eigvals(flow.derivative(state, period, [mu]).state_transition)
+    return period, float(np.abs(values).max())
+
+
+def _short(value: float, digits: int = 6) -> float:
+    return float(f"{float(value):.{digits}g}")

@@ -1,0 +1,187 @@
+"""The page of a web: HTML, style and script, all in one. `@NAME@` stands for what is filled in."""
+
+from __future__ import annotations
+
+PAGE = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>@TITLE@</title>
+<style>
+:root { color-scheme: light; }
+body { font: 15px/1.45 system-ui, sans-serif; color: #222; margin: 0 auto; padding: 1rem; max-width: 78rem; }
+h1 { font-size: 1.25rem; }
+.panels { display: grid; grid-template-columns: 1fr 1fr; gap: 1rem; }
+@media (max-width: 50rem) { .panels { grid-template-columns: 1fr; } }
+canvas { width: 100%; aspect-ratio: 4 / 3; border: 1px solid #ccc; touch-action: none; }
+button { font: inherit; margin: 0 .4rem .4rem 0; padding: .1rem .5rem; border: 2px solid; border-radius: .4rem; }
+button { background: none; color: inherit; overflow-wrap: anywhere; }
+button[aria-pressed="true"] { font-weight: bold; background: #eee; }
+input { width: 100%; }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: 0 .8rem; margin: .5rem 0; }
+dd { margin: 0; } .small { color: #666; font-size: .85rem; } summary { cursor: pointer; }
+#theorem p { margin: .3rem 0; overflow-wrap: anywhere; }
+</style>
+</head>
+<body>
+<h1>@TITLE@</h1>
+<div id="arcs"></div>
+<div class="panels">
+<div><canvas id="diagram"></canvas><p class="small">Jacobi constant to the right, x where orbits start upwards; vertices
+filled, libration points as diamonds. Click an arc.</p></div>
+<div><canvas id="space"></canvas><p class="small">The orbit in space; drag to turn it. Dots: the two primaries, if near.
+</p></div>
+</div>
+<input id="along" type="range" min="0" value="0" aria-label="along the arc">
+<dl id="facts"></dl>
+<p class="small">Ranges of level and period, meetings and the theorem are those that the certificate says are proved.
+Single orbits, their levels, periods and multipliers are computed in double precision, and not proved.</p>
+<details open><summary>The theorem</summary><div id="theorem">@THEOREM@</div></details>
+<script id="data" type="application/json">@DATA@</script>
+<script>
+"use strict";
+const data = JSON.parse(document.getElementById("data").textContent);
+const byId = name => document.getElementById(name);
+const diagram = byId("diagram"), space = byId("space"), along = byId("along");
+let chosen = 0, turn = [-0.7, 0.5];
+const levels = data.arcs.flatMap(arc => arc.line.map(p => p[0]));
+const xs = data.arcs.flatMap(arc => arc.line.map(p => p[1]));
+const sorted = [...levels].sort((a, b) => a - b);
+// Most of the diagram is near the libration points: what is far away is left out.
+const low = sorted[Math.floor(0.25 * sorted.length)], high = sorted[sorted.length - 1];
+const span = [low - 0.06 * (high - low), high + 0.06 * (high - low)];
+const near = xs.filter((_, i) => levels[i] >= low), least = Math.min(...near), most = Math.max(...near);
+const rise = [least - 0.06 * (most - least), most + 0.06 * (most - least)];
+function prepared(canvas) {
+  const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
+  canvas.width = width * ratio; canvas.height = height * ratio;
+  const pen = canvas.getContext("2d");
+  pen.scale(ratio, ratio); pen.clearRect(0, 0, width, height); pen.font = "12px system-ui, sans-serif";
+  return [pen, width, height];
+}
+function place(level, x, width, height) {
+  return [40 + (width - 50) * (level - span[0]) / (span[1] - span[0]),
+          height - 24 - (height - 34) * (x - rise[0]) / (rise[1] - rise[0])];
+}
+function ticks(from, to) {
+  const raw = (to - from) / 5, unit = 10 ** Math.floor(Math.log10(raw));
+  const step = unit * [1, 2, 5, 10].find(factor => factor * unit >= raw), found = [];
+  for (let value = Math.ceil(from / step) * step; value <= to; value += step) found.push(+value.toPrecision(6));
+  return found;
+}
+function drawDiagram() {
+  const [pen, width, height] = prepared(diagram);
+  pen.fillStyle = "#666"; pen.strokeStyle = "#eee"; pen.lineWidth = 1;
+  for (const value of ticks(...span)) {
+    const [u] = place(value, rise[0], width, height);
+    pen.beginPath(); pen.moveTo(u, 0); pen.lineTo(u, height - 20); pen.stroke();
+    pen.fillText(value, u - 12, height - 6);
+  }
+  for (const value of ticks(...rise)) {
+    const [, v] = place(span[0], value, width, height);
+    pen.beginPath(); pen.moveTo(34, v); pen.lineTo(width, v); pen.stroke(); pen.fillText(value, 2, v + 4);
+  }
+  data.arcs.forEach((arc, number) => {
+    pen.strokeStyle = arc.colour; pen.lineWidth = number === chosen ? 4 : 1.6; pen.beginPath();
+    arc.line.forEach((p, i) => pen[i ? "lineTo" : "moveTo"](...place(p[0], p[1], width, height)));
+    pen.stroke();
+  });
+  for (const vertex of data.vertices) {
+    const [u, v] = place(vertex.level, vertex.x, width, height);
+    pen.fillStyle = "#222"; pen.beginPath();
+    if (vertex.kind === "libration point") {
+      pen.moveTo(u, v - 6); pen.lineTo(u + 5, v); pen.lineTo(u, v + 6); pen.lineTo(u - 5, v); pen.fill();
+      pen.fillText(vertex.id, u - 22, v - 4);
+    } else { pen.arc(u, v, 4, 0, 7); pen.fill(); }
+  }
+  const orbit = current();
+  if (orbit) {
+    const [u, v] = place(orbit.c, orbit.x, width, height);
+    pen.strokeStyle = "#222"; pen.lineWidth = 2; pen.beginPath(); pen.arc(u, v, 7, 0, 7); pen.stroke();
+  }
+}
+function current() { return data.arcs[chosen].orbits[+along.value]; }
+function drawSpace() {
+  const [pen, width, height] = prepared(space), arc = data.arcs[chosen], orbit = current();
+  if (!orbit) { pen.fillText("No orbit of this arc could be followed.", 20, 30); return; }
+  const box = [[1, -1], [1, -1], [1, -1]].map(() => [Infinity, -Infinity]);
+  for (const each of arc.orbits) each.p.forEach((value, i) => {
+    box[i % 3][0] = Math.min(box[i % 3][0], value); box[i % 3][1] = Math.max(box[i % 3][1], value);
+  });
+  const middle = box.map(side => (side[0] + side[1]) / 2);
+  const size = Math.hypot(...box.map(side => side[1] - side[0])) || 1, scale = 0.92 * Math.min(width, height) / size;
+  const [ca, sa, cb, sb] = [Math.cos(turn[0]), Math.sin(turn[0]), Math.cos(turn[1]), Math.sin(turn[1])];
+  const seen = (x, y, z) => {
+    const [a, b, c] = [x - middle[0], y - middle[1], z - middle[2]], far = sa * a + ca * b;
+    return [width / 2 + scale * (ca * a - sa * b), height / 2 - scale * (cb * c + sb * far)];
+  };
+  const path = (each, colour, thick) => {
+    pen.strokeStyle = colour; pen.lineWidth = thick; pen.beginPath();
+    for (let i = 0; i < each.p.length; i += 3) pen[i ? "lineTo" : "moveTo"](...seen(...each.p.slice(i, i + 3)));
+    pen.stroke();
+  };
+  arc.orbits.forEach((each, i) => { if (i % 4 === 0) path(each, arc.colour + "30", 1); });
+  path(orbit, arc.colour, 3);
+  data.bodies.forEach((x, i) => {
+    if (x < box[0][0] - size / 2 || x > box[0][1] + size / 2) return;
+    const [u, v] = seen(x, 0, 0);
+    pen.fillStyle = "#444"; pen.beginPath(); pen.arc(u, v, i ? 4 : 7, 0, 7); pen.fill();
+  });
+  pen.fillStyle = "#666"; pen.lineWidth = 1; pen.strokeStyle = "#999";
+  [["x", 1, 0, 0], ["y", 0, 1, 0], ["z", 0, 0, 1]].forEach(([name, a, b, c]) => {
+    const from = seen(...middle), to = seen(middle[0] + a, middle[1] + b, middle[2] + c);
+    const u = [36, height - 36], length = 26 / scale;
+    const v = [u[0] + (to[0] - from[0]) * length, u[1] + (to[1] - from[1]) * length];
+    pen.beginPath(); pen.moveTo(...u); pen.lineTo(...v); pen.stroke(); pen.fillText(name, v[0] + 2, v[1] - 2);
+  });
+}
+function tell() {
+  const arc = data.arcs[chosen], orbit = current(), list = byId("facts");
+  const stable = !orbit ? "" : orbit.m < 1.001 ? "linearly stable, as computed" : "largest multiplier about " + orbit.m;
+  const facts = [["arc", arc.name + ": " + arc.words], ["meets", arc.meets.join("; ") || "no vertex"],
+    ["Jacobi constant", "all in " + arc.level + (orbit ? "; this orbit about " + orbit.c : "")],
+    ["period", "all in " + arc.period + (orbit ? "; this orbit about " + orbit.t : "")],
+    ["stability", stable + (arc.listed ? "; proved intervals of it: " + arc.stable : "; its certificate has no list")]];
+  list.replaceChildren(...facts.flatMap(([name, text]) => ["dt", "dd"].map((kind, i) => {
+    const element = document.createElement(kind);
+    element.textContent = i ? text : name;
+    return element;
+  })));
+}
+function draw() { drawDiagram(); drawSpace(); tell(); }
+function choose(number) {
+  chosen = number; along.max = Math.max(0, data.arcs[number].orbits.length - 1);
+  along.value = Math.floor(along.max / 2);
+  [...byId("arcs").children].forEach((button, i) => button.setAttribute("aria-pressed", i === number));
+  draw();
+}
+data.arcs.forEach((arc, number) => {
+  const button = document.createElement("button");
+  button.textContent = arc.name; button.style.borderColor = arc.colour; button.onclick = () => choose(number);
+  byId("arcs").append(button);
+});
+along.oninput = draw;
+diagram.onclick = event => {
+  const [width, height] = [diagram.clientWidth, diagram.clientHeight];
+  const far = arc => Math.min(...arc.line.map(p => {
+    const [u, v] = place(p[0], p[1], width, height);
+    return Math.hypot(u - event.offsetX, v - event.offsetY);
+  }));
+  const distances = data.arcs.map(far);
+  choose(distances.indexOf(Math.min(...distances)));
+};
+let held = null;
+space.onpointerdown = event => { held = [event.clientX, event.clientY]; space.setPointerCapture(event.pointerId); };
+space.onpointermove = event => {
+  if (!held) return;
+  turn = [turn[0] + (event.clientX - held[0]) / 120, turn[1] + (event.clientY - held[1]) / 120];
+  held = [event.clientX, event.clientY]; drawSpace();
+};
+space.onpointerup = () => { held = null; };
+window.onresize = draw;
+choose(0);
+</script>
+</body>
+</html>
+"""
