@@ -75,7 +75,9 @@ def check_file(path: Path, quiet: bool) -> int:
     if atlas.is_surface:
         raise InputError(f"{path}: field claim.kind: {atlas.claim.kind}; this check is for curves")
     if isinstance(atlas, Atlas) and atlas.system.derived_parameters:
-        raise InputError(f"{path}: field system: {atlas.system.name}; families around a libration point are not checked")
+        raise InputError(
+            f"{path}: field system: {atlas.system.name}; families around a libration point are not checked"
+        )
     good = True
     with Reporter(quiet) as report:
         report.stage("checking")
