@@ -26,15 +26,16 @@ _KINDS = {
 
 
 def legend_handles(claims: Iterable[tuple[int, str]]) -> list[Line2D]:
-    """One legend entry for each claim (k, kind), by k."""
-    handles = []
+    """One legend entry for each claim (k, kind), by k; one for those of a k > 1, which look alike."""
+    labels: dict[tuple[int, str, str, str], str] = {}
     for k, kind in sorted(set(claims)):
-        marker, colour = marker_of(k, kind)
+        look = (k, *marker_of(k, kind), kind if k == 1 else "")
         label = _KINDS[kind].format(k=k)
-        handles.append(
-            Line2D([], [], marker=marker, color=colour, linestyle="none", markersize=marker_size(marker), label=label)
-        )
-    return handles
+        labels[look] = f"{labels[look]} or {label.removeprefix(f'$k={k}$, ')}" if look in labels else label
+    return [
+        Line2D([], [], marker=marker, color=colour, linestyle="none", markersize=marker_size(marker), label=label)
+        for (_, marker, colour, _), label in labels.items()
+    ]
 
 
 def verdict_handles(certified: Sequence[bool]) -> list[Line2D]:

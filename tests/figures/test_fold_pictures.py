@@ -30,6 +30,9 @@ def test_a_fold_and_a_symmetry_breaking_are_told_apart_in_a_legend() -> None:
     handles = legend_handles([(1, "fold"), (1, "symmetry_breaking")])
     assert len({handle.get_marker() for handle in handles}) == 2
     assert len({handle.get_label() for handle in handles}) == 2
+    # Of a k > 1 both kinds look alike, and have one entry.
+    (both,) = legend_handles([(3, "touch_and_go"), (3, "period_tupling")])
+    assert both.get_label() == "$k=3$, period tupling or touch-and-go"
 
 
 def test_the_curve_of_a_fold_bends_as_its_coefficient_says(certificate: Certificate) -> None:
