@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 import shlex
 import shutil
+from collections.abc import Callable
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +24,7 @@ from orbitproof.figures.style import close, use_style
 from orbitproof.shared.formats import load_system, read_candidates
 from orbitproof.verify import certify
 from orbitproof.verify.__main__ import main as verify_main
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.claim import quadratic_coefficient
 from orbitproof.verify.curve import lower_end, upper_end
 from orbitproof.verify.evidence import ball_from_json
@@ -40,8 +43,25 @@ def refine(system: str, words: list[str], output: Path) -> int:
     return explore_main(["refine", "--system", str(EXAMPLES / system), *words, "--quiet", "-o", str(output)])
 
 
-LOSS = ["-k", "1", "--kind", "reversor_breaking", "--point", "y=0.31187", "vx=-1.38309"]
+@pytest.fixture(scope="module")
+def refined_proof(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, tuple[str, ...]], Certificate]:
+    """The proof of a point of an example that the command refines; each once."""
+
+    @cache
+    def proof(system: str, words: tuple[str, ...]) -> Certificate:
+        output = tmp_path_factory.mktemp("point") / "point.json"
+        assert refine(system, list(words), output) == 0
+        (found,) = certify(read_candidates(output), quiet=True)
+        assert found.proved, found.reason
+        return found
+
+    return proof
+
+
+LOSS = ("-k", "1", "--kind", "reversor_breaking", "--point", "y=0.31187", "vx=-1.38309")
 """Where g loses the rotation by pi, which shifts its orbits by half a period: the other reversor is lost."""
+DOUBLED = ("-k", "2", "--point", "p=0.08037041", "v=0.94806332")
+"""The same orbit of the quotient by that rotation."""
 
 
 @pytest.mark.parametrize(
@@ -49,39 +69,30 @@ LOSS = ["-k", "1", "--kind", "reversor_breaking", "--point", "y=0.31187", "vx=-1
     [
         (
             "michelson.py",
-            ["-k", "1", "--kind", "fold", "--point", "c=1.26623", "y=1.35911"],
+            ("-k", "1", "--kind", "fold", "--point", "c=1.26623", "y=1.35911"),
             1,
             (Fraction("1.2662323370670545"), Fraction("1.2662323370713253")),
         ),
-        ("henon-heiles.py", ["-k", "2", "--point", "y=-0.45556542", "vx=0"], 6, rounded("0.811715516")),
-        ("henon-heiles.py", ["-k", "1", "--point", "y=-0.49311677", "vx=0"], 6, rounded("0.969309")),
-        ("henon-heiles.py:T", ["-k", "1", "--point", "x=0", "y=-0.49703478"], 6, rounded("0.986709235")),
-        ("hill-g.py", ["-k", "2", "--point", "p=0.08037041", "v=0.94806332"], 1, rounded("4.49999")),
+        ("henon-heiles.py", ("-k", "2", "--point", "y=-0.45556542", "vx=0"), 6, rounded("0.811715516")),
+        ("henon-heiles.py", ("-k", "1", "--point", "y=-0.49311677", "vx=0"), 6, rounded("0.969309")),
+        ("henon-heiles.py:T", ("-k", "1", "--point", "x=0", "y=-0.49703478"), 6, rounded("0.986709235")),
+        ("hill-g.py", DOUBLED, 1, rounded("4.49999")),
         ("hill-planar.py:turned", LOSS, 1, rounded("4.49999")),
     ],
 )
 def test_a_published_number_is_confirmed(
-    system: str, words: list[str], factor: int, published: tuple[Fraction, Fraction], tmp_path: Path
+    system: str, words: tuple[str, ...], factor: int, published: tuple[Fraction, Fraction], refined_proof: Any
 ) -> None:
-    output = tmp_path / "point.json"
-    assert refine(system, words, output) == 0
-    (proof,) = certify(read_candidates(output), quiet=True)
-    assert proof.proved, proof.reason
+    proof = refined_proof(system, words)
     assert proof.parameter is not None
     ends = factor * lower_end(proof.parameter), factor * upper_end(proof.parameter)
     assert published[0] <= ends[0] <= ends[1] <= published[1]
 
 
-def test_a_symmetry_that_shifts_orbits_is_lost_where_their_quotient_doubles_its_period(tmp_path: Path) -> None:
+def test_a_symmetry_that_shifts_orbits_is_lost_where_their_quotient_doubles_its_period(refined_proof: Any) -> None:
     found = []
-    for system, words in (
-        ("hill-planar.py:turned", LOSS),
-        ("hill-g.py", ["-k", "2", "--point", "p=0.08037041", "v=0.94806332"]),
-    ):
-        output = tmp_path / "point.json"
-        assert refine(system, words, output) == 0
-        (proof,) = certify(read_candidates(output), quiet=True)
-        assert proof.proved, proof.reason
+    for system, words in (("hill-planar.py:turned", LOSS), ("hill-g.py", DOUBLED)):
+        proof = refined_proof(system, words)
         assert proof.parameter is not None
         assert proof.side == "below"
         with ctx.workprec(200):
@@ -160,7 +171,14 @@ BRANCHES = {
 }
 
 
-@pytest.mark.parametrize("system", BRANCHES)
+QUICK_BRANCHES = ("michelson", "henon-heiles", "beam-level")
+"""A parameter, a first integral, and levels that are held fixed. The others go the same ways and take longer."""
+
+
+@pytest.mark.parametrize(
+    "system",
+    [pytest.param(name, marks=() if name in QUICK_BRANCHES else pytest.mark.slow) for name in BRANCHES],
+)
 def test_a_branch_is_proved_and_checked_again_without_the_file(system: str, tmp_path: Path) -> None:
     file = tmp_path / f"{system}.py"
     shutil.copy(EXAMPLES / file.name, file)

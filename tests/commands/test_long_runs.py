@@ -47,9 +47,15 @@ def command(source: Path, target: Path, jobs: str) -> list[str]:
 
 @pytest.mark.parametrize(
     ("jobs", "sent", "everywhere"),
-    [("1", "SIGINT", True), ("2", "SIGINT", True), ("2", "SIGTERM", True), ("2", "SIGTERM", False),
-     ("1", "SIGHUP", True)],
-)  # fmt: skip
+    [
+        ("2", "SIGINT", True),
+        ("2", "SIGTERM", False),
+        ("1", "SIGHUP", True),
+        # Each signal, each number of jobs and both ways to send one are above.
+        pytest.param("1", "SIGINT", True, marks=pytest.mark.slow),
+        pytest.param("2", "SIGTERM", True, marks=pytest.mark.slow),
+    ],
+)
 def test_an_interrupt_keeps_finished_rows_and_the_same_command_goes_on(
     jobs: str, sent: str, everywhere: bool, tmp_path: Path
 ) -> None:
@@ -70,7 +76,7 @@ def test_an_interrupt_keeps_finished_rows_and_the_same_command_goes_on(
     assert list(before) == ["true"]
     assert before["true"]["verdict"] == "proved"
 
-    assert main([str(source), "-o", str(target), "--max-precision", "256", "--quiet"]) == 1
+    assert main([str(source), "-o", str(target), "--max-precision", "64", "--quiet"]) == 1
     after = read(target)
     assert after["true"] == before["true"]
     assert list(after) == ["true", "endless"]
@@ -132,7 +138,7 @@ def test_a_full_disk_keeps_the_rows_before_it(tmp_path: Path, capsys: Any, monke
 
 
 @pytest.mark.usefixtures("little_grace")
-@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize("jobs", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_a_row_that_would_never_end_is_ended(jobs: int) -> None:
     rows: list[Certificate] = []
     candidates = [candidate_from_json(entry, "test") for entry in (ENDLESS, QUICK, TRUE)]
@@ -197,7 +203,7 @@ raise SystemExit(run_command(main))
 
 
 @pytest.mark.skipif(not SEES_PROCESSES, reason="looks for processes in /proc")
-@pytest.mark.parametrize("sent", ["SIGKILL", "SIGTERM"])
+@pytest.mark.parametrize("sent", [pytest.param("SIGKILL", marks=pytest.mark.slow), "SIGTERM"])
 def test_a_step_of_the_data_command_ends_with_it(sent: str, tmp_path: Path) -> None:
     with started(["-m", "orbitproof", "figures", "data", str(tmp_path), "--only", "l3-halo.json"]) as run:
         (step,) = wait_until(lambda: children(run.pid, "explore"))

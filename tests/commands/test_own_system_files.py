@@ -102,9 +102,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-# Second proofs take long: those of certificates are run where a report names them.
+# Second proofs take long: those of certificates are run where a report names them. Reports are looked at below.
 PAIRS = [
-    (command, name) for command in COMMANDS for name in FILES if command != "second proof" or name not in CERTIFICATES
+    (command, name)
+    for command in COMMANDS
+    for name in FILES
+    if not ((command == "second proof" and name in CERTIFICATES) or (command == "report" and name in DONE["report"]))
 ]
 
 
@@ -129,19 +132,44 @@ def test_a_file_is_taken_or_refused_in_a_line(
     assert code in (0, 1, 2)
 
 
-@pytest.mark.parametrize("name", [*CERTIFICATES, "atlas-certificate.json"])
-def test_a_report_has_a_picture_and_names_only_commands_that_work(
+LONGER = [["atlas", "--recheck", "--integrate", "FILE", "--quiet"], COMMANDS["second proof"][1]]
+"""Run in the slow tests."""
+
+
+def commands_in(report: Path) -> list[list[str]]:
+    """What a report says to check its certificates with, as words of `verify`."""
+    lines = report.read_text("utf-8").splitlines()
+    return [line.split()[2:] for line in lines if line.startswith("orbitproof verify")]
+
+
+@pytest.mark.parametrize("name", sorted(DONE["report"]))
+def test_a_report_has_a_picture_and_names_only_commands_that_are_tried_here(
     name: str, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(folder)
-    assert report([name, "-o", str(tmp_path / "report.md"), "-o", str(tmp_path / "report.html")]) == 0
+    outputs = [word for form in ("html", "md", "tex") for word in ("-o", str(tmp_path / f"report.{form}"))]
+    assert report([name, *outputs]) == 0
     assert "drawn" in capsys.readouterr().err
-    text = (tmp_path / "report.md").read_text("utf-8")
-    assert "![" in text
+    assert "![" in (tmp_path / "report.md").read_text("utf-8")
     assert "data:image/png" in (tmp_path / "report.html").read_text("utf-8")
-    lines = [line.split() for line in text.splitlines() if line.startswith("orbitproof verify")]
-    assert lines
-    for _, _, *words in lines:
+    found = commands_in(tmp_path / "report.md")
+    assert found
+    for words in found:
+        given = [*words[:-1], "FILE", "--quiet"]
+        assert words[-1] == name
+        assert given in LONGER or any(
+            given == known and name in DONE.get(what, ()) for what, (_, known) in COMMANDS.items()
+        )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(DONE["report"]))
+def test_every_command_that_a_report_names_works(
+    name: str, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    assert report([name, "-o", str(tmp_path / "report.md"), "--no-pictures", "--quiet"]) == 0
+    for words in commands_in(tmp_path / "report.md"):
         assert verify([*words, "--quiet"]) == 0, words
 
 

@@ -104,7 +104,10 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("how", ["script", "-c", "standard input", "notebook"])
+# A main module with a file and one without; the others are of the second kind.
+@pytest.mark.parametrize(
+    "how", ["script", "standard input", *(pytest.param(way, marks=pytest.mark.slow) for way in ("-c", "notebook"))]
+)
 def test_workers_start_without_a_guard_of_the_main_module(how: str, folder: Path) -> None:
     (folder / "script.py").write_text(SCRIPT)
     notebook = f"import sys, types; sys.modules['__main__'] = types.ModuleType('__main__')\nexec({SCRIPT!r})"

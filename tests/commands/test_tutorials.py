@@ -17,7 +17,8 @@ BLOCK = re.compile(r"^```(\w+)[ ]?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 EXIT = "exit="
 
 
-@pytest.mark.parametrize("page", ["own-system", "from-a-guess"])
+# The notebook below does from Python what the second page does.
+@pytest.mark.parametrize("page", ["own-system", pytest.param("from-a-guess", marks=pytest.mark.slow)])
 def test_every_block_of_a_tutorial_runs_and_prints_what_it_shows(
     page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
