@@ -15,6 +15,7 @@ import hashlib
 import os
 import platform
 import stat
+import sys
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -132,13 +133,28 @@ def compiling() -> Iterator[None]:
                     entry.unlink()
 
 
+@contextmanager
+def _without_callbacks() -> Iterator[None]:
+    """Code without checks of its arguments at run time: these are callbacks, and JAX keeps no code with callbacks."""
+    errors = sys.modules.get("equinox._errors")
+    before = getattr(errors, "EQX_ON_ERROR", None)
+    if errors is None or before != "raise":
+        yield
+        return
+    errors.EQX_ON_ERROR = "off"
+    try:
+        yield
+    finally:
+        errors.EQX_ON_ERROR = before
+
+
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     """`function`, compiled for the processor at its first call, for the shapes of the arguments of this call."""
     holder: list[Callable[..., Any]] = []
 
     def call(*arguments: Any) -> Any:
         if not holder:
-            with compiling(), jax.default_device(jax.local_devices(backend="cpu")[0]):
+            with compiling(), _without_callbacks(), jax.default_device(jax.local_devices(backend="cpu")[0]):
                 holder.append(jax.jit(function).lower(*arguments).compile())
         return holder[0](*arguments)
 

@@ -336,13 +336,18 @@ def test_trouble_with_the_cache_is_silent_and_other_warnings_are_not(
 def test_compiled_orbits_are_kept_for_the_next_process(tmp_path: Path) -> None:
     script = """
 from orbitproof.explore.flow import flow_of
+from orbitproof.explore.periodic.flow import arc_of
+from orbitproof.shared import define_system
 from orbitproof.shared.systems import FALKNER_SKAN
 flow_of(FALKNER_SKAN).derivative([0.0, 0.94, 0.0], 0.2, [340.0])
+arc_of(define_system({"name": "turn", "state": "x y", "field": {"x": "-y", "y": "x"}}), [1.0, 0.0], 1.0, [])
 """
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("JAX_COMP", "XDG_"))}
     environment |= {"ORBITPROOF_CACHE": str(tmp_path), "JAX_PLATFORMS": "cpu"}
     subprocess.run([sys.executable, "-c", script], env=environment, check=True, timeout=300)
-    assert [path for path in tmp_path.glob("*/*-cache") if "half_return" in path.name]
+    kept = "".join(path.name for path in tmp_path.glob("*/*-cache"))
+    assert "half_return" in kept
+    assert "jit_run-" in kept
 
 
 CACHED_RUN = """
