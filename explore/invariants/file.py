@@ -118,6 +118,7 @@ def write_manifold(path: Path, trajectory: Trajectory, manifold: Manifold) -> No
         "offset": manifold.offset,
         "plane": {"coordinate": "xyz"[manifold.plane.index], "value": manifold.plane.value},
         "drift": None if np.isnan(manifold.drift) else manifold.drift,
+        "state": trajectory.states(np.zeros(1))[0].tolist(),
         "orbit": trajectory.states(np.linspace(0.0, trajectory.period, PLACES))[:, :3].tolist(),
         "lines": [
             {

@@ -13,6 +13,7 @@ import numpy as np
 from orbitproof.explore.branches import NoBranch, branch_point, numbered, read_branches
 from orbitproof.explore.catalogues import Catalogue, correct_catalogue, read_catalogue
 from orbitproof.explore.flow import Vector
+from orbitproof.explore.masses import read_curves
 from orbitproof.explore.orbits import ShootingProblem
 from orbitproof.explore.periodic import read_periodic_family
 from orbitproof.explore.records import FamilyRecord, read_families
@@ -45,9 +46,18 @@ from orbitproof.shared.formats import (
     stated_format,
 )
 from orbitproof.shared.numbers import parse_exact
-from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR, SYSTEMS, THREE_BODY, UNITS, ReversibleSystem
+from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, SYSTEMS, THREE_BODY, UNITS, ReversibleSystem
 
-_REMEDY = "give candidates, certificates, families, branches, an atlas or its certificate, tori, or a catalogue"
+_REMEDY = (
+    "give candidates, certificates, families, branches, an atlas or its certificate, tori, a manifold, a mass curve, "
+    "or a catalogue or its certificate"
+)
+
+_ON_FIXED_SET = 1e-9
+"""A state whose y, vx and vz are smaller is one of a symmetric orbit on Fix(R)."""
+
+_OF_ROWS = (CR3BP, CR3BP_AXIAL, CR3BP_PLANAR)
+"""The systems whose orbits the certificates of catalogues name by the coordinates of their points on Fix(R)."""
 
 
 def find_orbit(path: Path, choice: Choice) -> SourceOrbit:
@@ -245,6 +255,55 @@ def _torus_centre(path: Path, choice: Choice) -> SourceOrbit:
     return SourceOrbit(CR3BP, parameters, unknowns, document["title"], "not proved: the orbit that the tori surround")
 
 
+def _orbit_of_tube(path: Path, choice: Choice) -> SourceOrbit:
+    for refuse in (refuse_id, refuse_family, refuse_number):
+        refuse(choice, f"{path} holds the tube of one orbit; leave it out")
+    document = read_document(path, "manifold")
+    if "state" not in document:
+        raise InputError(f"{path}: an earlier version wrote it, without the orbit's state; compute the tube again")
+    parameters = {name: parse_exact(text) for name, text in document["parameters"].items()}
+    state, period = np.array(document["state"]), document["period"]
+    said = "not proved: the orbit of the tube"
+    if np.max(np.abs(state[[1, 3, 5]])) < _ON_FIXED_SET:
+        unknowns = np.append(state[[0, 2, 4]], period / 2)
+        return SourceOrbit(CR3BP, parameters, unknowns, document["title"], said)
+    legs = Legs(state[None], np.array([period]), False)
+    return SourceOrbit(CR3BP, parameters, None, document["title"], said, legs=legs)
+
+
+def _birth_of_halo_orbits(path: Path, choice: Choice) -> SourceOrbit:
+    refuse_id(choice, f"{path} holds curves over the mass; choose with --family and --orbit")
+    curves = {curve.libration: curve for curve in read_curves(path)}
+    name = choice.family or (next(iter(curves)) if len(curves) == 1 else None)
+    if name not in curves:
+        said = "missing" if name is None else f"no {name!r} in {path}"
+        raise InputError(f"--family: {said}; give one of {some(list(curves))}")
+    points = curves[name].points
+    number = chosen_number(path, choice, len(points), "points")
+    point = points[number]
+    title = f"birth of halo orbits about {name}, point {number + 1} of {len(points)}, mass {point.mu:g}"
+    unknowns = np.array([point.x, 0.0, point.vy, point.half_period])
+    return SourceOrbit(CR3BP, {"mu": Fraction(point.mu)}, unknowns, title, "not proved: a point of a mass curve")
+
+
+def _certified_row(path: Path, choice: Choice) -> SourceOrbit:
+    refuse_id(choice, f"{path} holds the rows of a catalogue; choose with --orbit")
+    refuse_family(choice, f"{path} holds the rows of one family; choose with --orbit")
+    document = read_document(path, "catalogue-certificate")
+    rows = document["rows"]
+    number = chosen_number(path, choice, len(rows), "rows")
+    row, title = rows[number], f"row {number + 1} of {len(rows)} of {document['statement']['title']}"
+    if "orbit" not in row:
+        raise NoOrbit(f"{path}: {title}: its certificate shows no orbit near it; give the catalogue itself")
+    point = {name: _middle(ball) for name, ball in row["orbit"]["point"].items()}
+    system = next(each for each in _OF_ROWS if set(point) == set(each.centre_coordinates))
+    half_period = _middle(row["orbit"]["period"]) / 2
+    unknowns = np.array([*(point[each] for each in system.centre_coordinates), half_period])
+    said = f'the certificate says "{document["verdict"]}" of the rows of the catalogue; not checked again here'
+    parameters = {"mu": parse_exact(document["statement"]["mass_ratio"])}
+    return SourceOrbit(system, parameters, unknowns, title, said)
+
+
 def _catalogue_row(path: Path, choice: Choice) -> SourceOrbit:
     refuse_id(choice, f"{path} is a catalogue; choose with --orbit")
     catalogue = read_catalogue(path)
@@ -289,5 +348,8 @@ _READERS: Mapping[str, Callable[[Path, Choice], SourceOrbit]] = {
     "atlas": _piece,
     "atlas-certificate": _certified_piece,
     "tori": _torus_centre,
+    "manifold": _orbit_of_tube,
+    "mass-curve": _birth_of_halo_orbits,
+    "catalogue-certificate": _certified_row,
     "": _catalogue_row,
 }

@@ -1,144 +1,108 @@
-"""Interactive pictures in space, each one self-contained HTML file: families, proved loops, tori. Needs plotly.
+"""Interactive pictures in space, each one self-contained HTML file: orbits, families, proved loops, tori, tubes.
 
-Certified orbits are drawn blue and thick, numerical ones grey and thin. What the mouse points at says which it is, with
-the Jacobi constant, the period and the stability index. Verdicts are copied from files. Lines are double precision.
+Needs plotly. Colours are Jacobi constants; certified orbits are drawn thick, numerical ones thin. What the mouse points
+at says which it is. Verdicts are copied from files. Lines are double precision.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from html import escape
 from textwrap import wrap
 from typing import Any
 
 import numpy as np
 
-from orbitproof.explore.invariants import ToriRecord
-from orbitproof.explore.orbits import correct_batch, stability_index
-from orbitproof.figures.certified import Curve, heading_of
-from orbitproof.figures.model import MarkedPoint, SampledFamily, level_of
-from orbitproof.figures.orbits import Array, OrbitNotClosed, symmetric_orbit
-from orbitproof.shared.systems import ReversibleSystem, shown
-
-SHOWN = 60
-"""Orbits of a family or loop that are drawn, at most."""
+from orbitproof.explore.invariants import ManifoldRecord, ToriRecord
+from orbitproof.figures.orbits import Array
+from orbitproof.figures.pictures.lines import NUMERICAL, Line, tube_lines
 
 _NEAR = 0.25
 """A primary is shown if it is at most this part of the picture's extent outside of it."""
 
-_NUMERICAL = "numerical, not proved"
-_COLOURS = {True: "#3c6e91", False: "#8a8a8a"}
+_FLAT = 0.02
+"""What is less high than this part of its extent is looked at from above."""
 
-
-@dataclass(frozen=True)
-class Line:
-    """An orbit in space: its places, shape (N, 3), its verdict, and what the mouse shows."""
-
-    places: Array
-    proved: bool
-    label: str
-
-
-def family_lines(family: SampledFamily, marks: Sequence[MarkedPoint]) -> list[Line]:
-    """Orbits along a traced family, and those of its marked points with their verdicts."""
-    chosen = np.unique(np.linspace(0, len(family.arclength) - 1, SHOWN).round().astype(int))
-    lines = []
-    for index in chosen:
-        places = _orbit(family.system, family.parameters, family.points[index])
-        if places is not None:
-            facts = _facts(family.levels[index], family.periods[index], np.roots(family.coefficients[index]))
-            lines.append(Line(places, False, f"orbit {index + 1} of {family.name}<br>{facts}<br>{_NUMERICAL}"))
-    # Between the orbits of the file by cubic interpolation: good to five digits.
-    fine = family.refined() if marks else family
-    for mark in marks:
-        places = _orbit(family.system, family.parameters, mark.point)
-        if places is None:
-            continue
-        place = fine.place(mark).arclength
-        period = float(np.interp(place, fine.arclength, fine.periods))
-        row = [np.interp(place, fine.arclength, column) for column in fine.coefficients.T]
-        said = f"k = {mark.k}: the certificate says proved" if mark.certified else f"k = {mark.k}: {_NUMERICAL}"
-        label = f"{escape(shown(mark.candidate.id))}<br>{_facts(mark.level, period, np.roots(row), 5)}<br>{said}"
-        lines.append(Line(places, mark.certified, label))
-    return lines
-
-
-def curve_lines(curve: Curve) -> list[Line]:
-    """Orbits along a curve from its certificate; each has the verdict of its piece."""
-    points = np.concatenate([stretch.points for stretch in curve.stretches])
-    proved = np.concatenate([[stretch.is_proved] * len(stretch.points) for stretch in curve.stretches])
-    chosen = np.unique(np.linspace(0, len(points) - 1, SHOWN).round().astype(int))
-    places = [_orbit(curve.system, curve.parameters, points[index]) for index in chosen]
-    kept = [(index, rows) for index, rows in zip(chosen, places, strict=True) if rows is not None]
-    halves = [0.5 * _period(curve.system, curve.parameters, points[index]) for index, _ in kept]
-    values = {name: float(value) for name, value in curve.parameters.items()}
-    starts = np.column_stack([points[[index for index, _ in kept]], halves])
-    # Many at once are corrected with a free level only.
-    batch = None if curve.system.fixed_level else correct_batch(curve.system, values, starts, symmetry=None)
-    lines = []
-    for number, (index, rows) in enumerate(kept):
-        level = level_of(curve.system, curve.parameters, list(points[index]))
-        if batch is not None and batch.converged[number]:
-            facts = _facts(level, 2 * float(batch.unknowns[number, -1]), batch.stability[number])
-        else:
-            facts = _facts(level, float("nan"), [])
-        verdict = "on a piece that the certificate says is proved" if proved[index] else "on a piece that is not proved"
-        lines.append(Line(rows, bool(proved[index]), f"{escape(heading_of(curve.atlas))}<br>{facts}<br>{verdict}"))
-    return lines
-
-
-def _orbit(system: ReversibleSystem, parameters: Any, point: Array) -> Array | None:
-    try:
-        return symmetric_orbit(system, parameters, list(point))[:, :3]
-    except OrbitNotClosed:
-        return None
-
-
-def _period(system: ReversibleSystem, parameters: Any, point: Array) -> float:
-    """About the period: the length of the orbit over its speed, a guess that is corrected."""
-    rows = symmetric_orbit(system, parameters, list(point))
-    speeds = np.linalg.norm(rows[:, 3:], axis=1)
-    return float(np.sum(2 * np.linalg.norm(np.diff(rows[:, :3], axis=0), axis=1) / (speeds[1:] + speeds[:-1])))
-
-
-def _facts(level: float, period: float, stability: Any, digits: int = 8) -> str:
-    index = f"{stability_index(stability):.{min(digits, 6)}g}" if len(stability) else "unknown"
-    time = f"{period:.{digits}g}" if np.isfinite(period) else "unknown"
-    return f"Jacobi constant {level:.10g}<br>period {time}<br>stability index {index}"
+_SCALE = "Viridis"
+_ORBIT = "#222222"
+_TUBE = {"unstable": "#b2182b", "stable": "#1b7837"}
 
 
 def orbits_figure(title: str, lines: Sequence[Line], mass: float) -> Any:
-    """A figure of orbits in space."""
+    """A figure of orbits in space, in the colours of their Jacobi constants."""
     from plotly import graph_objects
 
     figure = graph_objects.Figure()
-    for line in lines:
-        style = {"color": _COLOURS[line.proved], "width": 5 if line.proved else 1.5}
+    levels = np.array([line.level for line in lines])
+    for line, colour in zip(lines, _colours(levels), strict=True):
+        style = {"color": colour, "width": 7 if line.proved else 2.5}
         figure.add_trace(_trace(line.places, line.label, line=style))
-    return _finished(figure, title, mass)
+    if len(set(levels[np.isfinite(levels)].tolist())) > 1:
+        figure.add_trace(_bar(levels))
+    return _finished(figure, title, mass, "thick: certified, thin: numerical")
 
 
 def tori_figure(record: ToriRecord) -> Any:
-    """A figure of the tori that have places stored, from small to large."""
+    """A figure of the tori that have places stored, from small to large, in colours from dark to light."""
     from plotly import graph_objects
 
     figure = graph_objects.Figure()
-    for torus in record.tori:
-        if torus.surface is None:
-            continue
+    stored = [torus for torus in record.tori if torus.surface is not None]
+    colours = _colours(np.array([torus.curve.amplitude for torus in stored]))
+    for torus, colour in zip(stored, colours, strict=True):
         curve = torus.curve
         label = (
             f"torus, amplitude {curve.amplitude:.4g}<br>Jacobi constant {curve.jacobi_constant:.10g}<br>"
             f"time of return {np.mean(curve.times):.8g}<br>rotation {curve.rotation:.8g}<br>"
-            f"error of invariance {curve.error:.1e}<br>{_NUMERICAL}"
+            f"error of invariance {curve.error:.1e}<br>{NUMERICAL}"
         )
+        assert torus.surface is not None
         closed = np.concatenate([torus.surface, torus.surface[:1]])
         rows = [*closed[:-1:2], *np.swapaxes(closed, 0, 1)[::6]]
         gap = np.full((1, 3), np.nan)
         places = np.concatenate([np.concatenate([row, gap]) for row in rows])
-        figure.add_trace(_trace(places, label, line={"color": _COLOURS[False], "width": 1.5}))
-    return _finished(figure, f"Tori around {record.title}", record.mass)
+        figure.add_trace(_trace(places, label, line={"color": colour, "width": 2}))
+    return _finished(figure, f"Tori around {record.title}", record.mass, NUMERICAL)
+
+
+def tube_figure(record: ManifoldRecord) -> Any:
+    """A figure of a tube, and of the periodic orbit that it leaves or leads to."""
+    from plotly import graph_objects
+
+    figure = graph_objects.Figure()
+    orbit, lines = tube_lines(record)
+    for line in lines:
+        figure.add_trace(_trace(line.places, line.label, line={"color": _TUBE[record.manifold.kind], "width": 1.5}))
+    figure.add_trace(_trace(orbit.places, orbit.label, line={"color": _ORBIT, "width": 4}))
+    return _finished(figure, f"{record.manifold.kind.capitalize()} manifold of {record.title}", record.mass, NUMERICAL)
+
+
+def _colours(values: Array) -> list[str]:
+    """From dark to light with the value; the darkest for what is not known."""
+    from plotly.colors import sample_colorscale
+
+    known = values[np.isfinite(values)]
+    low, size = (known.min(), np.ptp(known)) if len(known) else (0.0, 0.0)
+    parts = np.nan_to_num((values - low) / size) if size > 0 else np.zeros(len(values))
+    # The lightest colours are too pale on white.
+    return [str(colour) for colour in sample_colorscale(_SCALE, (0.85 * parts).tolist())]
+
+
+def _bar(levels: Array) -> Any:
+    """A trace without places, for the scale of colours."""
+    from plotly import graph_objects
+    from plotly.colors import sample_colorscale
+
+    low, high = float(np.nanmin(levels)), float(np.nanmax(levels))
+    scale = [[part, sample_colorscale(_SCALE, [0.85 * part])[0]] for part in np.linspace(0, 1, 11)]
+    bar = {
+        "title": {"text": "Jacobi constant", "side": "top", "font": {"size": 12}}, "orientation": "h", "len": 0.7,
+        "thickness": 10, "x": 0.5, "y": 0.0, "yanchor": "top", "nticks": 5,
+    }  # fmt: skip
+    marker = {"color": [low, high], "cmin": low, "cmax": high, "colorscale": scale, "colorbar": bar, "size": 0.1}
+    return graph_objects.Scatter3d(
+        x=[None, None], y=[None, None], z=[None, None], mode="markers", marker=marker, hoverinfo="skip", showlegend=False
+    )  # fmt: skip
 
 
 def _trace(places: Array, label: str, **look: Any) -> Any:
@@ -150,35 +114,51 @@ def _trace(places: Array, label: str, **look: Any) -> Any:
     )
 
 
-def _finished(figure: Any, title: str, mass: float) -> Any:
+def _finished(figure: Any, title: str, mass: float, note: str) -> Any:
     from plotly import graph_objects
 
-    rows = np.concatenate([np.column_stack([trace.x, trace.y, trace.z]) for trace in figure.data])
+    drawn = [trace for trace in figure.data if trace.mode == "lines"]
+    rows = np.concatenate([np.column_stack([trace.x, trace.y, trace.z]) for trace in drawn])
     low, high = np.nanmin(rows, axis=0), np.nanmax(rows, axis=0)
     near = _NEAR * float((high - low).max())
-    names = {
-        name: x
+    places = [
+        (name, x)
         for name, x in (("larger primary", -mass), ("smaller primary", 1 - mass))
         if np.all(np.array([x, 0, 0]) >= low - near) and np.all(np.array([x, 0, 0]) <= high + near)
-    }
+    ]
     figure.add_trace(
         graph_objects.Scatter3d(
-            x=list(names.values()), y=[0] * len(names), z=[0] * len(names), mode="markers",
-            marker={"size": 4, "color": "#222222"},
-            text=[f"{name} (not to scale)" for name in names], hovertemplate="%{text}<extra></extra>",
+            x=[x for _, x in places], y=[0] * len(places), z=[0] * len(places), mode="markers",
+            marker={"size": 4, "color": _ORBIT},
+            text=[f"{name} (not to scale)" for name, _ in places], hovertemplate="%{text}<extra></extra>",
             showlegend=False,
         )
     )  # fmt: skip
-    note = "blue and thick: certified, grey: numerical<br>unit of length: the distance of the primaries"
-    axis = {"backgroundcolor": "white", "gridcolor": "#e4e4e4", "color": "#222222"}
+    inside = np.array([[x, 0.0, 0.0] for _, x in places]).reshape(-1, 3)
+    low, high = np.minimum(low, inside.min(axis=0, initial=np.inf)), np.maximum(high, inside.max(axis=0, initial=-np.inf))
+    middle, size = (low + high) / 2, float((high - low).max())
+    half = 0.53 * np.maximum(high - low, 0.1 * size)
+    is_flat = bool(high[2] - low[2] < _FLAT * size)
+    axis = {"backgroundcolor": "white", "gridcolor": "#e4e4e4", "color": _ORBIT}
+    axes = {
+        f"{name}axis": {"title": {"text": name}, "range": [middle[i] - half[i], middle[i] + half[i]], **axis}
+        for i, name in enumerate("xyz")
+    }
+    axes["zaxis"]["visible"] = not is_flat
+    ratio = dict(zip("xyz", (half / half.max()).tolist(), strict=True))
+    camera = {"eye": {"x": 0, "y": 0, "z": 1.45}, "up": {"x": 0, "y": 1, "z": 0}} if is_flat else {"eye": _ASLANT}
+    unit = "unit of length: the distance of the primaries"
     figure.update_layout(
-        title={"text": f"{'<br>'.join(wrap(escape(title), 44))}<br><sub>{note}</sub>", "font": {"size": 14}},
-        scene={"aspectmode": "data", **{f"{name}axis": {"title": {"text": name}, **axis} for name in "xyz"}},
-        margin={"l": 0, "r": 0, "t": 110, "b": 0},
+        title={"text": f"{'<br>'.join(wrap(escape(title), 44))}<br><sub>{note}<br>{unit}</sub>", "font": {"size": 14}},
+        scene={"aspectmode": "manual", "aspectratio": ratio, "camera": camera, **axes},
+        margin={"l": 0, "r": 0, "t": 110, "b": 70},
         paper_bgcolor="white",
     )
     return figure
 
+
+_ASLANT = {"x": 1.0, "y": -1.2, "z": 0.65}
+"""From where the picture is seen: far enough for all of its box."""
 
 _HEAD = (
     '<head><meta name="viewport" content="width=device-width, initial-scale=1" />'
@@ -186,9 +166,10 @@ _HEAD = (
 )
 _FIT = """
 const page = document.getElementById("{plot_id}");
+const eye = page.layout.scene.camera.eye;
 const fit = () => {
-  const away = 1.25 * Math.max(1, page.clientHeight / page.clientWidth);
-  Plotly.relayout(page, {"scene.camera.eye": {x: away, y: away, z: away}});
+  const away = Math.max(1, page.clientHeight / page.clientWidth);
+  Plotly.relayout(page, {"scene.camera.eye": {x: away * eye.x, y: away * eye.y, z: away * eye.z}});
 };
 fit();
 window.addEventListener("resize", fit);

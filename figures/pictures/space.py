@@ -91,6 +91,15 @@ def show_primaries(axes: Any, mass: float, low: Array, high: Array) -> tuple[Arr
     return low, high
 
 
+def mark_primaries(axes: Any, mass: float, rows: Array) -> None:
+    """The same in the plane z = 0 of a flat axes, for what is drawn at `rows`, shape (N, 3); its limits stay."""
+    low, high = rows[:, :2].min(axis=0), rows[:, :2].max(axis=0)
+    near = _NEAR * float((high - low).max())
+    for x in (-mass, 1.0 - mass):
+        if np.all(np.array([x, 0.0]) >= low - near) and np.all(np.array([x, 0.0]) <= high + near):
+            axes.plot(x, 0.0, **_PRIMARY, zorder=5)
+
+
 def bounds_of(orbits: list[Array]) -> tuple[Array, Array]:
     """The smallest and largest x, y, z of orbits, each of shape (N, m)."""
     rows = np.vstack([orbit[:, :3] for orbit in orbits])

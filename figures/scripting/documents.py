@@ -17,7 +17,7 @@ from orbitproof.shared.formats import (
     stated_format,
     write_text,
 )
-from orbitproof.shared.systems import CR3BP, THREE_BODY
+from orbitproof.shared.systems import THREE_BODY
 
 if TYPE_CHECKING:
     from orbitproof.figures.tables import Table
@@ -57,20 +57,27 @@ def write_tables(tables: Sequence[Table], folder: Source, *, digits: int = 30, t
     return written.paths
 
 
+_PAGES = "give families, candidates, certificates, branches, a catalogue, a curve, tori, a manifold, or their certificates"
+
+
 def write_page(
     source: Source,
     output: Source,
     *,
     family: str | None = None,
+    identifier: str | None = None,
+    orbit: int | None = None,
     candidates: Source | None = None,
     certificates: Source | None = None,
 ) -> Path:
     """Orbits in space as one HTML file, to be turned with the mouse.
 
     Arguments:
-        source: file of families, certificate of an atlas, or tori.
+        source: file of families or a catalogue, certificate of an atlas, tori, a manifold; or, for one orbit, any file
+            that names orbits.
         output: HTML file to write.
         family: of a file of families, which one.
+        identifier, orbit: one orbit of the file, by its id or its number.
         candidates, certificates: files, to show the points of a family and what is certified.
 
     Raises `ModuleNotFoundError` where plotly is missing.
@@ -81,23 +88,27 @@ def write_page(
     import_module("plotly")
     from orbitproof.figures.pictures.interactive import html_of
 
-    remedy = "give families, the certificate of an atlas, or tori"
-    kind = stated_format(path, remedy)
-    if kind not in ("family", "atlas-certificate", "tori"):
-        raise InputError(f"{path}: {remedy}")
-    if kind != "family" and (family or candidates or certificates):
-        raise ArgumentError("{family}, {candidates}, {certificates}: they belong to a file of families; leave them out")
-    if kind == "family":
+    kind = stated_format(path, _PAGES)
+    single = identifier is not None or orbit is not None
+    whole = {"atlas-certificate": _curve_in_space, "tori": _tori_in_space, "manifold": _tube_in_space, "": _rows_in_space}
+    if (candidates or certificates) and (kind != "family" or single):
+        raise ArgumentError("{candidates}, {certificates}: they belong to a file of families; leave them out")
+    if family and kind not in ("family", "mass-curve"):
+        raise ArgumentError("{family}: {0} holds no families; leave it out", path)
+    if kind == "family" and not single:
         figure = _family_in_space(path, family, optional(candidates), optional(certificates))
+    elif kind in whole and not single:
+        figure = whole[kind](path)
     else:
-        figure = _tori_in_space(path) if kind == "tori" else _curve_in_space(path)
+        figure = _orbit_in_space(path, identifier, family, orbit)
     write_text(target, html_of(figure))
     return target
 
 
 def _family_in_space(path: Path, name: str | None, candidates: Path | None, certificates: Path | None) -> Any:
     from orbitproof.figures.model import assign, mark_candidates, read_families
-    from orbitproof.figures.pictures.interactive import family_lines, orbits_figure
+    from orbitproof.figures.pictures.interactive import orbits_figure
+    from orbitproof.figures.pictures.lines import family_lines
 
     if certificates is not None and candidates is None:
         raise ArgumentError("{certificates}: need their candidates; add {candidates}")
@@ -118,10 +129,11 @@ def _family_in_space(path: Path, name: str | None, candidates: Path | None, cert
 
 def _curve_in_space(path: Path) -> Any:
     from orbitproof.figures.certified import Curve, heading_of
-    from orbitproof.figures.pictures.interactive import curve_lines, orbits_figure
+    from orbitproof.figures.pictures.interactive import orbits_figure
+    from orbitproof.figures.pictures.lines import curve_lines
 
     curve = Curve.read(path)
-    if curve.system is not CR3BP:
+    if curve.system not in THREE_BODY:
         raise InputError(f"{path}: orbits of {curve.system.name} are not in space; give a curve of cr3bp")
     return orbits_figure(heading_of(curve.atlas), curve_lines(curve), float(curve.parameters["mu"]))
 
@@ -131,6 +143,38 @@ def _tori_in_space(path: Path) -> Any:
     from orbitproof.figures.pictures.interactive import tori_figure
 
     return tori_figure(read_tori(path))
+
+
+def _tube_in_space(path: Path) -> Any:
+    from orbitproof.explore.invariants import read_manifold
+    from orbitproof.figures.pictures.interactive import tube_figure
+
+    return tube_figure(read_manifold(path))
+
+
+def _rows_in_space(path: Path) -> Any:
+    from orbitproof.explore.catalogues import read_catalogue
+    from orbitproof.figures.pictures.interactive import orbits_figure
+    from orbitproof.figures.pictures.lines import catalogue_lines
+
+    catalogue = read_catalogue(path)
+    title = f"{catalogue.system} {catalogue.title}".strip()
+    return orbits_figure(title, catalogue_lines(catalogue), float(catalogue.mass_ratio))
+
+
+def _orbit_in_space(path: Path, identifier: str | None, family: str | None, number: int | None) -> Any:
+    from orbitproof.explore.trajectories import Choice, NoOrbit, find_orbit, trajectory_of
+    from orbitproof.figures.pictures.interactive import orbits_figure
+    from orbitproof.figures.pictures.lines import orbit_line
+
+    try:
+        trajectory = trajectory_of(find_orbit(path, Choice(identifier, family, number)))
+    except NoOrbit as failure:
+        raise InputError(f"{path}: {failure}; give another orbit") from None
+    source = trajectory.source
+    if source.system not in THREE_BODY:
+        raise InputError(f"{path}: orbits of {source.system.name} are not in space; give one of cr3bp")
+    return orbits_figure(source.title, [orbit_line(trajectory)], float(source.parameters["mu"]))
 
 
 @dataclass(frozen=True)

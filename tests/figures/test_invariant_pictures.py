@@ -109,13 +109,27 @@ def test_interactive_pages_need_nothing_else_and_copy_the_verdicts(files: tuple[
     assert "error of invariance" in page.read_text()
 
 
+def test_interactive_pages_show_tubes_single_orbits_and_rows_of_a_catalogue(
+    files: tuple[Path, Path], tmp_path: Path
+) -> None:
+    page, rows = tmp_path / "page.html", Path(__file__).parents[2] / "docs" / "examples" / "gateway-rows.json"
+    assert main(["interactive", str(files[1]), "-o", str(page)]) == 0
+    assert page.read_text().count("unstable manifold, orbit") == 5
+    for more, count in ((["--orbit", "2"], 1), ([], 3)):
+        assert main(["interactive", str(rows), *more, "-o", str(page)]) == 0
+        said = page.read_text()
+        assert said.count("least distance from the smaller primary") == count
+        assert "the orbit hits it" not in said
+    assert main(["interactive", str(files[1]), "--orbit", "2", "-o", str(page)]) == 2
+
+
 def test_interactive_refuses_what_it_cannot_draw(
     files: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     page, data = tmp_path / "page.html", Path(__file__).parents[1] / "data"
     for words, said in (
-        ([str(files[1])], "give families, the certificate of an atlas, or tori"),
-        ([str(files[0]), "--family", "L1"], "leave them out"),
+        ([str(Path(__file__))], "give families, candidates"),
+        ([str(files[0]), "--family", "L1"], "holds no families; leave it out"),
         ([str(data / "figures-halo-family.json"), "--family", "L7"], "--family: no 'L7' in"),
         ([str(data / "figures-falkner-skan-family.json")], "has no family of cr3bp or cr3bp-axial"),
     ):

@@ -17,7 +17,7 @@ from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Candidate,
 from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.certificate import Certificate, Level, Limits, certify, digest, is_proof_of, recheck
 from orbitproof.verify.evidence import bounds, exact_value
-from orbitproof.verify.oracle.precision import least_known
+from orbitproof.verify.oracle.precision import missing_digits
 from orbitproof.verify.orbit import OrbitResults
 
 DATA = Path(__file__).resolve().parents[1] / "data"
@@ -134,8 +134,21 @@ def test_multipliers_are_those_of_the_variational_equations(
 
 
 def test_all_numbers_have_the_digits_that_were_asked_for(orbit: OrbitResults) -> None:
-    low, high = bounds(least_known(orbit))
-    assert high - low < Fraction(1, 10**12) * abs(low)
+    assert missing_digits(orbit, LIMITS.digits) <= 0
+    for ball in (*orbit.point.values(), *orbit.other_point.values(), orbit.period):
+        low, high = bounds(ball)
+        assert high - low < Fraction(1, 10**12) * abs(low)
+
+
+def test_sixteen_digits_take_few_bits_on_a_box_as_wide_as_they_allow(orbit: OrbitResults) -> None:
+    """The half period of all orbits of the box is known less well than the length of a short last step."""
+    wide = replace(HALO, radii=(Fraction(1, 2**40),) * 3)
+    found = certify(wide, Limits(digits=16))
+    assert found.proved, found.reason
+    assert (found.computation.attempts, found.computation.precision <= 110) == (1, True)
+    assert found.orbit is not None and found.orbit.least is not None and orbit.least is not None
+    assert found.orbit.least.distance.overlaps(orbit.least.distance)
+    assert missing_digits(found.orbit, 16) <= 0
 
 
 def test_the_certificate_stands_at_every_level(certificate: Certificate) -> None:

@@ -5,7 +5,7 @@ Nothing here carries proof: a guess that is wrong costs an attempt.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, floor, isfinite
 
@@ -59,6 +59,8 @@ _FEW_STEPS = 8
 
 _BITS_PER_DIGIT = 3.33
 
+_OF_ALL = 30
+
 _NARROW_BITS = 4
 """An enclosure that is 2 to the minus this of a box wide, and reaches over its edge, is no longer for want of bits."""
 
@@ -73,7 +75,8 @@ class Limits:
 
     Attributes:
         max_precision: bits that are never exceeded.
-        digits: certain digits of the parameter to aim for; a proof with fewer stands all the same.
+        digits: certain digits to aim for, of the parameter or of the numbers of an orbit; a proof with fewer stands all
+            the same.
         timeout: seconds, or `None`; looked at between integration steps.
         level: "coordinates" for candidates as they are, "integral" for the level of the first integral as
             parameter where there is such a form, "auto" for the better conditioned of both, then the other.
@@ -161,20 +164,30 @@ def _bits_below_one(numerator: int, denominator: int) -> int:
     return max(0, denominator.bit_length() - numerator.bit_length())
 
 
-def least_known(found: Found) -> arb:
-    """The parameter of a bifurcation; the number of an orbit known to the fewest digits, if that is not 0."""
+def missing_digits(found: Found, digits: int) -> int:
+    """How many digits the number that is known least well lacks; of a bifurcation its parameter.
+
+    Stability parameters and multipliers of single orbits are derivatives, which need more bits: from `_OF_ALL` digits on
+    as many are asked of them, below that three fewer for each digit less.
+    """
     if isinstance(found, (BifurcationResults, BreakingResults, KreinResults)):
-        return found.parameter
+        return digits - count_certain_digits(found.parameter)
     if isinstance(found, PeriodicResults):
-        return found.period
+        return digits - count_certain_digits(found.period)
     if isinstance(found, (PeriodicBifurcationResults, TorusResults)):
-        return found.parameter if excludes_zero(found.parameter) else found.period
-    complex_numbers = (*found.stability.parameters, *found.stability.multipliers)
-    balls = [part for value in complex_numbers for part in (value.real, value.imag)]
-    balls += [*found.point.values(), *found.other_point.values(), found.period]
+        return digits - count_certain_digits(found.parameter if excludes_zero(found.parameter) else found.period)
+    balls = [*found.point.values(), *found.other_point.values(), found.period]
     balls += [] if found.level is None else [found.level]
     balls += [extremum.distance for extremum in (found.least, found.greatest) if extremum is not None]
-    return min((ball for ball in balls if excludes_zero(ball)), key=count_certain_digits)
+    complex_numbers = (*found.stability.parameters, *found.stability.multipliers)
+    derivatives = [part for value in complex_numbers for part in (value.real, value.imag)]
+    of_derivatives = min(digits, 3 * digits - 2 * _OF_ALL)
+    return max(_missing(balls, digits), _missing(derivatives, of_derivatives))
+
+
+def _missing(balls: Sequence[arb], digits: int) -> int:
+    """Of balls that do not contain 0."""
+    return max((digits - count_certain_digits(ball) for ball in balls if excludes_zero(ball)), default=0)
 
 
 def more_precision(
@@ -182,7 +195,7 @@ def more_precision(
 ) -> int | None:
     """Bits for the next attempt, at most the limit; `None` if there is no need or no hope."""
     if isinstance(outcome, Proved):
-        missing = limits.digits - count_certain_digits(least_known(outcome.results))
+        missing = missing_digits(outcome.results, limits.digits)
         wanted = precision + ceil(missing * _BITS_PER_DIGIT) + 16
         tried = isinstance(previous, Proved)
         return wanted if missing > 0 and not tried and wanted <= limits.max_precision else None

@@ -13,7 +13,7 @@ from orbitproof.shared.formats import Candidate
 from orbitproof.shared.stored import rules, stored
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Series, evaluate, prepare
-from orbitproof.verify.evidence import Briefs, DerivativeTable, enclose, exact_value, guarded
+from orbitproof.verify.evidence import Briefs, DerivativeTable, enclose, exact_value, guarded, is_below
 from orbitproof.verify.flow import FlowStep, advance
 from orbitproof.verify.orbit.distance import Approach, DistanceAlong, Kind, Step
 from orbitproof.verify.orbit.rates import distance_rates
@@ -34,8 +34,8 @@ from orbitproof.verify.poincare import (
     kernel_components,
 )
 
-_BEYOND = Fraction(1, 2**40)
-"""Length of the step that leads beyond the other point on Fix(R)."""
+_BEYOND = tuple(Fraction(1, 2**bits) for bits in (40, 32, 24, 16))
+"""Lengths of the step that leads beyond the other point on Fix(R); the first that does for the whole box is taken."""
 
 
 @dataclass(frozen=True)
@@ -210,10 +210,13 @@ class _Distances:
 
     def cover(self, flow: FlowStep, start: arb, length: Fraction) -> None:
         """One step, from the integration's time `start` on."""
+        self._take(self._step(flow, start, length))
+
+    def _step(self, flow: FlowStep, start: arb, length: Fraction) -> Step:
         functions = evaluate(self.program, [*flow.solution, *self.returns.constants])
         value, rate, curvature = (InTime(element) for element in functions)
         whole, regularisation = enclose(length), self.regularisation
-        step = Step(
+        return Step(
             value,
             rate,
             curvature,
@@ -222,6 +225,8 @@ class _Distances:
             if regularisation is None
             else InTime(flow.solution[regularisation.time_index]).value,
         )
+
+    def _take(self, step: Step) -> None:
         self.along.cover(step)
         self.reached = step.time(arb(1))
 
@@ -230,5 +235,9 @@ class _Distances:
         returns = self.returns
         program, state, fixed = returns.program, returns.state, returns.fixed
         expansion = returns.oracle.expand(program, returns.arithmetic, state, fixed)
-        self.cover(advance(program, state, fixed, expansion, _BEYOND), returns.time, _BEYOND)
+        for length in _BEYOND:
+            step = self._step(advance(program, state, fixed, expansion, length), returns.time, length)
+            if is_below(half_period, step.time(arb(1))):
+                break
+        self._take(step)
         return self.along.start_kind, self.along.end_kind(half_period, self.reached)

@@ -69,7 +69,7 @@ def _parser() -> ArgumentParser:
     parser.add_argument("--only", nargs="+", metavar="ID", help="these only (with * and ? as in file names)")
     bits, words = whole_number(LEAST_PRECISION, GREATEST_PRECISION), "never use more bits (default: %(default)s)"
     parser.number("--max-precision", "BITS", words, bits, Limits.max_precision)
-    words = "certain digits of the parameter to aim for (default: %(default)s)"
+    words = "certain digits to aim for (default: %(default)s); boxes that explore made for fewer take less time"
     parser.number("--digits", "N", words, whole_number(1), Limits.digits)
     words = (
         "coordinates of rows with a first integral: its level in place of one of Fix(R), which then follows from it "
