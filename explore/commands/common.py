@@ -18,6 +18,10 @@ MAX_MULTIPLICITY = 1000
 DIGITS = (15, 400)
 
 
+WORTH_TELLING = 0.01
+"""A correction that moves a guess so far, relative to its size, is told."""
+
+
 def add_command(commands: Any, name: str, meaning: str, examples: str) -> argparse.ArgumentParser:
     """A subcommand, with examples below its help."""
     raw = argparse.RawDescriptionHelpFormatter

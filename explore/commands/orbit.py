@@ -41,9 +41,6 @@ if TYPE_CHECKING:
     from orbitproof.explore.refinement import OrbitTask
     from orbitproof.explore.seeds import FirstOrbit
 
-WORTH_TELLING = 0.01
-"""A correction that moves a guess so far, relative to it, is told."""
-
 _EXAMPLES = """\
 examples:
   orbitproof explore orbit --system mine.py --start c=0.1 y=0.2
@@ -177,8 +174,14 @@ def _started(options: argparse.Namespace, system: ReversibleSystem) -> int:
                 report.error(f"{request.name}: {error}")
                 continue
             found.append(TracedFamily(request.name, request.label, family))
+            if request.first.half_period is not None:
+                times = round(request.first.half_period / float(family.orbits[0].half_period))
+                if times > 1:
+                    report.message(
+                        f"{request.name}: the half period that was given is {times} times that of the orbit, which is taken"
+                    )
             moved = _moved(request.first, family.orbits[0])
-            if moved > WORTH_TELLING:
+            if moved > common.WORTH_TELLING:
                 report.message(
                     f"{request.name}: the orbit that was found starts {moved:.1%} of the guess's size away from it; "
                     "if another one is meant, give a closer guess and --half-period"

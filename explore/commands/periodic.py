@@ -19,7 +19,7 @@ from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import CR3BP, System
 
 if TYPE_CHECKING:
-    from orbitproof.explore.periodic import FoundOrbit
+    from orbitproof.explore.periodic import FoundOrbit, PeriodicRequest
 
 _EXAMPLES = """\
 examples:
@@ -193,6 +193,8 @@ def run(options: argparse.Namespace) -> int:
         report.stage(f"looking for periodic orbits of {system.name}")
         try:
             for orbit in find_periodic(request, report.update):
+                for remark in _remarks(request, orbit):
+                    report.message(remark)
                 orbits.append(orbit)
                 lines += described(orbit)
         except PeriodicFailure as failure:
@@ -215,6 +217,23 @@ def run(options: argparse.Namespace) -> int:
             code = max(code, 0 if store.complete else 1)
     print("\n".join(lines))
     return code
+
+
+def _remarks(request: PeriodicRequest, found: FoundOrbit) -> list[str]:
+    """How an orbit differs from the guess that it was corrected from, where that is worth telling."""
+    if request.period is None:
+        return []
+    remarks, name = [], request.system.name
+    times = round(request.period / found.orbit.period)
+    if times > 1:
+        remarks.append(f"{name}: the period that was given is {times} times that of the orbit, which is taken")
+    moved = found.orbit.distance_from(request.start) / max(found.orbit.size, *map(abs, request.start))
+    if moved > common.WORTH_TELLING:
+        remarks.append(
+            f"{name}: the orbit that was found is {moved:.1%} of its size away from the guess; if another one is meant, "
+            "give a closer guess"
+        )
+    return remarks
 
 
 def _start(

@@ -28,6 +28,11 @@ _NEAR = 0.2
 _RESTING = 1e-9
 """So little, relative to the size of a state, an equilibrium moves in double precision."""
 
+_REPEATS = 1e-7
+"""So near Fix(R), relative to its size, a part of the half period leads an orbit that goes round more often in it."""
+
+_MOST_TIMES = 12
+
 _CLOSE = 0.05
 """Distance from Fix(R), relative to the size of the orbit, at which a crossing is taken for its other point there."""
 
@@ -49,6 +54,10 @@ def first_family(
             if problem.symmetry is None and odd and not np.any(unknowns[odd]) and along:
                 problem = ShootingProblem(system, problem.parameters, name, tolerance=control.tolerance)
         correction, direction = _corrected(problem, unknowns, direction)
+        times = _repetitions(problem, correction.unknowns)
+        if times > 1:
+            unknowns = np.append(correction.unknowns[:-1], correction.unknowns[-1] / times)
+            correction, direction = _corrected(problem, unknowns, None if first.direction is None else direction)
         tangent = problem.tangent(correction.jacobian, direction)
         states = problem.samples(correction.unknowns)
         if _rests(states):
@@ -60,6 +69,17 @@ def first_family(
             raise FamilyFailure(_equilibrium(problem, start)) from None
         raise FamilyFailure(f"no first orbit: {error}; give a point closer to one, and its half period") from None
     return Family(problem, (orbit,), (tangent,), "limit", "started")
+
+
+def _repetitions(problem: ShootingProblem, unknowns: Vector) -> int:
+    """How often the orbit goes round in its period: its half period is so many times that of the orbit."""
+    number = crossings(problem, problem.samples(unknowns))
+    size = 1.0 + float(np.abs(unknowns).max())
+    for times in range(min(number, _MOST_TIMES), 1, -1):
+        residual = problem.evaluate(np.append(unknowns[:-1], unknowns[-1] / times))[0]
+        if float(np.max(np.abs(residual))) < _REPEATS * size:
+            return times
+    return 1
 
 
 def _corrected(problem: ShootingProblem, unknowns: Vector, direction: Vector | None) -> tuple[Correction, Vector]:

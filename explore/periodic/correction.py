@@ -102,6 +102,13 @@ class ClosedOrbit:
         """Diameter of the orbit in its widest coordinate."""
         return float(np.max(np.ptp(self.loop, axis=0)))
 
+    def distance_from(self, point: Sequence[float]) -> float:
+        """About how far a point is from the orbit, from the chords between its states."""
+        starts, chords = self.loop[:-1], np.diff(self.loop, axis=0)
+        lengths = np.maximum(np.sum(chords**2, axis=1), np.finfo(float).tiny)
+        parts = np.clip(np.sum((np.array(point) - starts) * chords, axis=1) / lengths, 0.0, 1.0)
+        return float(np.min(np.linalg.norm(starts + parts[:, None] * chords - np.array(point), axis=1)))
+
 
 def correct(
     problem: PeriodicProblem,

@@ -54,6 +54,7 @@ def draw_tori(record: ToriRecord) -> Figure:
         turns = _against_amplitude(figure, grid[1, 0], sizes, [torus.curve.rotation for torus in record.tori])
         turns.set_ylabel(r"$\rho$  (radians)")
         turns.set_title("(c)  rotation number", color=INK)
+        turns.ticklabel_format(axis="y", useOffset=True)
     errors = _against_amplitude(figure, grid[1, 1], sizes, [torus.curve.error for torus in record.tori])
     errors.set_yscale("log")
     errors.set_ylabel(r"error of $F(u(\theta))=u(\theta+\rho)$")

@@ -128,7 +128,7 @@ def test_interactive_refuses_what_it_cannot_draw(
 ) -> None:
     page, data = tmp_path / "page.html", Path(__file__).parents[1] / "data"
     for words, said in (
-        ([str(Path(__file__))], "give families, candidates"),
+        (["nowhere.json"], "nowhere.json"),
         ([str(files[0]), "--family", "L1"], "holds no families; leave it out"),
         ([str(data / "figures-halo-family.json"), "--family", "L7"], "--family: no 'L7' in"),
         ([str(data / "figures-falkner-skan-family.json")], "has no family of cr3bp or cr3bp-axial"),

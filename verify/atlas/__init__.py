@@ -17,7 +17,7 @@ from orbitproof.verify.atlas.certificate import (
     read_atlas_certificate,
     write_atlas_certificate,
 )
-from orbitproof.verify.atlas.conclusion import Placing, conclusion_of
+from orbitproof.verify.atlas.conclusion import Watch, conclusion_of
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.places import Placed, check_of_conclusion, places_on, recheck_place
 from orbitproof.verify.atlas.recheck import Means, ProvedBefore, atlas_of, order_of, recheck_atlas

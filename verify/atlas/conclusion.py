@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import partial
 from typing import Any
 
@@ -13,7 +13,8 @@ from orbitproof.verify.atlas.conclusion_as_json import conclusion_to_json
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.results import Result
 from orbitproof.verify.certificate import Certificate, Recheck, repeated
-from orbitproof.verify.curve import conclude, enclose_other_point
+from orbitproof.verify.curve import Conclusion, ProvedCurve, conclude, enclose_other_point
+from orbitproof.verify.evidence import Proved
 from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, conclude_lasting
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import conclude_list
@@ -22,8 +23,9 @@ from orbitproof.verify.words import BranchConclusion, conclusion_in_words
 partner = partial(enclose_other_point, ORACLE)
 """Encloses the other point of a symmetric orbit on Fix(R), by integration."""
 
-Placing = Callable[[Sequence[str]], AbstractContextManager[Callable[[str], None]]]
-"""For the ids of certificates a context in which a function is called with each before it is looked for."""
+Watch = Callable[[Sequence[str], str], AbstractContextManager[Callable[[str], None]]]
+"""For names of what is done one after the other, and a word for what is done, a context in which a function is called
+with each before it begins."""
 
 
 def conclusion_of(
@@ -32,7 +34,7 @@ def conclusion_of(
     bifurcations: Sequence[Certificate],
     check: Callable[[Sequence[Certificate]], Sequence[Recheck]],
     order: int | None,
-    placing: Placing = lambda names: nullcontext(lambda name: None),
+    watch: Watch = lambda names, word: nullcontext(lambda name: None),
     combinations: bool = False,
 ) -> dict[str, Any]:
     """The conclusion as JSON.
@@ -42,7 +44,7 @@ def conclusion_of(
         check: checks such certificates again, in their order.
         order: with one, all resonances on a curve up to it as well; and which orbits are stable for ever, if results
             know the twist.
-        placing: shows which of them is looked for.
+        watch: shows which of them is looked for, and how far the list is.
         combinations: whether combination resonances are listed with the others.
 
     Raises `ValueError` if an id appears twice: the theorem speaks of certificates by their ids.
@@ -56,7 +58,7 @@ def conclusion_of(
     # By the whole certificate: what was found of one says nothing of another that has its id.
     checks = dict(zip(bifurcations, check(bifurcations), strict=True))
 
-    with placing([entry.id for entry in bifurcations]) as begin:
+    with watch([entry.id for entry in bifurcations], "looked for on the curve") as begin:
 
         def examine(certificate: Certificate) -> Recheck:
             begin(certificate.id)
@@ -67,10 +69,31 @@ def conclusion_of(
     if order is None:
         return told(conclusion)
     of_curve = [result for result in results if isinstance(result, LastingResult)]
-    listed = conclude_list(atlas, of_curve, conclusion, order, combinations)
+    with _stretches(conclusion, "resonances", watch) as begun:
+        listed = conclude_list(atlas, of_curve, conclusion, order, combinations, begun)
     # A shorter list of a curve whose twist is known from before is that list alone.
     is_asked = order >= LEAST_ORDER and any(result.twist is not None for result in of_curve)
-    return told(conclude_lasting(atlas, of_curve, listed) if is_asked else listed)
+    if not is_asked:
+        return told(listed)
+    with _stretches(conclusion, "stability for ever", watch) as begun:
+        return told(conclude_lasting(atlas, of_curve, listed, begun))
+
+
+@contextmanager
+def _stretches(curve: Conclusion[ProvedCurve], what: str, watch: Watch) -> Iterator[Callable[[int], None]]:
+    """A function for the numbers of the stretches of a curve, each before it is looked at."""
+    count = len(curve.outcome.results.chain.stretches) if isinstance(curve.outcome, Proved) else 0
+    names = [f"{what}, part {number} of {count}" for number in range(1, count + 1)]
+    with watch(names, "listed") as begin:
+        last = -1
+
+        def begun(number: int) -> None:
+            nonlocal last
+            if number > last:
+                last = number
+                begin(names[number])
+
+        yield begun
 
 
 def told(conclusion: BranchConclusion) -> dict[str, Any]:

@@ -29,7 +29,7 @@ from orbitproof.shared.formats import (
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, shown
 from orbitproof.verify.atlas.certificate import SCHEMA, make_atlas_certificate
-from orbitproof.verify.atlas.conclusion import Placing, conclusion_of
+from orbitproof.verify.atlas.conclusion import Watch, conclusion_of
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.results import Result, Settings, condition_of, covers, results_from_json
 from orbitproof.verify.certificate import (
@@ -114,12 +114,12 @@ class Means:
         check: certificates of bifurcations, again, in their order; with another integration if that is asked for.
         prove: proves intervals of the pieces of an atlas again, in any order, and calls the third argument with the
             name and the result of each; for the integration only.
-        placing: shows which bifurcation is looked for on a curve.
+        watch: shows which bifurcation is looked for on a curve, and how far a list is.
     """
 
     check: Callable[[Sequence[Certificate], bool], Sequence[Recheck]]
     prove: Callable[[AnyAtlas, Sequence[ProvedBefore], Callable[[str, Result], str]], None] | None = None
-    placing: Placing = lambda names: nullcontext(lambda name: None)
+    watch: Watch = lambda names, word: nullcontext(lambda name: None)
 
     def conclude(
         self,
@@ -134,7 +134,7 @@ class Means:
         def checked(entries: Sequence[Certificate]) -> Sequence[Recheck]:
             return self.check(entries, False)
 
-        return conclusion_of(atlas, results, rests_on, checked, order, self.placing, combinations)
+        return conclusion_of(atlas, results, rests_on, checked, order, self.watch, combinations)
 
 
 def recheck_atlas(document: Document, given: Sequence[Certificate], integrate: bool, means: Means) -> Recheck:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum, unique
 from fractions import Fraction
@@ -98,16 +98,24 @@ class _Twist:
         return next((found for found in (sign(each.value(tau)) for each in self.functions) if found), 0)
 
 
-def lasting_list(atlas: Atlas, chain: Chain, found: CompleteList, results: Sequence[LastingResult]) -> LastingList:
+def lasting_list(
+    atlas: Atlas,
+    chain: Chain,
+    found: CompleteList,
+    results: Sequence[LastingResult],
+    begun: Callable[[int], None] = lambda number: None,
+) -> LastingList:
     """The list for a curve with n = 1.
 
     Args:
         found: its resonances, of order 4 at least.
         results: of the pieces, with what is known of the twist.
+        begun: called with the number of a stretch before a part of it is looked at.
     """
     points: list[Point] = []
     gaps: list[Gap] = []
     for part in _elliptic(chain, found):
+        begun(part.stretch)
         stretch = chain.stretches[part.stretch]
         twist = _twist_on(part, stretch, results)
         if twist is None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from flint import ctx
@@ -33,12 +33,18 @@ class ProvedLasting(ProvedList):
     reversibility: Reversibility | None
 
 
-def conclude_lasting(atlas: Atlas, results: Sequence[LastingResult], listed: ListConclusion) -> ListConclusion:
+def conclude_lasting(
+    atlas: Atlas,
+    results: Sequence[LastingResult],
+    listed: ListConclusion,
+    begun: Callable[[int], None] = lambda number: None,
+) -> ListConclusion:
     """Stability for ever of the orbits of a curve, and the theorem about it.
 
     Args:
         results: of the pieces, with what is known of the twist.
         listed: what they prove of the curve and its resonances.
+        begun: called with the number of a stretch of the curve before a part of it is looked at.
     """
     outcome = listed.outcome
     if not isinstance(outcome, Proved):
@@ -55,6 +61,6 @@ def conclude_lasting(atlas: Atlas, results: Sequence[LastingResult], listed: Lis
         except ValueError as error:
             reason = Reason("lasting", f"{error}: an enclosure is wrong", "report it together with the atlas")
             return replace(listed, outcome=NotProved(reason, outcome.hypotheses))
-        lasting = lasting_list(atlas, known.curve.chain, known.found, results)
+        lasting = lasting_list(atlas, known.curve.chain, known.found, results, begun)
     proved = ProvedLasting(**vars(known), lasting=lasting, reversibility=shown)
     return replace(listed, outcome=Proved(LastingTheorem(theorem.curve, theorem.order), proved, outcome.hypotheses))

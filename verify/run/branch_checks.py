@@ -14,9 +14,9 @@ from orbitproof.verify.atlas import (
     AtlasCertificate,
     Means,
     Placed,
-    Placing,
     ProvedBefore,
     Result,
+    Watch,
     check_of_conclusion,
     kind_of,
     places_on,
@@ -60,7 +60,7 @@ def examined(
             engine.run(work, lambda: waiting.popleft() if waiting else None, display.advance, answered)
 
     means = Means(
-        lambda entries, again: checked_side_by_side(entries, again, workplace), prove_again, placing(workplace.quiet)
+        lambda entries, again: checked_side_by_side(entries, again, workplace), prove_again, watching(workplace.quiet)
     )
     return recheck_atlas(document, given, integrate, means)
 
@@ -85,18 +85,19 @@ def checked_side_by_side(entries: Sequence[Certificate], integrate: bool, workpl
     return [checks[entry.id] for entry in entries]
 
 
-def placing(quiet: bool) -> Placing:
-    """Shows which certificates are looked for on a curve, one after the other."""
+def watching(quiet: bool) -> Watch:
+    """Shows what is done of a conclusion, one after the other: certificates looked for on a curve, parts of a list."""
 
     @contextmanager
-    def shown_while(names: Sequence[str]) -> Iterator[Callable[[str], None]]:
-        display = Display(dict.fromkeys(names, 1.0), quiet)
-        begun: list[str] = []
+    def shown_while(names: Sequence[str], word: str) -> Iterator[Callable[[str], None]]:
+        display, waiting = Display(dict.fromkeys(names, 1.0), quiet), list(names)
 
         def begin(name: str) -> None:
-            for before in begun[-1:]:
-                display.finish(before, "looked for on the curve")
-            begun.append(name)
+            # What is passed over was nothing to look at.
+            while waiting and waiting[0] != name:
+                display.finish(waiting.pop(0), word)
+            if waiting:
+                display.advance(name, 0.0, word)
 
         with display.shown():
             yield begin

@@ -26,7 +26,7 @@ from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import exact_interval_text
 from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, exceptions_to_sharpen, is_known_of, twist_open_on
 from orbitproof.verify.run import Answer, Display, Engine, Task, Work, Workplace
-from orbitproof.verify.run.branch_checks import checked_side_by_side, placing
+from orbitproof.verify.run.branch_checks import checked_side_by_side, watching
 from orbitproof.verify.run.branch_tasks import (
     HALVED_FOR_LASTING,
     RunLimits,
@@ -334,7 +334,7 @@ def conclude_run(run: AtlasRun, bifurcations: Sequence[Certificate], workplace: 
         bifurcations,
         lambda entries: checked_side_by_side(entries, False, workplace),
         run.limits.order if run.limits.stability else None,
-        placing(workplace.quiet),
+        watching(workplace.quiet),
         run.limits.combinations,
     )
     certificate = make_atlas_certificate(run.atlas, run.results, conclusion, bifurcations)

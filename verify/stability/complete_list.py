@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import gcd
 from typing import Any
@@ -47,6 +47,7 @@ def complete_list(
     order: int,
     bifurcations: Sequence[Bifurcation] = (),
     combinations: bool = False,
+    begun: Callable[[int], None] = lambda number: None,
 ) -> CompleteList:
     """All zeros of det(c - Sigma) on the curve for c = cos(2 pi j/k), k <= order, and of the discriminant.
 
@@ -55,6 +56,7 @@ def complete_list(
         order: the largest k; if it is 1, those with k = 2 are listed too.
         bifurcations: certified ones, and certified orbits, with their places on the curve.
         combinations: whether combination resonances are listed too, for n = 2.
+        begun: called with the number of each stretch before it is looked at.
 
     Raises `EmptyIntersectionError` if a certified bifurcation on the curve is not in the list, or an orbit on it
     contradicts it.
@@ -70,6 +72,7 @@ def complete_list(
     combined: list[Point] = []
     open_combinations: list[Gap] = []
     for number, stretch in enumerate(chain.stretches):
+        begun(number)
         found, missing = segments_of(number, stretch, results)
         found, singular = level.regular(stretch, found)
         segments += found

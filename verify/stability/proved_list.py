@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -84,6 +84,7 @@ def conclude_list(
     curve: Conclusion[ProvedCurve],
     order: int,
     combinations: bool = False,
+    begun: Callable[[int], None] = lambda number: None,
 ) -> ListConclusion:
     """All resonances up to an order on a curve, and the theorem about them.
 
@@ -91,6 +92,7 @@ def conclude_list(
         results: of the pieces, with what is known of the stability of their orbits.
         curve: what they prove of the curve.
         combinations: whether combination resonances are listed too, for n = 2.
+        begun: called with the number of each stretch of the curve before it is looked at.
     """
 
     def refused(reason: Reason) -> ListConclusion:
@@ -103,7 +105,7 @@ def conclude_list(
     chain = curve.outcome.results.chain
     with ctx.workprec(PRECISION):
         try:
-            found = complete_list(atlas, chain, results, order, curve.bifurcations, combinations)
+            found = complete_list(atlas, chain, results, order, curve.bifurcations, combinations, begun)
             across = _across(atlas, chain, found, curve.bifurcations)
         except EmptyIntersectionError as error:
             message = f"the complete list and the certificates contradict each other: {error}"
