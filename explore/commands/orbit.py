@@ -178,7 +178,7 @@ def _started(options: argparse.Namespace, system: ReversibleSystem) -> int:
                 times = round(request.first.half_period / float(family.orbits[0].half_period))
                 if times > 1:
                     report.message(
-                        f"{request.name}: the half period that was given is {times} times that of the orbit, which is taken"
+                        f"{request.name}: the half period given is {times} times that of the orbit, which is taken"
                     )
             moved = _moved(request.first, family.orbits[0])
             if moved > common.WORTH_TELLING:

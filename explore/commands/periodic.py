@@ -226,12 +226,12 @@ def _remarks(request: PeriodicRequest, found: FoundOrbit) -> list[str]:
     remarks, name = [], request.system.name
     times = round(request.period / found.orbit.period)
     if times > 1:
-        remarks.append(f"{name}: the period that was given is {times} times that of the orbit, which is taken")
+        remarks.append(f"{name}: the period given is {times} times that of the orbit, which is taken")
     moved = found.orbit.distance_from(request.start) / max(found.orbit.size, *map(abs, request.start))
     if moved > common.WORTH_TELLING:
         remarks.append(
-            f"{name}: the orbit that was found is {moved:.1%} of its size away from the guess; if another one is meant, "
-            "give a closer guess"
+            f"{name}: the orbit that was found is {moved:.1%} of its size away from the guess; "
+            "if another one is meant, give a closer guess"
         )
     return remarks
 

@@ -1,8 +1,7 @@
 """Families of doubled period that branch off from the halo families: butterflies and dragonflies.
 
-On its way to the smaller primary a halo family meets 1:2 resonances. At the last of those that pass it at a distance
-the dragonflies begin, whose orbits come down to the plane; at the last of the near-rectilinear ones, if there are any,
-the butterflies.
+On its way to the smaller primary a halo family meets 1:2 resonances. At the last of those whose orbits are unstable the
+dragonflies begin; at the last of the near-rectilinear ones, if there are any, the butterflies.
 """
 
 from __future__ import annotations
@@ -12,10 +11,13 @@ import numpy as np
 from orbitproof.explore.families.branching import doubling_seed
 from orbitproof.explore.families.continuation import Family
 from orbitproof.explore.families.detection import detect
-from orbitproof.explore.orbits import CorrectionFailure, SymmetricOrbit
+from orbitproof.explore.orbits import CorrectionFailure, SymmetricOrbit, stability_index
 from orbitproof.explore.seeds import primaries
 
 DOUBLED = ("dragonfly", "butterfly")
+
+UNSTABLE = 2.0
+"""The stability index of a halo orbit in 1:2 resonance whose other multipliers are real is greater."""
 
 NEAR_RECTILINEAR, NEAREST = 0.1, 0.003
 """Halo orbits that come so close to the smaller primary, in units of (mu/3)^(1/3), count as such, and are looked at up
@@ -31,12 +33,16 @@ def doubled_seed(halo: Family, kind: str) -> Family:
         each
         for each in detect(halo, [2]).resonances
         if each.orbit.arclength <= nearest.arclength
-        and (_distance(each.orbit, smaller) < near) == (kind == "butterfly")
+        and (_distance(each.orbit, smaller) < near if kind == "butterfly" else _is_unstable(each.orbit))
     ]
     if not found:
-        which = "near-rectilinear" if kind == "butterfly" else "other"
+        which = "near-rectilinear" if kind == "butterfly" else "unstable"
         raise CorrectionFailure(f"no {which} halo orbit in 1:2 resonance before the family's nearest: {halo.reason}")
     return doubling_seed(halo.problem, found[-1])
+
+
+def _is_unstable(orbit: SymmetricOrbit) -> bool:
+    return float(stability_index(orbit.stability)) > UNSTABLE
 
 
 def _distance(orbit: SymmetricOrbit, place: np.ndarray) -> float:

@@ -49,7 +49,9 @@ _ALIASES: Mapping[str, str] = {
 
 _BRANCH = re.compile(r"L[123]-halo(?:-([2-9]|[1-9][0-9]))?")
 _RESONANT = re.compile(r"resonant-([1-9])-([1-9])(-near)?")
-_RATIO = re.compile(r"(?:resonant[- ])?([1-9])[:-]?([1-9])(-near)?")
+_RATIO = re.compile(r"(?:resonant[- ])?([1-9])[:-]?([1-9])(-near|-far)?")
+_NEAR = ("12", "23", "31")
+"""The resonances of which the JPL catalogue lists the phase that comes closer to the smaller primary."""
 
 
 def family_name(text: str) -> str:
@@ -60,8 +62,11 @@ def family_name(text: str) -> str:
     known = {name.casefold(): name for name in (*listed, *WITHOUT_SYMMETRY)}
     if _BRANCH.fullmatch(f"{wanted[:1].upper()}{wanted[1:]}") is not None:
         return f"{wanted[:1].upper()}{wanted[1:]}"
+    if wanted in known:
+        return known[wanted]
     if (ratio := _RATIO.fullmatch(wanted)) is not None:
-        return f"resonant-{ratio[1]}-{ratio[2]}{ratio[3] or ''}"
+        is_near = ratio[3] == "-near" if ratio[3] else f"{ratio[1]}{ratio[2]}" in _NEAR
+        return f"resonant-{ratio[1]}-{ratio[2]}{'-near' if is_near else ''}"
     return known.get(wanted.casefold(), text)
 
 

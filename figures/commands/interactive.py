@@ -18,8 +18,9 @@ examples:
   orbitproof figures interactive halo.json -o halo.html                  (a catalogue)
   orbitproof figures interactive halo.json --orbit 700 -o orbit.html     (one orbit, of any file that names some)
 
-The page holds everything it needs. Colours are Jacobi constants. What the mouse points at shows Jacobi constant, period,
-stability index, least distance from the smaller primary, and verdict; verdicts are copied. Exit codes: 0 written, 2 bad input.
+The page holds everything it needs. Colours are Jacobi constants. What the mouse points at shows Jacobi
+constant, period, stability index, least distance from the smaller primary, and verdict; verdicts are copied.
+Exit codes: 0 written, 2 bad input.
 """
 
 
@@ -31,7 +32,9 @@ def add_parser(commands: Any) -> None:
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("file", type=Path, metavar="FILE", help="families, a catalogue, an atlas's certificate, tori, .. (JSON)")
+    parser.add_argument(
+        "file", type=Path, metavar="FILE", help="families, a catalogue, an atlas's certificate, tori, .. (JSON)"
+    )
     parser.add_argument("--family", metavar="NAME", help="the family, for example earth-moon-L2-halo")
     parser.add_argument("--id", metavar="NAME", help="one orbit: of candidates, certificates or branches")
     parser.add_argument("--orbit", type=int, metavar="N", help="one orbit: its number in the file or its family")

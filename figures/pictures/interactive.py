@@ -100,9 +100,8 @@ def _bar(levels: Array) -> Any:
         "thickness": 10, "x": 0.5, "y": 0.0, "yanchor": "top", "nticks": 5,
     }  # fmt: skip
     marker = {"color": [low, high], "cmin": low, "cmax": high, "colorscale": scale, "colorbar": bar, "size": 0.1}
-    return graph_objects.Scatter3d(
-        x=[None, None], y=[None, None], z=[None, None], mode="markers", marker=marker, hoverinfo="skip", showlegend=False
-    )  # fmt: skip
+    nowhere = dict.fromkeys("xyz", (None, None))
+    return graph_objects.Scatter3d(mode="markers", marker=marker, hoverinfo="skip", showlegend=False, **nowhere)
 
 
 def _trace(places: Array, label: str, **look: Any) -> Any:
@@ -135,7 +134,10 @@ def _finished(figure: Any, title: str, mass: float, note: str) -> Any:
         )
     )  # fmt: skip
     inside = np.array([[x, 0.0, 0.0] for _, x in places]).reshape(-1, 3)
-    low, high = np.minimum(low, inside.min(axis=0, initial=np.inf)), np.maximum(high, inside.max(axis=0, initial=-np.inf))
+    low, high = (
+        np.minimum(low, inside.min(axis=0, initial=np.inf)),
+        np.maximum(high, inside.max(axis=0, initial=-np.inf)),
+    )
     middle, size = (low + high) / 2, float((high - low).max())
     half = 0.53 * np.maximum(high - low, 0.1 * size)
     is_flat = bool(high[2] - low[2] < _FLAT * size)

@@ -45,8 +45,9 @@ def draw_tori(record: ToriRecord) -> Figure:
         space: Any = figure.add_axes((0.02, 0.5, 0.44, 0.4), projection="3d", computed_zorder=False)
         _in_space(space, record, surface)
         curves = [
-            (grid[0, 1], (0, 1), "b", "invariant curves, $y=0$"), (grid[1, 0], (1, 3), "c", "the same, across Fix($R$)"),
-        ]  # fmt: skip
+            (grid[0, 1], (0, 1), "b", "invariant curves, $y=0$"),
+            (grid[1, 0], (1, 3), "c", "the same, across Fix($R$)"),
+        ]
     for place, pair, letter, text in curves:
         _section(figure.add_subplot(place), record, pair, f"({letter})  {text}")
     sizes = [torus.curve.amplitude for torus in record.tori]

@@ -71,7 +71,9 @@ def family_lines(family: SampledFamily, marks: Sequence[MarkedPoint]) -> list[Li
         verdicts.append(mark.certified)
     near = _nearest([each[0][0] for each in drawn], [each[4] for each in drawn], family.parameters["mu"])
     return [
-        Line(rows[:, :3], proved, "<br>".join([title, facts(level, period, stability, digits), *said_of, verdict]), level)
+        Line(
+            rows[:, :3], proved, "<br>".join([title, facts(level, period, stability, digits), *said_of, verdict]), level
+        )
         for (rows, title, verdict, level, period, stability, digits), proved, said_of in zip(
             drawn, verdicts, near, strict=True
         )

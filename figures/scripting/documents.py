@@ -57,7 +57,9 @@ def write_tables(tables: Sequence[Table], folder: Source, *, digits: int = 30, t
     return written.paths
 
 
-_PAGES = "give families, candidates, certificates, branches, a catalogue, a curve, tori, a manifold, or their certificates"
+_PAGES = (
+    "give families, candidates, certificates, branches, a catalogue, a curve, tori, a manifold, or their certificates"
+)
 
 
 def write_page(
@@ -90,7 +92,12 @@ def write_page(
 
     kind = stated_format(path, _PAGES)
     single = identifier is not None or orbit is not None
-    whole = {"atlas-certificate": _curve_in_space, "tori": _tori_in_space, "manifold": _tube_in_space, "": _rows_in_space}
+    whole = {
+        "atlas-certificate": _curve_in_space,
+        "tori": _tori_in_space,
+        "manifold": _tube_in_space,
+        "": _rows_in_space,
+    }
     if (candidates or certificates) and (kind != "family" or single):
         raise ArgumentError("{candidates}, {certificates}: they belong to a file of families; leave them out")
     if family and kind not in ("family", "mass-curve"):

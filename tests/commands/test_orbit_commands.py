@@ -286,6 +286,18 @@ def test_bad_input_is_named(words: list[str], named: str, tmp_path: Path, capsys
     assert not (tmp_path / "out.json").exists()
 
 
+def test_half_periods_that_go_round_twice_and_guesses_that_are_moved_are_told(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    words = ["orbit", "--mass", "jpl-earth-moon", "--system", "cr3bp", "--start", "x=1.1380985", "z=-0.166164"]
+    assert explore([*words, "vy=-0.22405", "--half-period", "3.0905736"]) == 0
+    found = capsys.readouterr()
+    assert "the half period given is 2 times that of the orbit" in found.err
+    assert "half period      1.545286" in found.out
+    assert explore([*words, "vy=-0.2128"]) == 0
+    assert "the orbit that was found starts" in capsys.readouterr().err
+
+
 def test_a_period_that_no_orbit_has_is_not_found(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["orbit", "--from-family", str(FAMILY), "--period", "7", "-o", str(tmp_path / "out.json"), "--quiet"]
     assert explore(words) == 1

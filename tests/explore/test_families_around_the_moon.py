@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
 from orbitproof.explore.families import Limits, trace_family
 from orbitproof.explore.families.resonant import half_turns
 from orbitproof.explore.names import FAMILY_NAMES, family_name, is_family_name
+from orbitproof.explore.orbits import stability_index
+from orbitproof.explore.search.orbits import orbits_with
+from orbitproof.shared.formats import LEVEL, Equation
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 
 MASS = {"mu": MASS_PARAMETERS["jpl-earth-moon"]}
@@ -21,6 +26,26 @@ def test_a_resonant_orbit_goes_round_p_times_in_q_turns(ratio: str) -> None:
     for orbit in family.orbits:
         assert abs(orbit.half_period / (np.pi * q) - 1) < 0.12
         assert half_turns(family.problem.samples(orbit.unknowns), MU) == p - q
+
+
+@pytest.mark.parametrize(("name", "level", "period", "index"), [
+    ("L2-dragonfly", 3.02021920207507, 5.556061061777603, 232.907198739348),
+    ("L2-butterfly", 3.08496706454795, 4.2174280159238755, 12.524232768288),
+    ("dpo", 3.11058290897658, 3.008457866917875, 85.7192996723242),
+    ("lpo-west", 3.2963540237492, 0.5055342974118826, 1.0),
+    ("3:1", 3.13941523725127, 6.463244022604043, 6.40264059814289),
+    ("4:3", 2.49471972322784, 19.170597234987476, 11.0481998896106),
+])  # fmt: skip
+def test_orbits_of_the_jpl_catalogue_are_in_the_family_of_their_name(
+    name: str, level: float, period: float, index: float
+) -> None:
+    """Jacobi constant, period and stability index of rows of <https://ssd-api.jpl.nasa.gov/doc/periodic_orbits.html>."""
+    family = trace_family(CR3BP, family_name(name), MASS, Limits(max_orbits=200))
+    found = min(
+        orbits_with(family, Equation(LEVEL, Fraction(level))), key=lambda each: abs(float(each.period) - period)
+    )
+    assert found.period == pytest.approx(period, abs=1e-10)
+    assert stability_index(found.stability) == pytest.approx(index, rel=1e-6)
 
 
 def test_prograde_orbits_go_round_the_moon_the_way_it_goes_round_the_earth() -> None:
@@ -40,17 +65,9 @@ def test_distant_and_eastern_orbits_begin_at_the_greatest_jacobi_constant_betwee
     assert max(abs(value) for value in eastern.orbits[-1].stability) < 1
 
 
-def test_a_prograde_orbit_that_programs_quote_from_the_catalogue_is_one_of_the_west() -> None:
-    """x = 1.03774, vy = 0.503284, period 1.2011, Jacobi constant 3.19."""
-    family = trace_family(CR3BP, "lpo-west", MASS, Limits(max_orbits=60))
-    orbit = min(family.orbits, key=lambda each: abs(each.period - 1.2011))
-    assert orbit.second_point[0] == pytest.approx(1.03774, abs=3e-3)
-    assert orbit.second_point[2] == pytest.approx(0.503284, abs=3e-2)
-    assert orbit.first_integral == pytest.approx(3.19, abs=5e-3)
-
-
 @pytest.mark.parametrize(("asked", "found"), [
-    ("3:1", "resonant-3-1"), ("resonant-31", "resonant-3-1"), ("Resonant-5-2-NEAR", "resonant-5-2-near"),
+    ("3:1", "resonant-3-1-near"), ("resonant-31", "resonant-3-1-near"), ("Resonant-5-2-NEAR", "resonant-5-2-near"),
+    ("Resonant-3-1", "resonant-3-1"), ("3:1-far", "resonant-3-1"), ("21", "resonant-2-1"),
     ("LPO-Eastern", "lpo-east"), ("DPO", "dpo"), ("Dragonfly", "L2-dragonfly"), ("l4-Short-period", "L4-short"),
 ])  # fmt: skip
 def test_names_are_found_by_their_aliases(asked: str, found: str) -> None:

@@ -45,6 +45,16 @@ HOPF = define_system(
 )
 """The unit circle with period 2 pi and the multipliers exp(-4 pi), exp(-2 pi c)."""
 
+HOPF_FILE = """\
+name = "hopf"
+state = "x y w"
+parameters = "c"
+
+def field(x, y, w, c):
+    s = 1 - x * x - y * y
+    return x * s - y, x + y * s, -c * w
+"""
+
 OSCILLATORS = define_system(
     {
         "name": "oscillators",
@@ -69,6 +79,20 @@ def test_a_limit_cycle_has_its_period_and_multipliers() -> None:
 def test_an_orbit_that_is_run_through_twice_is_found_once() -> None:
     orbit = correct(PeriodicProblem(HOPF, {"c": Fraction(1, 4)}), [1.0, 0.0, 0.0], 4 * pi)
     assert orbit.period == pytest.approx(2 * pi, abs=1e-10)
+
+
+def test_a_guess_that_goes_round_twice_or_lies_far_away_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "hopf.py"
+    path.write_text(HOPF_FILE)
+    words = ["periodic", "--system", str(path), "--parameter", "c=1/4", "--start"]
+    assert main([*words, "x=1.1", "y=0", "w=0", "--period", "12.5"]) == 0
+    said = capsys.readouterr()
+    assert "the period given is 2 times that of the orbit" in said.err
+    assert "away from the guess" in said.err
+    assert main([*words, "x=1", "y=0", "w=0", "--period", "6.3"]) == 0
+    assert "the guess" not in capsys.readouterr().err
 
 
 def test_an_equilibrium_is_no_orbit() -> None:

@@ -24,7 +24,7 @@ from orbitproof.verify.run.branch_tasks import task_again
 def document() -> dict[str, Any]:
     run, _ = go(CURVE, atlas_work.proving)
     conclusion = conclusion_of(
-        CURVE, values(run.results), (), lambda entries: (), None, lambda names: nullcontext(lambda name: None)
+        CURVE, values(run.results), (), lambda entries: (), None, lambda names, word: nullcontext(lambda name: None)
     )
     return make_atlas_certificate(CURVE, values(run.results), conclusion, ())
 

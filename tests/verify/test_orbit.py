@@ -146,7 +146,9 @@ def test_sixteen_digits_take_few_bits_on_a_box_as_wide_as_they_allow(orbit: Orbi
     found = certify(wide, Limits(digits=16))
     assert found.proved, found.reason
     assert (found.computation.attempts, found.computation.precision <= 110) == (1, True)
-    assert found.orbit is not None and found.orbit.least is not None and orbit.least is not None
+    assert found.orbit is not None
+    assert found.orbit.least is not None
+    assert orbit.least is not None
     assert found.orbit.least.distance.overlaps(orbit.least.distance)
     assert missing_digits(found.orbit, 16) <= 0
 

@@ -167,8 +167,8 @@ def _bits_below_one(numerator: int, denominator: int) -> int:
 def missing_digits(found: Found, digits: int) -> int:
     """How many digits the number that is known least well lacks; of a bifurcation its parameter.
 
-    Stability parameters and multipliers of single orbits are derivatives, which need more bits: from `_OF_ALL` digits on
-    as many are asked of them, below that three fewer for each digit less.
+    Stability parameters and multipliers of single orbits are derivatives, which need more bits: from `_OF_ALL` digits
+    on as many are asked of them, below that three fewer for each digit less.
     """
     if isinstance(found, (BifurcationResults, BreakingResults, KreinResults)):
         return digits - count_certain_digits(found.parameter)
