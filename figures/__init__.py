@@ -1,9 +1,9 @@
 """Pictures of families of symmetric periodic orbits, with what is certified and what is only numerical.
 
 `make_data` makes the data files that are missing, each by its own command. `draw_family`, `draw_resonances`,
-`draw_atlases`, `draw_tori`, `draw_web` and `draw_all` draw, `tables_of` and `write_tables` set tables, `write_page`
-makes a page to be turned, `write_report` tells what certificates prove. All read files, as the command line does, and
-say which files they wrote. Matplotlib is loaded when something is drawn.
+`draw_atlases`, `draw_distances`, `draw_tori`, `draw_web` and `draw_all` draw, `tables_of` and `write_tables` set
+tables, `write_page` makes a page to be turned, `write_report` tells what certificates prove. All read files, as the
+command line does, and say which files they wrote. Matplotlib is loaded when something is drawn.
 """
 
 import lazy_loader

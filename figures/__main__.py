@@ -13,6 +13,7 @@ from orbitproof.figures.commands import all as all_command
 from orbitproof.figures.commands import atlas as atlas_command
 from orbitproof.figures.commands import branches as branches_command
 from orbitproof.figures.commands import data as data_command
+from orbitproof.figures.commands import distances as distances_command
 from orbitproof.figures.commands import interactive as interactive_command
 from orbitproof.figures.commands import periodic as periodic_command
 from orbitproof.figures.commands import tori as tori_command
@@ -131,6 +132,7 @@ def argument_parser() -> argparse.ArgumentParser:
         atlas_command,
         branches_command,
         data_command,
+        distances_command,
         periodic_command,
         tori_command,
         web_command,

@@ -6,7 +6,14 @@ All raise `InputError`, one line, for files that are not what they should be.
 """
 
 from orbitproof.figures.scripting.data import Made, make_data, missing_steps
-from orbitproof.figures.scripting.documents import Report, tables_of, write_page, write_report, write_tables
+from orbitproof.figures.scripting.documents import (
+    Report,
+    draw_distances,
+    tables_of,
+    write_page,
+    write_report,
+    write_tables,
+)
 from orbitproof.figures.scripting.pictures import (
     Drawn,
     draw_all,

@@ -8,6 +8,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from orbitproof.figures.files import Files, saved_as
 from orbitproof.figures.scripting.written import Names, Source, Told, Written, folder_of, optional, quietly
 from orbitproof.shared.formats import (
     ArgumentError,
@@ -60,6 +61,28 @@ def write_tables(tables: Sequence[Table], folder: Source, *, digits: int = 30, t
 _PAGES = (
     "give families, candidates, certificates, branches, a catalogue, a curve, tori, a manifold, or their certificates"
 )
+
+
+def draw_distances(
+    families: Sequence[Source], folder: Source, *, files: Files | None = None, told: Told = quietly
+) -> list[Path]:
+    """How near to the smaller primary the orbits of families of the CR3BP come, and which hit it; one picture each."""
+    from orbitproof.figures.files import save
+    from orbitproof.figures.model import read_families
+    from orbitproof.figures.pictures.distances import draw_distances as draw
+    from orbitproof.figures.style import close, use_style
+
+    known = [(Path(path), family) for path in families for family in read_families(Path(path))]
+    for path, family in known:
+        if family.system not in THREE_BODY:
+            raise InputError(f"{path}: {family.name} is a family of {family.system.name}; give families of cr3bp")
+    target, names, written = folder_of(folder), Names(), Written(told)
+    with saved_as(files), use_style():
+        for _, family in known:
+            figure = draw(family)
+            written.add(save(figure, target / names.new(f"distances-{family.name}")))
+            close(figure)
+    return written.paths
 
 
 def write_page(

@@ -18,6 +18,7 @@ from scipy.integrate import solve_ivp
 
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.flow import flow_of
+from orbitproof.explore.masses import CurveRecord, PointRecord, write_curves
 from orbitproof.explore.orbits import multipliers, stability_index
 from orbitproof.explore.trajectories import (
     Choice,
@@ -30,6 +31,7 @@ from orbitproof.explore.trajectories import (
     sample,
     trajectory_of,
 )
+from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import CR3BP
 
 DATA = Path(__file__).resolve().parents[1] / "data"
@@ -227,6 +229,20 @@ def test_bad_input_is_one_line_with_its_remedy(
     assert len(lines) == 1
     assert re.search(said, lines[0])
     assert not list(tmp_path.iterdir())
+
+
+def test_a_point_of_a_mass_curve_is_an_orbit(tmp_path: Path) -> None:
+    x, vy, half_period = 0.835141279809, 0.119257812388, 1.381819167
+    point = PointRecord(0.01, x, vy, (x, vy), (0.0, 0.0), half_period, 3.15519206858753, 0.0, 0.0)
+    path = tmp_path / "curves.json"
+    write_curves(path, [CurveRecord("L1", "complete", "ends", (point,))])
+    found = orbit_of(path, Choice())
+    assert "birth of halo orbits about L1" in found.source.title
+    assert found.start == pytest.approx([x, 0, 0, 0, vy, 0], abs=1e-9)
+    # S breaks there: a pair of multipliers is 1.
+    assert any(abs(value - 1) < 1e-4 for value in found.multipliers or ())
+    with pytest.raises(InputError, match="--family: no 'L2'"):
+        find_orbit(path, Choice(family="L2"))
 
 
 def test_numbers_of_eight_digits_are_corrected_and_it_is_said(tmp_path: Path) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -20,10 +22,13 @@ from orbitproof.explore.invariants import (
     write_manifold,
     write_tori,
 )
-from orbitproof.explore.trajectories import SourceOrbit, trajectory_of
+from orbitproof.explore.trajectories import Choice, SourceOrbit, find_orbit, trajectory_of
 from orbitproof.figures.__main__ import main
+from orbitproof.figures.model import read_families
 from orbitproof.figures.pictures import draw_manifold, draw_tori
+from orbitproof.figures.pictures.distances import draw_distances
 from orbitproof.figures.style import close, use_style
+from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import CR3BP
 
 MASS = Fraction("1.215058560962404e-2")
@@ -89,6 +94,18 @@ def test_command_draws_both_and_refuses_other_files(
         assert "catalogue" not in line
 
 
+def test_the_orbit_of_a_tube_is_read_from_its_file(files: tuple[Path, Path]) -> None:
+    found = trajectory_of(find_orbit(files[1], Choice()))
+    assert found.start == pytest.approx([HALO[0], 0, HALO[1], 0, HALO[2], 0], abs=1e-6)
+    assert found.period == pytest.approx(2 * HALO[3], abs=1e-6)
+    document = json.loads(files[1].read_text())
+    del document["state"]
+    older = files[1].with_name("older.json")
+    older.write_text(json.dumps(document))
+    with pytest.raises(InputError, match="compute the tube again"):
+        find_orbit(older, Choice())
+
+
 def test_interactive_pages_need_nothing_else_and_copy_the_verdicts(files: tuple[Path, Path], tmp_path: Path) -> None:
     data = Path(__file__).parents[1] / "data"
     page = tmp_path / "page.html"
@@ -137,3 +154,21 @@ def test_interactive_refuses_what_it_cannot_draw(
         (line,) = capsys.readouterr().err.splitlines()
         assert said in line
     assert not page.exists()
+
+
+def test_distances_along_a_family_show_which_orbits_hit_the_body(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    data = Path(__file__).parents[1] / "data"
+    record = read_families(data / "figures-halo-family.json")[0]
+    known = replace(record, parameters={"mu": MASS})
+    figure = draw_distances(known)
+    least = figure.axes[0].lines[1].get_ydata()
+    ends = np.array([record.points[:, :2], record.second_points[:, :2]]) - [1 - float(MASS), 0]
+    # Of halo orbits the least distance is that of one of the points on Fix(R); the mass differs in the fifth digit.
+    assert least == pytest.approx(np.linalg.norm(ends, axis=2).min(axis=0), rel=1e-2)
+    assert any("radius 1737.1 km" in text.get_text() for text in figure.legends[0].get_texts())
+    assert unreadable(figure) == []
+    close(figure)
+    assert main(["distances", str(data / "figures-falkner-skan-family.json"), "-o", str(tmp_path)]) == 2
+    assert "give families of cr3bp" in capsys.readouterr().err

@@ -22,6 +22,7 @@ from support.stored import values
 from support.three_body import Orbits, problem_of
 
 from orbitproof import verify
+from orbitproof.explore.trajectories import Choice, NoOrbit, find_orbit
 from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.formats import FIELDS, CatalogueRows, InputError, atlas_from_json, read_catalogue_rows
@@ -38,7 +39,7 @@ from orbitproof.verify.atlas import (
     rows_of_curve,
     write_atlas_certificate,
 )
-from orbitproof.verify.atlas.catalogue import orbits_of
+from orbitproof.verify.atlas.catalogue import orbits_of, write_catalogue_certificate
 from orbitproof.verify.atlas.catalogue_table import rounded_up
 from orbitproof.verify.certificate import Level, Recheck
 from orbitproof.verify.curve import ProvedCurve, conclude
@@ -629,3 +630,14 @@ def test_orbits_of_the_curve_itself_are_a_catalogue_that_it_certifies() -> None:
     made = certified_rows(curve, found)
     assert made["verdict"] == "proved"
     assert len(made["rows"]) == 5
+
+
+def test_a_certified_row_is_an_orbit_that_tools_take(tmp_path: Path) -> None:
+    path = tmp_path / "rows.json"
+    write_catalogue_certificate(path, document())
+    row = rows().rows[0]
+    found = find_orbit(path, Choice(number=1))
+    assert found.unknowns == pytest.approx([float(row[0]), float(row[2]), float(row[4]), float(row[7]) / 2], abs=1e-6)
+    assert 'says "proved" of the rows' in found.verdict
+    with pytest.raises(NoOrbit, match="shows no orbit near it"):
+        find_orbit(path, Choice(number=len(catalogue_cases.ROWS)))
