@@ -188,8 +188,11 @@ lint: $(VENV)/dev.stamp
 # sources if those may be kept.
 PYTEST = PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n 2 --dist worksteal
 
-test: lint
-	$(PYTEST)
+# Lint has a core to itself only while the tests begin, and is read after them.
+test: $(VENV)/dev.stamp
+	@said=$$(mktemp) && trap 'rm -f "$$said"' EXIT && trap 'exit 130' INT TERM; \
+	$(MAKE) --no-print-directory lint >"$$said" 2>&1 & lint=$$!; \
+	$(PYTEST); tests=$$?; wait $$lint; lint=$$?; cat "$$said"; [ $$tests -eq 0 ] && [ $$lint -eq 0 ]
 
 test-slow: $(VENV)/dev.stamp
 	$(PYTEST) -m slow

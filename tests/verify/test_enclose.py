@@ -228,8 +228,9 @@ def followed(system: System, box: Box, p: Sequence[Fraction], time: Any, steps: 
     return extrapolated_flow(system, parameters, state, time, steps)
 
 
+@pytest.mark.parametrize("number", [1, pytest.param(6, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", CHAOTIC)
-def test_random_orbits_lie_in_the_enclosures_of_flow_and_poincare_map(name: str) -> None:
+def test_random_orbits_lie_in_the_enclosures_of_flow_and_poincare_map(name: str, number: int) -> None:
     system, centre, (coordinate, value) = CHAOTIC[name]
     source = random.Random(name)
     names = [each for each in system.state if each != coordinate]
@@ -242,7 +243,7 @@ def test_random_orbits_lie_in_the_enclosures_of_flow_and_poincare_map(name: str)
     assert isinstance(flow, Enclosure)
     assert isinstance(returned, Enclosure)
     assert returned.value[coordinate].overlaps(arb(value))
-    for _ in range(2):
+    for _ in range(number):
         p = [random_fraction(source, radius) for radius in box.radii]
         where = [arb(x.numerator) / x.denominator for x in p]
         state = followed(system, box, p, mpmath.mpf("0.5"), 20)

@@ -136,12 +136,13 @@ def test_an_honest_approximation_is_sharp(name: str) -> None:
     assert lost(flow) < 1e-9
 
 
+@pytest.mark.parametrize("number", [40, pytest.param(400, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", FORMATS)
-def test_a_changed_coefficient_is_refused_or_in_the_errors(name: str) -> None:
+def test_a_changed_coefficient_is_refused_or_in_the_errors(name: str, number: int) -> None:
     """Any coefficient of any monomial and component, by 1 to 2^56 units of 2^-60, also at powers that are not kept."""
     source, arithmetic = random.Random(name), FORMATS[name]
     accepted = 0
-    for _ in range(80):
+    for _ in range(number):
         where = source.randrange(len(arithmetic.grading.monomials)), source.randrange(4)
         first = source.choice((0, arithmetic.stride))
 
@@ -156,7 +157,7 @@ def test_a_changed_coefficient_is_refused_or_in_the_errors(name: str) -> None:
             continue
         accepted += 1
         assert holds(name, flow, source)
-    assert accepted > 10
+    assert accepted > number // 8
 
 
 @pytest.mark.parametrize("name", FORMATS)
