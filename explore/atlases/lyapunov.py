@@ -103,10 +103,16 @@ class LyapunovFamily:
 
     def _next(self, near: PlanarOrbit, eps: float, halvings: int) -> PlanarOrbit:
         """The orbit that starts at eps, from one beside it; farther away Newton's method may find another family."""
-        found = self._correct(eps, near.vy, near.half_period)
-        if halvings and abs(found.vy - near.vy) > FARTHEST * abs(near.vy):
+        try:
+            found = self._correct(eps, near.vy, near.half_period)
+        except LibrationFailure:
+            if not halvings:
+                raise
+            found = None
+        if halvings and (found is None or abs(found.vy - near.vy) > FARTHEST * abs(near.vy)):
             middle = self._next(near, 0.5 * (near.eps + eps), halvings - 1)
             return self._next(middle, eps, halvings - 1)
+        assert found is not None
         self._known.append(found)
         return found
 
