@@ -127,24 +127,28 @@ branches: $(VENV)/demo.stamp
 	step $(FIGURES) atlas $(BRANCHES)/*-certificate.json -o $(BRANCHES)/figures; \
 	exit $$failed
 
+# Who proves: processes here, or those of a dask scheduler (SCHEDULER=tcp://..).
+WORKERS = $(if $(SCHEDULER),--scheduler $(SCHEDULER),--jobs $(JOBS))
+
 # Planar, halo, axial and vertical families of L1 and L2 as graphs (docs/webs). What exists is kept, what was interrupted goes on.
 web: $(VENV)/demo.stamp
 	@$(BOUND) mkdir -p $(WEBS); failed=0; rows=$(WEBS)/candidates.json; \
 	step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
 	cover() { file=$(WEBS)/$$1.json; shift; [ -e $$file ] || step $(BIN)/orbitproof explore "$$@" -o $$file; }; \
 	step $(EXPLORE) --preset tables -k 1 --append -o $$rows; step $(EXPLORE) --preset axial-births --append -o $$rows; \
-	step env $(VERIFY) $$rows -o $(WEBS)/certificates.json --jobs $(JOBS); \
-	step env $(VERIFY) docs/webs/vertical-births.json -o $(WEBS)/vertical-births.json --jobs $(JOBS); \
+	step env $(VERIFY) $$rows -o $(WEBS)/certificates.json $(WORKERS); \
+	step env $(VERIFY) docs/webs/vertical-births.json -o $(WEBS)/vertical-births.json $(WORKERS); \
 	for mass in $(MASSES); do \
 	  for point in L1 L2; do \
 	    cover lyapunov-$$point-$$mass atlas-libration --point $$point --mass $$mass --through axial; \
 	    cover vertical-$$point-$$mass atlas-libration --vertical --point $$point --mass $$mass; \
 	  done; \
 	  for name in l1-circle l2-arc axial-l1 axial-l2; do cover $$name-$$mass atlas --preset $$name-$$mass; done; \
-	  given=; \
-	  for name in lyapunov-L1 l1-circle axial-l1 vertical-L1 lyapunov-L2 l2-arc axial-l2 vertical-L2; do \
+	  given=; arcs="lyapunov-L1 l1-circle axial-l1 vertical-L1 lyapunov-L2 l2-arc axial-l2 vertical-L2"; \
+	  for name in $$arcs; do \
 	    file=$(WEBS)/$$name-$$mass-certificate.json; given="$$given $$file"; echo; \
-	    step env $(VERIFY) atlas $(WEBS)/$$name-$$mass.json -o $$file --jobs $(JOBS); \
+	    echo "$$mass: $$name, then $${arcs#*$$name}"; \
+	    step env $(VERIFY) atlas $(WEBS)/$$name-$$mass.json -o $$file $(WORKERS); \
 	  done; \
 	  echo; step env $(VERIFY) web docs/webs/$$mass.json --certificates $$given $(WEBS)/certificates.json $(WEBS)/vertical-births.json \
 	    -o $(WEBS)/$$mass.json --jobs $(JOBS); \
