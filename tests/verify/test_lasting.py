@@ -513,7 +513,7 @@ def test_the_twist_is_open_where_it_is_not_decided_between_elliptic_orbits() -> 
     assert open_on(first, true[0]) == open_on(second, true[1]) == ""
     assert open_on(second, made_up(([], [0.1]))[1]) == ""
     # An orbit without twist has to be known well enough for a closer look.
-    assert open_on(second, made_up(([], [0.1]), error=1e-2)[1]) == "zeros"
+    assert open_on(second, made_up(([], [0.1]), error=1.8e-2)[1]) == "zeros"
     # More precision may part two zeros; where the bound is as large as the function, a shorter interval does more.
     assert open_on(second, made_up(([], [0.1, 0.1]))[1]) == "zeros"
     assert open_on(second, made_up(([], []), error=2.0)[1]) == "stability"
@@ -534,7 +534,7 @@ def test_exceptions_that_are_known_roughly_are_looked_at_closer() -> None:
         return [high - low for low, high in found if low < place - 1e-5 < place + 1e-5 < high]
 
     third, fourth = of_beta(1, 453.442587), of_beta(1, 679.954155)
-    for error, is_looked_at in ((1e-2, False), (1e-6, True), (1e-15, False)):
+    for error, is_looked_at in ((3e-2, False), (1e-6, True), (1e-15, False)):
         widths = about(0.1, looks(1, made_up(([], [0.1]), error=error)[1]))
         assert [width < 1e-3 for width in widths] == [True] * is_looked_at
     # A resonance 1:3 or 1:4 is looked at if its place is known to some digits; 1:2 and unstable orbits are not.

@@ -15,7 +15,7 @@ from orbitproof.verify.stability import PRECISION, StabilityFunctions, between, 
 
 _HOPELESS = 2**10
 """A shorter interval helps, and more precision little, where a bound is not so many times as small as its function."""
-_SHARP, _ISOLATED = Fraction(1, 2**42), Fraction(1, 2**8)
+_SHARP, _ISOLATED = Fraction(1, 2**42), Fraction(1, 2**6)
 """What is known worse than by the first, of level or half period, is looked at closer, if tau is known by the second.
 """
 _AROUND = 16
