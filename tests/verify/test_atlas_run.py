@@ -151,6 +151,7 @@ def test_places_that_are_known_roughly_are_looked_at_once_on_short_intervals() -
     closer = place[0], place[0] + Fraction(1, 2048)
     assert looks(entry(place, 128), again=(closer,)) == ((other, 0), (closer, 1))
     assert looks(entry(place, 128, "not proved"), again=(closer,)) == ((other, 0),)
+    assert looks(entry(place, 128), again=((place[0], place[0] + Fraction(1, 2**40)),)) == ((other, 0),)
 
 
 def test_what_takes_too_long_is_split_at_once() -> None:

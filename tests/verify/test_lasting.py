@@ -514,8 +514,10 @@ def test_the_twist_is_open_where_it_is_not_decided_between_elliptic_orbits() -> 
     assert open_on(second, made_up(([], [0.1]))[1]) == ""
     # An orbit without twist has to be known well enough for a closer look.
     assert open_on(second, made_up(([], [0.1]), error=1.8e-2)[1]) == "zeros"
-    # More precision may part two zeros; where the bound is as large as the function, a shorter interval does more.
-    assert open_on(second, made_up(([], [0.1, 0.1]))[1]) == "zeros"
+    # A closer look may part two zeros, or more precision if they are not told apart on a longer interval.
+    assert open_on(second, made_up(([], [0.1, 0.1]))[1]) == ""
+    assert open_on(second, made_up(([], [0.1, 0.1]), error=1e-3)[1]) == "zeros"
+    # Where the bound is as large as the function, a shorter interval does more.
     assert open_on(second, made_up(([], []), error=2.0)[1]) == "stability"
     assert open_on(first, made_up(([-0.5, -0.5], []))[0]) == ""
     assert open_on(second, without_twist(true[1])) == "stability"
@@ -526,7 +528,7 @@ def test_exceptions_that_are_known_roughly_are_looked_at_closer() -> None:
         found: Any = value_of(entry)
         low, high = found.interval
         middle, radius = (low + high) / 2, (high - low) / 2 * Fraction(33, 32)
-        intervals = exceptions_to_sharpen(found)
+        intervals = exceptions_to_sharpen(atlas().curve_pieces()[number], found)
         assert all(low <= first < last <= high for first, last in intervals)
         return [(float((first - middle) / radius), float((last - middle) / radius)) for first, last in intervals]
 
@@ -537,6 +539,9 @@ def test_exceptions_that_are_known_roughly_are_looked_at_closer() -> None:
     for error, is_looked_at in ((3e-2, False), (1e-6, True), (1e-15, False)):
         widths = about(0.1, looks(1, made_up(([], [0.1]), error=error)[1]))
         assert [width < 1e-3 for width in widths] == [True] * is_looked_at
+    (width,) = about(0.1, looks(1, made_up(([], [0.1, 0.1]), error=1e-9)[1]))
+    assert width < 1e-3
+    assert looks(1, made_up(([], [0.1, 0.1]), error=1e-3)[1]) == looks(1, made_up(([], []))[1])
     # A resonance 1:3 or 1:4 is looked at if its place is known to some digits; 1:2 and unstable orbits are not.
     blurred = made_up(([-0.9], []))
     for result in blurred:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 
 from flint import arb, ctx
@@ -9,15 +10,17 @@ from flint import arb, ctx
 from orbitproof.shared.formats import Piece
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import dyadic_above, enclose, exact_value, is_below, is_positive
-from orbitproof.verify.functions import REACH, StoredFunction
+from orbitproof.verify.functions import REACH, BoundedFunction, StoredFunction
 from orbitproof.verify.lasting.stored import LastingResult, TwistFunctions, may_be_stable, parts_from
-from orbitproof.verify.stability import PRECISION, StabilityFunctions, between, resonant_value, zeros_on
+from orbitproof.verify.stability import PRECISION, StabilityFunctions, Zeros, between, resonant_value, zeros_on
 
 _HOPELESS = 2**10
 """A shorter interval helps, and more precision little, where a bound is not so many times as small as its function."""
 _SHARP, _ISOLATED = Fraction(1, 2**42), Fraction(1, 2**6)
 """What is known worse than by the first, of level or half period, is looked at closer, if tau is known by the second.
 """
+_SHORT = Fraction(1, 2**5)
+"""Of tau: where a twist is undecided on no more than that, a closer look decides."""
 _AROUND = 16
 """A closer look goes so many times as far as an exception is uncertain: beyond it the first one excludes another."""
 _LEAST = Fraction(1, 2**16)
@@ -30,46 +33,74 @@ def twist_open_on(piece: Piece, result: LastingResult) -> str:
         return "" if isinstance(result.twist, TwistFunctions) else "stability"
     if not isinstance(result.twist, TwistFunctions):
         return "stability" if may_be_stable(result.stability) else ""
-    symmetric = piece.kind == "symmetric" and result.interval[0] <= 0 <= result.interval[1]
-    parts = parts_from(Fraction(0) if symmetric else -1 / REACH)
+    parts = parts_from(_beginning(piece, result))
     with ctx.workprec(PRECISION):
         s = result.stability.characteristic[0].enclosed
         stored = result.twist.twist, result.twist.exchanged
-        functions = [each.enclosed for each in stored]
-        for low, high in parts[1:-1]:
-            values = s.value(between(low, high))
-            if not is_positive(1 - values * values):
-                continue
-            found = [zeros_on(function, low, high) for function in functions]
-            if all(zeros.undecided for zeros in found):
+        for low, high in _elliptic(s, parts[1:-1]):
+            found = [zeros_on(function.enclosed, low, high) for function in stored]
+            # The second one decides where the first one does not.
+            if any(last - first > _SHORT for first, last in _undecided(*found)):
                 return "stability" if all(map(_is_wide, stored)) else "zeros"
-            decided = next(zeros for zeros in found if not zeros.undecided)
+            decided = min(found, key=lambda zeros: len(zeros.undecided))
             if not all(is_below(zero.place.rad(), enclose(_ISOLATED)) for zero in decided.zeros):
                 return "zeros"
     return ""
 
 
-def exceptions_to_sharpen(result: LastingResult) -> list[Interval]:
+def exceptions_to_sharpen(piece: Piece, result: LastingResult) -> list[Interval]:
     """Short intervals of s about resonances 1:3 and 1:4 and orbits without twist that a result knows roughly."""
     known, twist = result.stability, result.twist
     if not (isinstance(known, StabilityFunctions) and isinstance(twist, TwistFunctions)):
         return []
     (low, high), end = result.interval, 1 / REACH
     middle, radius = (low + high) / 2, (high - low) / 2 * REACH
-    found = []
+    found: list[Interval] = []
+
+    def look(place: Fraction, far: Fraction) -> None:
+        begin, last = (middle + radius * (place + sign * max(far, _LEAST)) for sign in (-1, 1))
+        found.append((max(begin, low), min(last, high)))
+
     with ctx.workprec(PRECISION):
         s, level, half_period = (each.enclosed for each in (known.characteristic[0], known.level, known.half_period))
-        resonances = [s.shifted(-resonant_value(k, 1)) for k in (3, 4)]
-        for function in (*resonances, twist.twist.enclosed):
-            for zero in zeros_on(function, -end, end).zeros:
+        functions = [s.shifted(-resonant_value(k, 1)) for k in (3, 4)]
+        functions += [twist.twist.enclosed, twist.exchanged.enclosed]
+        *resonances, first, second = (zeros_on(function, _beginning(piece, result), end) for function in functions)
+        for zeros in (*resonances, first):
+            for zero in zeros.zeros:
                 value, uncertain = s.value(zero.place), dyadic_above(zero.place.rad())
                 sharp = all(_is_sharp(quantity.value(zero.place)) for quantity in (level, half_period))
                 if not sharp and uncertain < _ISOLATED and is_positive(1 - value * value):
-                    place = round(exact_value(zero.place.mid()) / _SHARP) * _SHARP
-                    far = max(_LEAST, _AROUND * uncertain)
-                    begin, last = (middle + radius * (place + sign * far) for sign in (-1, 1))
-                    found.append((max(begin, low), min(last, high)))
+                    look(round(exact_value(zero.place.mid()) / _SHARP) * _SHARP, _AROUND * uncertain)
+        for start, stop in _undecided(first, second):
+            value = s.value(between(start, stop))
+            if stop - start <= _SHORT and is_positive(1 - value * value):
+                look((start + stop) / 2, stop - start)
     return found
+
+
+def _beginning(piece: Piece, result: LastingResult) -> Fraction:
+    """Of the values of tau that count: those of a symmetric piece are even."""
+    return Fraction(0) if piece.kind == "symmetric" and result.interval[0] <= 0 <= result.interval[1] else -1 / REACH
+
+
+def _elliptic(s: BoundedFunction, parts: Sequence[Interval]) -> list[Interval]:
+    """Intervals of tau that are made of those parts on which all orbits are elliptic for certain."""
+    found: list[Interval] = []
+    for low, high in parts:
+        value = s.value(between(low, high))
+        if is_positive(1 - value * value):
+            found.append((found.pop()[0] if found and found[-1][1] == low else low, high))
+    return found
+
+
+def _undecided(first: Zeros, second: Zeros) -> list[Interval]:
+    """Where zeros of Theta are undecided, and those of its other form too."""
+    return [
+        (low, high)
+        for low, high in first.undecided
+        if any(start < high and low < end for start, end in second.undecided)
+    ]
 
 
 def _is_sharp(number: arb) -> bool:

@@ -116,10 +116,11 @@ class AtlasRun:
 
     def _rough(self, result: Result) -> Sequence[Interval]:
         """Intervals about exceptions that a result knows, and less well than is wanted."""
-        if not isinstance(result, LastingResult) or self._lacks(result):
+        piece = self._pieces[result.piece]
+        if not (isinstance(piece, Piece) and isinstance(result, LastingResult)) or self._lacks(result):
             return ()
         if id(result) not in self._to_sharpen:
-            self._to_sharpen[id(result)] = (result, exceptions_to_sharpen(result))
+            self._to_sharpen[id(result)] = (result, exceptions_to_sharpen(piece, result))
         return self._to_sharpen[id(result)][1]
 
     def _lacks(self, result: Result) -> str:

@@ -25,6 +25,8 @@ FOR_SPLITTING = ("time", "collision", "section", "crossing count", "stability")
 
 _CLOSER = 16
 """A place is not looked at again on an interval that is not so many times as short as the last one."""
+_SHORTEST = Fraction(1, 2**36)
+"""Nor on one that is shorter than this: what is not decided there is a double zero, or one for a reason."""
 
 _SPLITS_FOR_LIST = 2
 """How often an interval that is proved is halved at most for what a list leaves open on it."""
@@ -138,7 +140,8 @@ def with_closer_looks(
         for start, end in wanted(result) if result.is_proved else ():
             # A look that did not show enough is followed by a closer one, if that is closer indeed.
             longest = (end - start) * _CLOSER
-            if not any(first < end and start < last and last - first < longest for first, last in looked_at):
+            near = [(first, last) for first, last in looked_at if first < end and start < last]
+            if end - start >= _SHORTEST and not any(last - first < longest for first, last in near):
                 looked_at.append((start, end))
                 missing.append(((start, end), len(attempts) - 1))
     return replace(state, missing=tuple(missing))

@@ -49,4 +49,4 @@ from orbitproof.verify.stability.matrix import (
 )
 from orbitproof.verify.stability.proved_list import ListConclusion, ListTheorem, ProvedList, conclude_list
 from orbitproof.verify.stability.stored_stability import StabilityFunctions, StabilityResult
-from orbitproof.verify.stability.zeros import between, ends_of, zeros_on
+from orbitproof.verify.stability.zeros import Zeros, between, ends_of, zeros_on
