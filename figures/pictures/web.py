@@ -198,4 +198,4 @@ def _draw(axes: Axes, arcs: Sequence[DrawnArc], around: Sequence[DrawnArc]) -> N
         elif ((limits[:, 0] < place) & (place < limits[:, 1])).all():
             draw_point(axes, place, vertex.k, True, vertex.id, vertex.kind)
     axes.set_xlabel(level_label(CR3BP))
-    axes.set_ylabel(f"{label_of(CR3BP, 'x', unit=False)} of the orbit's point on $\\mathrm{{Fix}}(R)$")
+    axes.set_ylabel(f"{label_of(CR3BP, 'x', unit=False)} where the orbit starts")

@@ -18,7 +18,7 @@ canvas { width: 100%; aspect-ratio: 4 / 3; border: 1px solid #ccc; touch-action:
 button { font: inherit; margin: 0 .4rem .4rem 0; padding: .1rem .5rem; border: 2px solid; border-radius: .4rem; }
 button { background: none; color: inherit; overflow-wrap: anywhere; }
 button[aria-pressed="true"] { font-weight: bold; background: #eee; }
-input { width: 100%; }
+input[type="range"] { width: 100%; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 0 .8rem; margin: .5rem 0; }
 dd { margin: 0; } .small { color: #666; font-size: .85rem; } summary { cursor: pointer; }
 #theorem p { margin: .3rem 0; overflow-wrap: anywhere; }
@@ -29,7 +29,8 @@ dd { margin: 0; } .small { color: #666; font-size: .85rem; } summary { cursor: p
 <div id="arcs"></div>
 <div class="panels">
 <div><canvas id="diagram"></canvas><p class="small">Jacobi constant to the right, x where orbits start upwards; vertices
-filled, libration points as diamonds. Click an arc.</p></div>
+filled, libration points as diamonds. Click an arc.
+<label><input id="whole" type="checkbox"> whole arcs</label></p></div>
 <div><canvas id="space"></canvas><p class="small">The orbit in space; drag to turn it. Dots: the two primaries, if near.
 </p></div>
 </div>
@@ -45,14 +46,19 @@ const data = JSON.parse(document.getElementById("data").textContent);
 const byId = name => document.getElementById(name);
 const diagram = byId("diagram"), space = byId("space"), along = byId("along");
 let chosen = 0, turn = [-0.7, 0.5];
-const levels = data.arcs.flatMap(arc => arc.line.map(p => p[0]));
-const xs = data.arcs.flatMap(arc => arc.line.map(p => p[1]));
-const sorted = [...levels].sort((a, b) => a - b);
-// Most of the diagram is near the libration points: what is far away is left out.
-const low = sorted[Math.floor(0.25 * sorted.length)], high = sorted[sorted.length - 1];
-const span = [low - 0.06 * (high - low), high + 0.06 * (high - low)];
-const near = xs.filter((_, i) => levels[i] >= low), least = Math.min(...near), most = Math.max(...near);
-const rise = [least - 0.06 * (most - least), most + 0.06 * (most - least)];
+// Near the libration points: where the arcs are that end at them.
+const ending = data.arcs.filter(arc => arc.meets.some(words => words.startsWith("ends at")));
+let span, rise;
+function frame() {
+  const arcs = byId("whole").checked || !ending.length ? data.arcs : ending;
+  const ends = index => {
+    const values = arcs.flatMap(arc => arc.line.map(p => p[index]));
+    const low = Math.min(...values), high = Math.max(...values);
+    const room = 0.06 * (high - low) || 1;
+    return [low - room, high + room];
+  };
+  span = ends(0); rise = ends(1);
+}
 function prepared(canvas) {
   const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
   canvas.width = width * ratio; canvas.height = height * ratio;
@@ -149,7 +155,7 @@ function tell() {
     return element;
   })));
 }
-function draw() { drawDiagram(); drawSpace(); tell(); }
+function draw() { frame(); drawDiagram(); drawSpace(); tell(); }
 function choose(number) {
   chosen = number; along.max = Math.max(0, data.arcs[number].orbits.length - 1);
   along.value = Math.floor(along.max / 2);
@@ -162,6 +168,7 @@ data.arcs.forEach((arc, number) => {
   byId("arcs").append(button);
 });
 along.oninput = draw;
+byId("whole").onchange = draw;
 diagram.onclick = event => {
   const [width, height] = [diagram.clientWidth, diagram.clientHeight];
   const far = arc => Math.min(...arc.line.map(p => {
