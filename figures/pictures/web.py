@@ -27,11 +27,11 @@ WORDS = {
     "planar": "in the plane",
     "R": "symmetric under R",
     "axial": "symmetric under the half turn",
-    "vertical": "vertical, symmetric under both",
+    "vertical": "vertical",
 }
 _WIDTH, _HEIGHT = 7.2, 4.4
 _CHARACTERS = 95
-_NEAR = "(b)  around the planar arcs"
+_NEAR = "(b)  around libration points"
 _LIBRATION_POINT = "libration_point"
 _POINT: Mapping[str, Any] = {"color": INK, "marker": "d", "linestyle": "none", "markersize": 6.0}
 
@@ -158,9 +158,9 @@ def _libration_point(mu: float, name: str) -> float:
 
 
 def draw_web(web: WebCertificate, curves: Mapping[str, Curve]) -> Figure:
-    """Level against x where orbits start; the surroundings of the planar arcs beside."""
+    """Level against x where orbits start; the surroundings of planar and vertical arcs beside."""
     arcs = drawn_arcs(web, curves)
-    planar = [arc for arc in arcs if arc.kind == "planar"]
+    near = [arc for arc in arcs if arc.kind in ("planar", "vertical")]
     claims = sorted({(vertex.k, vertex.kind) for vertex in web.vertices if vertex.kind != _LIBRATION_POINT})
     handles = [
         Line2D([], [], color=COLOURS[kind], linewidth=1.6, label=words)
@@ -170,7 +170,7 @@ def draw_web(web: WebCertificate, curves: Mapping[str, Curve]) -> Figure:
         handles.append(Line2D([], [], **_POINT, label="libration point"))
     figure = plt.figure(figsize=(_WIDTH, _HEIGHT))
     foot = bottom_margin(_HEIGHT, claims, [True], handles)
-    panels = [("", arcs)] if len(planar) in (0, len(arcs)) else [("(a)  all arcs", arcs), (_NEAR, planar)]
+    panels = [("", arcs)] if len(near) in (0, len(arcs)) else [("(a)  all arcs", arcs), (_NEAR, near)]
     grid = figure.add_gridspec(1, len(panels), left=0.1, right=0.98, top=0.86, bottom=foot, wspace=0.26)
     for number, (title, shown) in enumerate(panels):
         axes = figure.add_subplot(grid[0, number])

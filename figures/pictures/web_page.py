@@ -26,6 +26,9 @@ from orbitproof.verify.evidence import range_text
 ORBITS, PLACES = 40, 120
 """Orbits of an arc, and points of each, at most."""
 
+_SAID = {"vertical": "vertical, symmetric under R and under the half turn"}
+"""Where the legend of the picture is too short."""
+
 
 def page_of(web: WebCertificate, curves: Mapping[str, Curve]) -> str:
     """The page of a proved web, from the certificates of its arcs by id. Raises `InputError`."""
@@ -55,7 +58,7 @@ def _arc(known: StoredArc, arc: DrawnArc, curve: Curve) -> dict[str, Any]:
     return {
         "id": known.id,
         "name": shown(known.id),
-        "words": WORDS[arc.kind],
+        "words": _SAID.get(arc.kind, WORDS[arc.kind]),
         "colour": COLOURS[arc.kind],
         "level": "not known" if known.level is None else range_text(known.level, 5),
         "period": "not known" if known.period is None else range_text(known.period, 5),
