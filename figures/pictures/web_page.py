@@ -62,12 +62,21 @@ def _arc(known: StoredArc, arc: DrawnArc, curve: Curve) -> dict[str, Any]:
         "colour": COLOURS[arc.kind],
         "level": "not known" if known.level is None else range_text(known.level, 5),
         "period": "not known" if known.period is None else range_text(known.period, 5),
-        "stable": len(known.stable),
-        "listed": known.order is not None,
+        "list": _list_in_words(known, arc.kind),
         "meets": [f"{meeting.how} {shown(meeting.vertex)}" for meeting in known.meets],
         "line": [[_short(level), _short(x)] for line in arc.lines for level, x in line.T],
         "orbits": [each for each in found if each is not None],
     }
+
+
+def _list_in_words(known: StoredArc, kind: str) -> str:
+    """What its certificate has of linear stability; of a planar arc it is about variations in the plane (33.5)."""
+    where = " to variations in the plane" if kind == "planar" else ""
+    return (
+        "its certificate has no list"
+        if known.order is None
+        else f"proved intervals of stability{where}: {len(known.stable)}"
+    )
 
 
 def _orbit(kind: str, states: States, point: Array) -> dict[str, Any] | None:

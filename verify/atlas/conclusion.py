@@ -13,7 +13,7 @@ from orbitproof.verify.atlas.conclusion_as_json import conclusion_to_json
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.results import Result
 from orbitproof.verify.certificate import Certificate, Recheck, repeated
-from orbitproof.verify.curve import Conclusion, ProvedCurve, conclude, enclose_other_point
+from orbitproof.verify.curve import Conclusion, ProvedCurve, conclude, enclose_other_point, vertical_point
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, conclude_lasting
 from orbitproof.verify.oracle import ORACLE
@@ -66,7 +66,8 @@ def conclusion_of(
 
         points = [certified_point(atlas, entry, examine) for entry in bifurcations]
         conclusion = conclude(atlas, results, points, partner)
-    if order is None:
+    # No theorem is about resonances of vertical orbits in units of their size (16.7).
+    if order is None or vertical_point(atlas.system) is not None:
         return told(conclusion)
     of_curve = [result for result in results if isinstance(result, LastingResult)]
     with _stretches(conclusion, "resonances", watch) as begun:

@@ -13,9 +13,11 @@ _DIGITS = 18
 
 def place_in_words(atlas: Atlas, place: Place, name: str, digest: str) -> str:
     """The place of an orbit on the curve of an atlas that a certificate proves, with its name and digest."""
+    of_curve = f"the curve that the certificate {shown(name)} ({digest}) proves"
+    where = f"on its piece {place.piece}, at {located('s', place.s, _DIGITS)}"
+    if atlas.system.derived_parameters:
+        # In units of the orbit, and of a vertical one at its crossing of the axis.
+        return f"The orbit of x is that of a point of {of_curve}, {where}."
     point = "P(x)" if place.other_point else "x"
     mirror = f"The image under {atlas_in_words(atlas).claim.symmetry} of the" if place.mirrored else "The"
-    return (
-        f"{mirror} point {point} lies on the curve that the certificate {shown(name)} ({digest}) proves, on its piece "
-        f"{place.piece}, at {located('s', place.s, _DIGITS)}."
-    )
+    return f"{mirror} point {point} lies on {of_curve}, {where}."
