@@ -87,7 +87,8 @@ def is_family_name(system: str, name: str) -> bool:
 def families_to_give(system: str, name: str) -> str:
     """Which families there are of a system, for one who has asked for another: first those with nearly that name."""
     names = (*FAMILY_NAMES.get(system, ()), *(WITHOUT_SYMMETRY if system == "cr3bp" else ()))
-    close = get_close_matches(name.casefold(), [known.casefold() for known in names], 3, 0.5)
+    close = get_close_matches(name.casefold(), [*(known.casefold() for known in names), *_ALIASES], 3, 0.5)
+    close = [_ALIASES.get(each, each).casefold() for each in close]
     return ", ".join(sorted(names, key=lambda known: known.casefold() not in close))
 
 

@@ -74,7 +74,7 @@ def test_what_cannot_be_is_refused_in_a_line(files: tuple[Path, Path], tmp_path:
         figures.draw_family(files[0], files[1])
     with pytest.raises(InputError, match="need their candidates"):
         figures.draw_resonances([], tmp_path, certificates=files[1])
-    with pytest.raises(InputError, match="give families, the certificate of an atlas, or tori"):
+    with pytest.raises(InputError, match="are not in space; give one of cr3bp"):
         figures.write_page(files[0], tmp_path / "page.html")
     with pytest.raises(AttributeError, match="it has Drawn, Files"):
         figures.draw_everything  # noqa: B018
