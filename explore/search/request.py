@@ -204,9 +204,9 @@ def _families(options: argparse.Namespace, preset: Preset | None) -> tuple[Famil
         return ()
     named = options.system or (system_with(options.family or ()) if options.start is None else None)
     if named is None:
-        if options.family and options.from_family is None and options.mass:
-            known = families_to_give("cr3bp", options.family[0])
-            raise InputError(f"--family {' '.join(options.family)}: no system has such families; give one of {known}")
+        for name in options.family or ():
+            if options.mass and options.from_family is None and system_with([name]) is None:
+                raise InputError(f"--family {name}: unknown; give one of {families_to_give('cr3bp', name)}")
         beside = " beside --from-family with --family or --mass" if options.from_family is not None else ""
         raise InputError(f"--system: missing{beside}; give one of {', '.join(FAMILY_NAMES)}, or your own system's file")
     system = system_named(named)
