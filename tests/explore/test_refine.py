@@ -233,7 +233,7 @@ def test_candidate_survives_a_round_trip() -> None:
         ("touch_and_go", 3, L1_ROWS[3][1], "neighbourhood"),
         ("period_tupling", 2, L1_ROWS[1][1], "neighbourhood"),
         ("period_tupling", 2, (0.848, 0.169, 0.268), "neighbourhood"),
-        ("symmetry_breaking", 1, L1_ROWS[3][1], "symmetry that is to break"),
+        ("symmetry_breaking", 1, L1_ROWS[3][1], "does not fix the guess"),
         ("period_tupling", 1, L1_ROWS[3][1], "not a bifurcation"),
         ("period_tupling", 2, (0.84, 0.16), "finite numbers for x, z, vy"),
         ("period_tupling", 2, (0.84, 0.16, float("nan")), "finite numbers"),

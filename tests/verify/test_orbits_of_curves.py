@@ -31,6 +31,7 @@ from orbitproof.verify.atlas import (
     AtlasCertificate,
     CatalogueCertificate,
     catalogue,
+    catalogue_table,
     certified_rows,
     certified_table,
     check_of_conclusion,
@@ -43,7 +44,7 @@ from orbitproof.verify.atlas.catalogue import orbits_of, write_catalogue_certifi
 from orbitproof.verify.atlas.catalogue_table import rounded_up
 from orbitproof.verify.certificate import Level, Recheck
 from orbitproof.verify.curve import ProvedCurve, conclude
-from orbitproof.verify.evidence import Proved, ball_to_json, enclose, symmetric
+from orbitproof.verify.evidence import Proved, ball_to_json, enclose, exact_value, symmetric
 from orbitproof.verify.orbit import stability_from
 from orbitproof.verify.orbit_on_curve import OrbitOnCurve, OrbitPlace, OrbitsOfCurve
 from orbitproof.verify.orbit_on_curve.orbit_on_curve import _index
@@ -584,52 +585,149 @@ def test_the_orbit_is_a_value_that_prints_its_place() -> None:
     assert orbit.stability.verdict == "unstable"
 
 
+def forms_of(number: float) -> list[Fraction]:
+    """What files say where a table has a double."""
+    return [Fraction(number), Fraction(repr(number)), Fraction(f"{number:.16e}")]
+
+
+def is_sharp_bound(bound: float, offs: list[Any], size: float) -> bool:
+    """Whether it is no less than all of these, and hardly more than the largest with what rounding makes."""
+    most = max(off.upper() for off in offs)
+    return bool(enclose(Fraction(bound)) >= most) and bound <= 1.02 * (float(most) + 1e-15 * size)
+
+
 def test_a_table_says_of_each_row_what_is_proved_from_the_numbers_it_has() -> None:
-    table = certified_table(rows(), document())
-    certified = CatalogueCertificate(document()).rows
+    """Bounds hold of the numbers as doubles and as decimals; the last row is the first orbit itself, to 30 digits."""
+    given = tuple(tuple(value + Fraction(7, 10**19) for value in row) for row in rows().rows)
+    orbit = CatalogueCertificate(document()).rows[0].orbit
+    assert orbit is not None
+    assert orbit.stability_index is not None
+    numbers = [
+        *(orbit.point.get(name, arb(0)) for name in FIELDS[:6]),
+        orbit.level,
+        orbit.period,
+        orbit.stability_index,
+    ]
+    given += (tuple(Fraction(round(exact_value(ball.mid()) * 10**30), 10**30) for ball in numbers),)
+    certificate = certified_rows(catalogue_cases.curve(), replace(rows(), rows=given))
+    table = certified_table(replace(rows(), rows=given), certificate)
+    certified = CatalogueCertificate(certificate).rows
+    assert {row.orbit is None for row in certified} == {True, False}
     for index, row in enumerate(certified):
         cells = {name: values[index] for name, values in table.more.items()}
-        if row.orbit is None:
-            assert str(cells["proved"]).startswith("no: ")
-            assert cells["state_within"] is None
+        assert list(table.rows[index]) == [float(value) for value in given[index]]
+        if row.orbit is None or row.differences is None:
+            assert cells.pop("proved") == f"no: {row.lacks}"
+            assert set(cells.values()) == {None}
             continue
-        state = {
-            name: Fraction(value)
-            for name, value in zip(["x", "y", "z", "vx", "vy", "vz"], table.rows[index], strict=False)
-        }
-        point = row.orbit.point
-        off = [abs(float(value) - float(point[name].mid())) for name, value in state.items() if name in point]
-        assert max(off) <= cells["state_within"] + 1e-16
+        forms = [forms_of(number) for number in table.rows[index]]
+        point = [row.orbit.point.get(name, arb(0)) for name in ("x", "y", "z", "vx", "vy", "vz")]
+        far = [
+            sum(((ball - enclose(entry[form])) ** 2 for ball, entry in zip(point, forms, strict=False)), arb(0))
+            .upper()
+            .sqrt()
+            for form in range(3)
+        ]
+        assert is_sharp_bound(cells["state_within"], far, 10)
+        for name, ball, entry in zip(
+            ("jacobi_within", "period_within", "stability_within"),
+            (row.orbit.level, row.orbit.period, row.orbit.stability_index),
+            forms[6:],
+            strict=True,
+        ):
+            assert ball is not None
+            off = [abs(ball - enclose(value)) for value in entry]
+            assert is_sharp_bound(cells[name], off, float(abs(entry[0]))), name
+        said = str(cells["proved"]).removeprefix("a symmetric periodic orbit starts at most ").removesuffix(" away")
+        assert Fraction(said) >= max(exact_value(off.upper()) for off in far)
         assert row.orbit.least is not None
-        assert abs(float(row.orbit.least.mid()) - cells["least_distance"]) <= cells["distances_within"]
+        assert row.orbit.greatest is not None
+        off = [
+            abs(ball - enclose(value))
+            for name, ball in (("least_distance", row.orbit.least), ("greatest_distance", row.orbit.greatest))
+            for value in forms_of(cells[name])
+        ]
+        assert is_sharp_bound(cells["distances_within"], off, 1e-2)
+        assert abs(float(row.orbit.least.mid()) - cells["least_distance"]) < 1e-9
+        assert cells["hits"] == "unknown"
 
 
 def test_bounds_in_a_table_are_rounded_up() -> None:
-    for number in (Fraction(0), Fraction(1, 3), Fraction(999_999, 10**12), Fraction(1, 10**300), Fraction(7)):
+    numbers = [Fraction(0), Fraction(1, 3), Fraction(999_999, 10**12), Fraction(1, 10**300), Fraction(7)]
+    # Less than 3/10, and greater than the double next to that.
+    numbers.append(Fraction(3 * 2**150 // 10, 2**150))
+    for number in [*numbers, *(Fraction(7 * k + 1, 10**k) for k in range(40))]:
         bound = rounded_up(enclose(number))
         assert Fraction(bound) >= number
         assert not number or Fraction(bound) <= number * Fraction(102, 100)
+        assert Fraction(f"{bound:.2e}") >= number
+        assert Fraction(repr(bound)) >= number
 
 
 def test_rows_that_hit_the_body_are_told_only_where_that_is_certain() -> None:
     given = rows()
-    said = []
-    least = [row.orbit.least for row in CatalogueCertificate(document()).rows if row.orbit is not None]
-    assert least[0] is not None
-    for radius in (0.0, float(least[0].mid()), 10.0):
-        details = {"lunit": "1", "radius_secondary": str(radius)}
-        said.append(certified_table(replace(given, system_details=details), document()).more["hits"][0])
-    assert said[0] == "no"
-    assert said[2] == "yes"
-    assert certified_table(replace(given, system_details={}), document()).more["hits"][0] == "unknown"
+    least = next(row.orbit.least for row in CatalogueCertificate(document()).rows if row.orbit is not None)
+    assert least is not None
+
+    def said(unit: str, radius: str) -> str:
+        details = {"lunit": unit, "radius_secondary": radius}
+        return str(certified_table(replace(given, system_details=details), document()).more["hits"][0])
+
+    assert [said("1", radius) for radius in ("0", str(exact_value(least.mid())), "10")] == ["no", "unknown", "yes"]
+    assert [said("1e3", radius) for radius in ("130.8", "130.9")] == ["no", "yes"]
+    assert {said(*wrong) for wrong in (("0", "1"), ("-1", "1"), ("1", "-1"))} == {"unknown"}
+    assert certified_table(replace(given, system_details={"lunit": "1"}), document()).more["hits"][0] == "unknown"
+
+
+def test_a_table_is_made_of_the_rows_that_its_certificate_is_about() -> None:
+    huge = replace(rows(), rows=(*rows().rows[:-1], (Fraction(10) ** 400, *rows().rows[-1][1:])))
+    for wrong in (replace(rows(), mass_ratio=Fraction(1, 3)), replace(rows(), rows=rows().rows[1:]), huge):
+        with pytest.raises(InputError):
+            certified_table(wrong, document())
+    old = {"proved": ("yes",) * len(rows().rows), "note": ("a",) * len(rows().rows)}
+    table = certified_table(replace(rows(), more=old), document())
+    assert table.more["note"] == old["note"]
+    assert "yes" not in table.more["proved"]
 
 
 def test_orbits_of_the_curve_itself_are_a_catalogue_that_it_certifies() -> None:
     curve = catalogue_cases.curve()
     found = rows_of_curve(curve, 5)
-    made = certified_rows(curve, found)
+    made = certified_rows(curve, found, Fraction(1, 10**12))
     assert made["verdict"] == "proved"
     assert len(made["rows"]) == 5
+    certified = CatalogueCertificate(made).rows
+    assert all(float(row.differences.period.upper()) < 1e-12 for row in certified if row.differences is not None)
+    assert all(float(row.differences.level.upper()) < 1e-12 for row in certified if row.differences is not None)
+    stretches = orbits_of(curve).curve.chain.stretches
+    begun = {}
+    total = Fraction(0)
+    for stretch in stretches:
+        begun[stretch.tube.piece.id] = total - stretch.entered
+        total += stretch.leaves - stretch.entered
+    places = [begun[row.piece] + row.s for row in certified if row.piece is not None and row.s is not None]
+    assert all(abs(float(place / total) - i / 4) < 1e-6 for i, place in enumerate(places))
+    assert rows_of_curve(curve, 1).rows[0] == found.rows[0]
+
+
+def test_rows_of_a_curve_of_several_pieces_are_at_equal_steps_along_all_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    orbits = arc(PIECES)
+    stretches = orbits.curve.chain.stretches
+    assert len(stretches) > 2
+    monkeypatch.setattr(catalogue_table, "orbits_of", lambda _: orbits)
+    found = rows_of_curve(catalogue_cases.curve(), 9).rows
+    assert len(found) == 9
+    length = sum(stretch.leaves - stretch.entered for stretch in stretches)
+    for i, row in enumerate(found):
+        left = length * i / 8
+        for stretch in stretches:
+            part = stretch.leaves - stretch.entered
+            if left <= part:
+                wanted = orbits.at(OrbitPlace(stretch.tube.piece.id, stretch.entered + left))
+                break
+            left -= part
+        assert abs(wanted.period - enclose(row[7])) < 1e-12
+        assert orbits.distance(wanted, dict(zip(FIELDS[:6], row, strict=False))) < 1e-12
 
 
 def test_a_certified_row_is_an_orbit_that_tools_take(tmp_path: Path) -> None:

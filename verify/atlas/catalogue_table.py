@@ -11,6 +11,7 @@ from typing import Any
 from flint import arb, ctx
 
 from orbitproof.shared.formats import FIELDS, CatalogueRows, CatalogueTable, InputError
+from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import UNITS, shown
 from orbitproof.verify.atlas.catalogue import CertifiedRow, orbits_of
 from orbitproof.verify.atlas.certificate import AtlasCertificate
@@ -69,11 +70,20 @@ def certified_table(rows: CatalogueRows, document: Mapping[str, Any]) -> Catalog
     index from the row's; the middle of the enclosures of its least and greatest distance from the smaller primary, with
     a bound of how far the true ones are from there; and, where the catalogue names its units, whether the orbit meets
     the body.
+
+    Raises `InputError` if the certificate is about another mass ratio or another number of rows, or a number of the
+    rows is none of a table.
     """
     certified = from_json(tuple[CertifiedRow, ...], document["rows"], "rows")
     columns: dict[str, list[Any]] = {name: [] for name in COLUMNS}
+    mass = parse_exact(document["statement"]["mass_ratio"])
+    if (mass, len(certified)) != (rows.mass_ratio, len(rows.rows)):
+        raise InputError("the certificate: is about another mass ratio or other rows; give that of these rows")
     radius = _radius(rows)
-    written = [[float(value) for value in row] for row in rows.rows]
+    try:
+        written = [[float(value) for value in row] for row in rows.rows]
+    except OverflowError:
+        raise InputError("the rows: a number is greater than all doubles; leave its row out") from None
     for row, numbers in zip(certified, written, strict=True):
         for name, value in zip(COLUMNS, _cells(row, _rounding(row, numbers), radius), strict=True):
             columns[name].append(value)
@@ -86,20 +96,26 @@ def certified_table(rows: CatalogueRows, document: Mapping[str, Any]) -> Catalog
 
 
 def _radius(rows: CatalogueRows) -> arb | None:
-    """Of the smaller primary in units of length, if the file names both."""
+    """Of the smaller primary in units of length, if the file names both; `None` also if that is no length."""
     details = rows.system_details
     if "lunit" not in details or "radius_secondary" not in details:
         return None
+    unit, radius = (Fraction(str(details[name])) for name in ("lunit", "radius_secondary"))
     with ctx.workprec(PRECISION):
-        return enclose(Fraction(str(details["radius_secondary"]))) / enclose(Fraction(str(details["lunit"])))
+        return enclose(radius) / enclose(unit) if unit > 0 <= radius else None
 
 
 def _rounding(row: CertifiedRow, numbers: Sequence[float]) -> list[Fraction]:
     """How far the numbers of a row are from what a table has, at most: doubles, or their decimals of any length."""
     return [
-        max(abs(Fraction(text) - given) for text in (number, repr(number), f"{number:.16e}"))
+        max(abs(value - given) for value in _as_written(number))
         for number, given in zip(numbers, row.given, strict=True)
     ]
+
+
+def _as_written(number: float) -> tuple[Fraction, ...]:
+    """What a table says where it has this double: the number itself, or one of its decimals."""
+    return Fraction(number), Fraction(repr(number)), Fraction(f"{number:.16e}")
 
 
 def _cells(row: CertifiedRow, rounding: Sequence[Fraction], radius: arb | None) -> tuple[Any, ...]:
@@ -118,7 +134,7 @@ def _cells(row: CertifiedRow, rounding: Sequence[Fraction], radius: arb | None) 
     middles = [float(ball.mid()) for ball in (orbit.least, orbit.greatest)]
     with ctx.workprec(PRECISION):
         found = zip((orbit.least, orbit.greatest), middles, strict=True)
-        apart = max(rounded_up(abs(ball - enclose(Fraction(middle)))) for ball, middle in found)
+        apart = max(rounded_up(abs(ball - enclose(value))) for ball, middle in found for value in _as_written(middle))
         hits = "unknown"
         if radius is not None and is_below(radius, orbit.least):
             hits = "no"
