@@ -11,7 +11,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
-from flint import ctx
+from flint import arb, ctx
 from support.conclusions import conclude
 from support.return_maps import Number
 from support.stability_cases import atlas
@@ -23,8 +23,9 @@ import orbitproof.verify.lasting.stored as storing
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.systems import FALKNER_SKAN, FixedLevel
 from orbitproof.verify.algebra import Grading, WideArithmetic
-from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.evidence import IntegrationFailure, enclose
 from orbitproof.verify.lasting import FunctionJet, LastingList, exchanged, is_known_of, lasting_list, normal_form
+from orbitproof.verify.lasting.fates import Fate, _fate
 from orbitproof.verify.stability import PRECISION, Kind
 from orbitproof.verify.stability.complete_list import complete_list
 
@@ -170,6 +171,30 @@ def test_resonances_are_judged_by_the_functions_of_their_own_part() -> None:
     for rows, fate in ((({}, nowhere), "unstable"), ((nowhere, {}), "open")):
         found = said(halved(made_up(([], [])), rows))
         assert [entry["fate"] for entry in found["exceptions"] if entry["k"] == 3] == [fate]
+
+
+def test_a_resonance_is_judged_at_all_points_of_its_place_on_one_part() -> None:
+    def fate(found: Results, place: arb | None = None) -> Fate:
+        outcome: Any = conclude(atlas(), found).outcome
+        known, chain = values(found), outcome.results.chain
+        listed = complete_list(atlas(), chain, cast(Any, known), 4)
+        (point,) = [point for point in listed.points if point.k == 4]
+        return _fate(chain, listed, cast(Any, known), point if place is None else replace(point, s=place))
+
+    s = Fraction(round(of_beta(1, 679.954155) * 33 / 32 * 2**60), 2**60)
+    changing = made_up(([], []))
+    # Negative in the middle of the place, positive at its end.
+    zero = Fraction(round((s * 32 / 33 + Fraction(1, 2**20)) * 2**60), 2**60)
+    changing[1]["twist"]["fourth"] = stored([-zero, Fraction(1)])
+    assert fate(changing) is Fate.STABLE
+    assert fate(changing, arb(enclose(s).mid(), 2.0**-18)) is Fate.OPEN
+    # Across the joint of two parts.
+    parts = halved(made_up(([], []), fourth=-1))
+    assert fate(parts) is Fate.STABLE
+    assert fate(parts, arb(0, 2.0**-4)) is Fate.OPEN
+    unknown = made_up(([], []), fourth=-1)
+    unknown[1]["twist"] = {"reason": {"condition": "twist", "message": "no", "remedy": ""}}
+    assert fate(unknown) is Fate.OPEN
 
 
 # What is not known
