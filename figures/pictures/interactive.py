@@ -159,7 +159,7 @@ def _finished(figure: Any, title: str, mass: float, note: str) -> Any:
     return figure
 
 
-_ASLANT = {"x": 1.12, "y": -1.34, "z": 0.73}
+_ASLANT = {"x": 1.2, "y": -1.44, "z": 0.8}
 """From where the picture is seen: far enough for all of its box."""
 
 _HEAD = (
