@@ -12,8 +12,9 @@ from flint import acb, arb, arb_mat
 from support import tori_cases
 
 from orbitproof.verify.certificate import Limits, certify
-from orbitproof.verify.evidence import ball_from_json
+from orbitproof.verify.evidence import ball_from_json, ball_to_json
 from orbitproof.verify.run.second_proofs import compare
+from orbitproof.verify.run.second_symmetric import _torsion as compare_torsion
 from orbitproof.verify.second_proof import CannotFollow, NotProved, ProvedSymmetric, second_proof
 from orbitproof.verify.second_proof.crossing import TIME
 from orbitproof.verify.second_proof.elliptic_tori import COMBINATIONS, torsion
@@ -110,6 +111,52 @@ def test_tori_are_claimed_of_elliptic_orbits_only() -> None:
     stretched = [images[0], images[1], variable(2) * arb(2), variable(3) * (arb(1) / 2)]
     with pytest.raises(CannotFollow, match="elliptic"):
         torsion(returning(stretched, 3))
+
+
+def stored(value: float) -> dict[str, str]:
+    return ball_to_json(arb(value))
+
+
+COMPARED: dict[str, tuple[dict[str, Any], str]] = {
+    "the same": ({}, ""),
+    "other lengths of vectors": ({"torsion": [[stored(8), stored(-0.125)], [stored(3), stored(0.375)]]}, ""),
+    "a sign": ({"torsion_determinant": stored(-3)}, "torsion_determinant"),
+    "a determinant that may be 0": (
+        {"torsion_determinant": {**stored(0.0), "rad": "0x1p-3"}},
+        "torsion_determinant",
+    ),
+    "another torsion": ({"torsion": [[stored(2), stored(-0.5)], [stored(0.75), stored(2)]]}, "tau_11 tau_22"),
+    "rows exchanged": ({"torsion": [[stored(0.75), stored(1.5)], [stored(2), stored(-0.5)]]}, "tau_11 tau_22"),
+}
+
+
+@pytest.mark.parametrize("change", COMPARED)
+def test_a_stored_torsion_agrees_by_what_does_not_depend_on_vectors(change: str) -> None:
+    found = torsion(returning(normal_form(ANGLES, TAU), 1))
+    numbers = [ball_to_json(value) for value in found.rotation_numbers]
+    (a, b), (c, d) = TAU
+    results = {
+        "rotation_numbers": numbers,
+        "torsion": [[stored(a), stored(b)], [stored(c), stored(d)]],
+        "torsion_determinant": stored(a * d - b * c),
+    }
+    changes, word = COMPARED[change]
+    pairs: dict[str, Any] = {}
+    answer = compare_torsion(results | changes, found, pairs)
+    assert list(pairs) == ["rotation number 1", "rotation number 2"]
+    assert [mine for mine, _ in pairs.values()] == list(found.rotation_numbers)
+    assert (answer is None) == (word == "")
+    if answer is not None:
+        assert answer.verdict == "disagrees"
+        assert word in answer.reason
+
+
+def test_coordinates_and_multipliers_are_in_the_order_of_the_rotation_numbers() -> None:
+    # s_1 < s_2: of the angles 2.0 and 0.7 the first is the larger one, and tau_12 and tau_21 are of different signs.
+    (a, b), (c, d) = torsion(returning(normal_form(ANGLES, TAU), 2)).rows
+    assert [value > 0 for value in (a, b, c, d)] == [True, False, True, True]
+    (a, b), (c, d) = torsion(returning(normal_form(ANGLES[::-1], TAU), 2)).rows
+    assert [value > 0 for value in (a, b, c, d)] == [True, True, False, True]
 
 
 @pytest.mark.slow
