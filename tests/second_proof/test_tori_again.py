@@ -151,6 +151,22 @@ def test_a_stored_torsion_agrees_by_what_does_not_depend_on_vectors(change: str)
         assert word in answer.reason
 
 
+def test_a_stored_determinant_that_may_be_zero_has_no_sign_not_even_the_negative_one() -> None:
+    found = torsion(returning(normal_form(ANGLES, tuple(tuple(-t for t in row) for row in TAU[::-1])), 1))
+    assert found.determinant < 0
+    (a, b), (c, d) = found.rows
+    results = {
+        "rotation_numbers": [ball_to_json(value) for value in found.rotation_numbers],
+        "torsion": [[ball_to_json(value) for value in row] for row in found.rows],
+        "torsion_determinant": ball_to_json(a * d - b * c),
+    }
+    assert compare_torsion(results, found, {}) is None
+    for ball in (arb(0, 1), arb(1)):
+        answer = compare_torsion({**results, "torsion_determinant": ball_to_json(ball)}, found, {})
+        assert answer is not None
+        assert "torsion_determinant" in answer.reason
+
+
 def test_coordinates_and_multipliers_are_in_the_order_of_the_rotation_numbers() -> None:
     # s_1 < s_2: of the angles 2.0 and 0.7 the first is the larger one, and tau_12 and tau_21 are of different signs.
     (a, b), (c, d) = torsion(returning(normal_form(ANGLES, TAU), 2)).rows
