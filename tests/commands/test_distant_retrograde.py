@@ -54,7 +54,7 @@ def test_beside_the_1_3_orbit_all_are_stable_for_ever_with_another_twist_on_each
     lasting = certificate["conclusion"]["complete"]["lasting"]
     (third,) = lasting["exceptions"]
     assert (third["k"], third["fate"]) == (3, "unstable")
-    assert [entry["twist"] for entry in lasting["stable"]] == [1, -1]
+    assert [entry["twist"] for entry in lasting["stable"]] == ["positive", "negative"]
     assert lasting["undecided"] == lasting["gaps"] == []
     found = ball_from_json(third["level"])
     first, last = re.search(r"^\| 1:3 \| \[([0-9.]+), ([0-9.]+)\]", PAGE, re.MULTILINE).groups()  # type: ignore[union-attr]

@@ -197,6 +197,14 @@ def test_a_resonance_is_judged_at_all_points_of_its_place_on_one_part() -> None:
     assert fate(unknown) is Fate.OPEN
 
 
+def test_of_two_results_of_one_interval_that_with_more_bits_is_taken() -> None:
+    true = made_up(([], []))
+    worse = {**made_up(([], []), (-1, -1), error=2.0, fourth=-1)[1]}
+    worse["computation"] = {**worse["computation"], "precision": worse["computation"]["precision"] - 1}
+    for entries in ([true[0], worse, true[1]], [true[0], true[1], worse]):
+        assert {**said(entries), "reversibility": {}} == {**said(true), "reversibility": {}}
+
+
 # What is not known
 
 

@@ -207,8 +207,8 @@ def _elliptic(chain: Chain, found: CompleteList) -> list[Segment]:
 
 
 def _twist_on(segment: Segment, stretch: Stretch, results: Sequence[LastingResult]) -> _Twist | None:
-    """The functions on the interval of a segment, if they are known."""
-    for result in results:
+    """The functions on the interval of a segment, if they are known; of several results those with the most bits."""
+    for result in sorted(results, key=lambda result: -(result.computation.precision or 0)):
         low, high = result.interval
         if (
             result.piece != stretch.tube.piece.id
