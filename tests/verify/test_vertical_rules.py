@@ -152,7 +152,8 @@ def test_what_is_said_of_times_is_that_they_are_quarters_and_of_what_eps2_is() -
     for said in (
         "X = x_l + eps2 x, Y = eps2 y, Z = eps z", "eps^2 = eps2", "beyond the smaller primary",
         "X = x_l + eps2 x, Y' = eps2 vy, Z' = eps on the axis", "after the time T it meets", "least period 4 T",
-        "shifts it by the time 2 T", "4 T tends to 2 pi/c^(1/2)", "it shrinks to L2", "All these T lie in [0.4",
+        "shifts it by the time 2 T", "2 pi/((1 - mu)/|x_l + mu|^3 + mu/|x_l - 1 + mu|^3)^(1/2)",
+        "it shrinks to L2", "All these T lie in [0.4",
     ):  # fmt: skip
         assert said in words, said
     assert "half period" not in words.replace("R-symmetric periodic", "")

@@ -216,6 +216,7 @@ def _vertical_meaning(name: str) -> str:
         "least period 4 T and symmetric under R and under the half turn about the x axis: after the time T it meets "
         "the plane Y = 0 at right angles, for the first time, off the axis, and z -> -z shifts it by the time 2 T. For "
         "eps2 -> 0 "
-        f"it shrinks to {name}, and 4 T tends to 2 pi/c^(1/2), the period of the linear oscillation across the plane: "
+        f"it shrinks to {name}, and 4 T tends to the period of the linear oscillation across the plane there, "
+        "2 pi/((1 - mu)/|x_l + mu|^3 + mu/|x_l - 1 + mu|^3)^(1/2): "
         f"it belongs to the vertical family that emanates from {name}."
     )
