@@ -57,8 +57,8 @@ FORMAT = "orbitproof-second-proofs"
 Row = dict[str, Any]
 
 _DESCRIPTION = """\
-Prove certified bifurcations, losses of R, symmetric orbits and their stability, and periodic orbits without symmetry
-with their bifurcations once more, by code that shares nothing with the first proof, and compare the results.
+Prove certified bifurcations, losses of R, symmetric orbits, their stability and tori, and periodic orbits without
+symmetry with their bifurcations once more, by code that shares nothing with the first proof, and compare the results.
 """
 
 _EXAMPLES = """\
