@@ -148,7 +148,7 @@ function tell() {
   const facts = [["arc", arc.name + ": " + arc.words], ["meets", arc.meets.join("; ") || "no vertex"],
     ["Jacobi constant", "all in " + arc.level + (orbit ? "; this orbit about " + orbit.c : "")],
     ["period", "all in " + arc.period + (orbit ? "; this orbit about " + orbit.t : "")],
-    ["stability", stable + "; " + arc.list]];
+    ["stability", [stable, arc.list].filter(Boolean).join("; ")]];
   list.replaceChildren(...facts.flatMap(([name, text]) => ["dt", "dd"].map((kind, i) => {
     const element = document.createElement(kind);
     element.textContent = i ? text : name;

@@ -19,9 +19,11 @@ from orbitproof.figures import draw_web as draw_files
 from orbitproof.figures.certified import Curve
 from orbitproof.figures.pictures import draw_web, web_page
 from orbitproof.figures.pictures.web import States, drawn_arcs
+from orbitproof.figures.pictures.web_page import _list_in_words
 from orbitproof.shared.claims.web import BRANCHES, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import InputError
 from orbitproof.verify.atlas import AtlasCertificate, WebCertificate, certified_web
+from orbitproof.verify.atlas.web import StoredArc
 from orbitproof.verify.certificate import Level, Recheck
 
 MU = 1 / 80
@@ -127,3 +129,10 @@ def test_what_is_not_proved_is_not_drawn(tmp_path: Path) -> None:
     write_atlas_certificate(files[1], curve.document)
     with pytest.raises(InputError, match="give that certificate"):
         draw_files(files[0], [files[1]], tmp_path)
+
+
+def test_stability_that_is_proved_of_a_planar_arc_is_told_to_be_in_the_plane() -> None:
+    known = StoredArc(id="a", system="a system", kind="arc", meets=(), order=4)
+    assert _list_in_words(known, "planar") == "proved intervals of stability to variations in the plane: 0"
+    assert _list_in_words(known, "R") == "proved intervals of stability: 0"
+    assert _list_in_words(replace(known, order=None), "planar") == "its certificate has no list"
