@@ -171,7 +171,7 @@ def claim(quantity: str, value: Fraction, coordinate: str | None = None, **chang
         claim(COORDINATE, Fraction("1.0984423593815401"), "x"),
         claim(HALF_PERIOD, Fraction("1.3063074")),
         claim(LEVEL, Fraction("3.017905732646")),
-        replace(HALO, parameters={"mu": Fraction("1.215058560962405e-2")}),
+        pytest.param(replace(HALO, parameters={"mu": Fraction("1.215058560962405e-2")}), marks=pytest.mark.slow),
         replace(HALO, centre=(HALO.centre[0], HALO.centre[1] + Fraction(1, 10**20), HALO.centre[2])),
     ],
     ids=["coordinate", "half period", "level", "mass", "centre"],

@@ -41,7 +41,13 @@ BOXES = {
 }
 
 
-@pytest.mark.parametrize("case", BOXES)
+FARTHER = ("P_0 far too narrow", "too large")
+"""The same on longer ways."""
+
+
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=pytest.mark.slow if case in FARTHER else ()) for case in BOXES]
+)
 def test_a_bifurcation_is_proved_on_the_box_that_its_failure_asks_for(case: str) -> None:
     given = scaled(TRUE, *BOXES[case])
     assert not certify(given).proved

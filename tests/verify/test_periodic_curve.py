@@ -72,7 +72,10 @@ def test_the_exact_curve_lies_within_the_deviation_of_a_piece_that_is_a_little_o
         assert abs(evaluate(piece.polynomial[0], s) - exact) <= found.outcome.results.deviation[0]
 
 
-@pytest.mark.parametrize("name", ATLASES)
+# An orbit that goes round twice takes longest, and is refused for the same reason.
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name == "twice" else ()) for name in ATLASES]
+)
 def test_pieces_beside_their_curve_are_not_proved(name: str) -> None:
     atlas = ATLASES[name]
     for row in range(len(atlas.curve_pieces()[0].polynomial)):
@@ -115,7 +118,7 @@ def test_another_direction_is_refused_before_the_integration() -> None:
     assert condition(turning_atlas(direction=-1)) == "direction"
 
 
-@pytest.mark.parametrize("crossings", [1, 3, 4])
+@pytest.mark.parametrize("crossings", [1, *(pytest.param(number, marks=pytest.mark.slow) for number in (3, 4))])
 def test_another_number_of_crossings_is_not_proved(crossings: int) -> None:
     assert condition(twice_atlas(crossings)) == {1: "newton", 3: "newton", 4: "least-period"}[crossings]
 

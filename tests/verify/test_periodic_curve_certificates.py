@@ -225,7 +225,9 @@ def test_curves_run_through_the_command_and_are_checked_at_all_levels(
     assert check.stands
 
 
-@pytest.mark.parametrize("change", [{"crossings": 2}, {"direction": -1}, {"offset": "0x1p-10"}])
+@pytest.mark.parametrize(
+    "change", [{"crossings": 2}, {"direction": -1}, pytest.param({"offset": "0x1p-10"}, marks=pytest.mark.slow)]
+)
 def test_certificates_of_another_section_do_not_stand_the_integration(
     change: Document, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
