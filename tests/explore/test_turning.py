@@ -26,7 +26,9 @@ NEAR_DOUBLE = OrbitTask(
 """The near-double pair of 1:2 resonances of the L2 halo family."""
 
 
+@pytest.mark.slow
 def test_the_middle_one_of_three_orbits_is_at_the_extremum() -> None:
+    """The quick tests prove the extremum from such orbits, near-double-orbits.json."""
     orbits = refine_turn(NEAR_DOUBLE, lambda _message, _fraction: None)
     assert [orbit.id for orbit in orbits] == [f"near-double-{side}" for side in SIDES]
     places = [orbit.equation.value for orbit in orbits if orbit.equation is not None]

@@ -114,7 +114,12 @@ def test_enclosures_are_narrow(name: str) -> None:
 
 @pytest.mark.parametrize(
     "name, count",
-    [("earth-moon narrow", 1), ("sun-jupiter", 1), ("Falkner-Skan wide", 2), ("Falkner-Skan narrow", 2)],
+    [
+        ("earth-moon narrow", 1),
+        pytest.param("sun-jupiter", 1, marks=pytest.mark.slow),
+        ("Falkner-Skan wide", 2),
+        ("Falkner-Skan narrow", 2),
+    ],
 )
 def test_derivatives_of_random_point_orbits_are_enclosed(name: str, count: int) -> None:
     """First, second and third derivatives at random points of the box, and at its centre."""

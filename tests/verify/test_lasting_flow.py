@@ -148,7 +148,7 @@ def along(case: Case, amplitude: Fraction) -> tuple[Piece, LastingResult]:
     [
         ("springs", Fraction(3, 4)),
         pytest.param("springs", Fraction(3, 2), marks=pytest.mark.slow),
-        ("pendula", Fraction(3, 2)),
+        pytest.param("pendula", Fraction(3, 2), marks=pytest.mark.slow),
     ],
 )
 def test_the_twist_on_levels_is_that_of_the_closed_form(name: str, amplitude: Fraction) -> None:
