@@ -20,7 +20,7 @@ from support.stored import values
 
 from orbitproof.figures.__main__ import main
 from orbitproof.figures.certified import Curve, heading_of
-from orbitproof.figures.pictures import draw_curves, draw_pieces, draw_surface, interactive, surface_of
+from orbitproof.figures.pictures import draw_curves, draw_pieces, draw_surface, interactive, lines, surface_of
 from orbitproof.figures.scripting.documents import _curve_in_space as page_of_curve
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared.claims import Atlas, Claim, SurfacePiece
@@ -258,7 +258,7 @@ def test_no_picture_is_headed_by_the_title_of_a_file(monkeypatch: pytest.MonkeyP
     figures.append(draw_surface(surface_of(replace(given, atlas=replace(given.atlas, title=LIE)))))
     assert figures[-1].texts[0].get_text() == "surface: surface of cr3bp"
     titles: list[str] = []
-    monkeypatch.setattr(interactive, "curve_lines", lambda found: [])
+    monkeypatch.setattr(lines, "curve_lines", lambda found: [])
     monkeypatch.setattr(interactive, "orbits_figure", lambda title, *rest: titles.append(title))
     path = write(tmp_path / "curve.json", document_of(entitled))
     page_of_curve(Path(path))

@@ -209,7 +209,7 @@ FORGERIES: dict[str, tuple[Callable[[Entry], Any], str]] = {
     "a hypothesis left out": (lambda e: e["hypotheses"].remove(hypothesis(e, "regular-2")), "hypotheses"),
     "a hypothesis added": (lambda e: e["hypotheses"].append(hypothesis(e, "C3")), "hypotheses"),
     "k": (lambda e: e["statement"]["candidate"].update(k=4, kind="period_tupling"), "hypotheses"),
-    "kind": (lambda e: e["statement"]["candidate"].update(kind="period_tupling"), "statement.candidate"),
+    "kind": (lambda e: e["statement"]["candidate"].update(kind="period_tupling"), "hypotheses"),
     "radii that are too small": (lambda e: e["statement"]["candidate"].update(radii=["0x1p-80", "0x1p-90"]), "verdict"),
     "radii that are a little smaller": (
         lambda e: e["statement"]["candidate"].update(radii=["9.9e-12", "1e-15"]), "hypothesis",
