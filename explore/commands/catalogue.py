@@ -31,6 +31,8 @@ examples:
       a dense catalogue in the form of the JPL catalogue, with distances and altitudes
   orbitproof explore catalogue --family dro dpo 3:1 --mass jpl-earth-moon --rows 500 --jobs 2 -o moon.csv
       one file for each family: moon-jpl-earth-moon-dro.csv, ..
+  orbitproof explore catalogue --family dro dpo --mass sun-earth sun-mars --scheduler 192.0.2.1:8786 -o all.csv
+      the same by the workers of a cluster
   orbitproof explore catalogue halo.json --period 6d 8d --perilune 2000km 10000km --stability 1 2 -o part.csv
       the rows of a file that lie between limits, in another form
   orbitproof explore catalogue --family L4-short --mass jpl-earth-moon --rows 100 -o l4.parquet
@@ -82,6 +84,8 @@ def add_parser(commands: Any) -> None:
         rows.add_argument(f"--{name}", nargs=2, metavar=("LOW", "HIGH"), help=meaning)
     common.add_output(parser, "catalogue (.json, .csv or .parquet)")
     common.add_jobs(parser, ": families at the same time")
+    words = "use the cluster of this dask scheduler in place of --jobs (pip install 'orbitproof[cluster]')"
+    parser.add_argument("--scheduler", metavar="ADDRESS", help=words)
     common.add_quiet(parser)
     parser.set_defaults(run=run)
 
@@ -93,6 +97,8 @@ def run(options: argparse.Namespace) -> int:
     given = [options.file, options.family, options.from_family]
     if sum(value is not None for value in given) != 1:
         raise InputError("FILE, --family, --from-family: give one of the three")
+    if options.file is not None and options.scheduler is not None:
+        raise InputError("--scheduler: a FILE is read here; leave it out")
     requests = None if options.family is None else _requests(options)
 
     # Only now: JAX takes a moment to load.
@@ -135,7 +141,9 @@ def run(options: argparse.Namespace) -> int:
             ]
         report.stage(tasks[0].title if len(tasks) == 1 else f"{len(tasks)} families")
         complete = True
-        for index, made in run_all(Job(catalogue_task, _title, _never), tasks, options.jobs, report.update):
+        for index, made in run_all(
+            Job(catalogue_task, _title, _never), tasks, options.jobs, report.update, options.scheduler
+        ):
             task = tasks[index]
             if isinstance(made, Lost) or made.catalogue is None:
                 report.error(f"{task.title}: {made.reason}")

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import platform
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cache, partial
+from importlib import metadata, resources
 from typing import Any, Generic, TypeVar
 
-from orbitproof.shared.processes import Failure, Report, Task, answers
+from orbitproof.shared.cluster import connected
+from orbitproof.shared.processes import Answer, Failure, Report, Source, Task, answers
+from orbitproof.shared.sources import source_digest
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -44,13 +48,15 @@ class Job(Generic[Item, Result]):
 
 
 def run_all(
-    job: Job[Item, Result], items: Sequence[Item], jobs: int, progress: Progress
+    job: Job[Item, Result], items: Sequence[Item], jobs: int, progress: Progress, scheduler: str | None = None
 ) -> Iterator[tuple[int, Result | Lost]]:
     """Work on all items, at most `jobs` at a time; yields (index, result) in the order of completion.
 
     `progress` gets a message and the fraction of all items done. After an interrupt the results that
     can still be had are yielded, then `KeyboardInterrupt` is raised. An exception of `work` is raised here.
-    Closing the iterator ends the processes.
+    Closing the iterator ends the processes. With the address of a dask `scheduler` its workers do the work, with no
+    progress within an item, and nothing that is not finished can be had after an interrupt. Raises `InputError` where
+    there is no such cluster.
     """
     fractions = [0.0] * len(items)
 
@@ -59,6 +65,11 @@ def run_all(
         name = job.name(items[index])
         progress(f"{name}: {message}" if message else name, sum(fractions) / len(items))
 
+    if scheduler is not None:
+        with connected(scheduler, software) as cluster:
+            work = partial(_without_progress, job.work)
+            yield from _results(job, items, lambda source: cluster.answers(work, source), advance)
+        return
     if jobs > 1 and len(items) > 1:
         yield from _in_processes(job, items, min(jobs, len(items)), advance)
         return
@@ -73,15 +84,28 @@ def run_all(
 def _in_processes(
     job: Job[Item, Result], items: Sequence[Item], jobs: int, advance: Callable[[int, str, float], None]
 ) -> Iterator[tuple[int, Result | Lost]]:
+    def heard(name: str, fraction: float, label: str) -> None:
+        advance(int(name), label, fraction)
+
+    work = partial(_work, job.work)
+    yield from _results(
+        job, items, lambda source: answers(work, source, heard, jobs, patience=GRACE_SECONDS), advance
+    )  # fmt: skip
+
+
+def _results(
+    job: Job[Item, Result],
+    items: Sequence[Item],
+    answering: Callable[[Source], Generator[Answer, None, None]],
+    advance: Callable[[int, str, float], None],
+) -> Iterator[tuple[int, Result | Lost]]:
+    """The results of all items as they are had; `answering` does tasks elsewhere."""
     waiting = deque(Task(str(index), item) for index, item in enumerate(items))
 
     def source() -> Task | None:
         return waiting.popleft() if waiting else None
 
-    def heard(name: str, fraction: float, label: str) -> None:
-        advance(int(name), label, fraction)
-
-    with closing(answers(partial(_work, job.work), source, heard, jobs, patience=GRACE_SECONDS)) as all_answers:
+    with closing(answering(source)) as all_answers:
         for answer in all_answers:
             index = int(answer.task.name)
             if not isinstance(answer.result, Failure):
@@ -97,3 +121,19 @@ def _in_processes(
 
 def _work(work: Callable[[Any, Progress], Any], item: Any, report: Report) -> Any:
     return work(item, lambda message, fraction: report(fraction, message))
+
+
+def _without_progress(work: Callable[[Any, Progress], Any], item: Any) -> Any:
+    return work(item, lambda message, fraction: None)
+
+
+@cache
+def software() -> dict[str, str]:
+    """Names and versions of what searches, with a digest of the sources: what workers of one run have in common."""
+    packages = [(name, resources.files(f"orbitproof.{name}")) for name in ("shared", "explore")]
+    names = ("orbitproof", "numpy", "jax", "jaxlib", "diffrax", "mpmath", "scipy")
+    return {
+        "source": source_digest(packages),
+        "python": platform.python_version(),
+        **{name: metadata.version(name) for name in names},
+    }

@@ -20,6 +20,8 @@ from orbitproof.shared.systems import Program, System, with_slope
 
 _MOST_STEPS = 40
 _TOLERANCE = 1e-9
+_STALLED, _STALLED_TOLERANCE = 4, 1e-7
+"""Steps below this that have not become shorter for so many in a row are rounding, as for orbits near a double one."""
 _LONGEST = 0.2
 """Of a step, relative to the size of the orbit."""
 _MOST_TIMES = 12
@@ -134,7 +136,7 @@ def correct(
     normal, offset = _phase(problem, x, section)
     if level is None:
         level = problem.level(x, values)
-    start, before = time, np.inf
+    start, before, shortest, stalled = time, np.inf, np.inf, 0
     try:
         for _ in range(_MOST_STEPS):
             arc = arc_of(system, x, time, values)
@@ -158,7 +160,10 @@ def correct(
                 raise PeriodicFailure("Newton's method leaves the neighbourhood of the guess")
             if length < _TOLERANCE and (length > 0.25 * before or length < 1e-13):
                 break
-            before = length
+            stalled = stalled + 1 if length > 0.75 * shortest else 0
+            if stalled >= _STALLED and length < _STALLED_TOLERANCE:
+                break
+            before, shortest = length, min(shortest, length)
         else:
             raise PeriodicFailure(f"Newton's method did not converge in {_MOST_STEPS} steps (last step {length:.1e})")
         for least in (_least_period(arc, x, time, size), time):

@@ -58,7 +58,10 @@ def parity_of(system: ReversibleSystem, symmetry: str) -> Parity:
         tuple(i for i, s in enumerate(kernel) if s == -1),
     )
     if len(parity.odd) != 1 or len(parity.kernel_odd) != 1:
-        raise RefinementFailure(f"symmetry {symmetry} does not negate exactly one coordinate of Fix(R)")
+        raise RefinementFailure(
+            f"symmetry {symmetry} does not negate exactly one coordinate of Fix(R), as one that fixes the orbits does; "
+            "if it shifts them in time, orbits that lose it are born in the kind reversor_breaking"
+        )
     return parity
 
 

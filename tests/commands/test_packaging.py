@@ -16,7 +16,8 @@ import pytest
 from support.claims import known
 
 from orbitproof.shared import write_candidates
-from orbitproof.verify.evidence import ON_WHICH_NOTHING_RESTS, source_digest
+from orbitproof.shared.sources import source_digest
+from orbitproof.verify.evidence import ON_WHICH_NOTHING_RESTS
 
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("shared", "explore", "verify", "figures")

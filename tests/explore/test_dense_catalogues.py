@@ -96,6 +96,37 @@ def test_orbits_without_symmetry_are_rows_too() -> None:
     assert abs(made.more["least_distance"][0] - 1) < 0.05
 
 
+@pytest.mark.slow
+@pytest.mark.filterwarnings("default")
+def test_families_made_by_a_cluster_are_those_made_here(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    import distributed
+
+    asked = [
+        "catalogue",
+        "--family",
+        "dro",
+        "L4-short",
+        "--mass",
+        "sun-earth",
+        "--rows",
+        "5",
+        "--max-orbits",
+        "6",
+        "--quiet",
+    ]
+    options = {"n_workers": 2, "threads_per_worker": 2, "dashboard_address": ":0", "silence_logs": 50}
+    with distributed.LocalCluster(**options) as cluster:
+        there = [*asked, "-o", str(tmp_path / "there.csv"), "--scheduler", cluster.scheduler_address]
+        assert main(there) == 0
+    with distributed.LocalCluster(**{**options, "n_workers": 0}) as cluster:
+        assert main([*there[:-1], cluster.scheduler_address]) == 2
+    assert "has no workers" in capsys.readouterr().err
+    assert main([*asked, "-o", str(tmp_path / "here.csv"), "--jobs", "1"]) == 0
+    for name in ("dro", "L4-short"):
+        made = [(tmp_path / f"{place}-sun-earth-{name}.csv").read_text() for place in ("here", "there")]
+        assert made[0] == made[1]
+
+
 def test_a_command_writes_the_rows_between_limits(halo: Catalogue, tmp_path: Path) -> None:
     halo.write(tmp_path / "halo.json")
     out = tmp_path / "part.csv"
@@ -103,5 +134,6 @@ def test_a_command_writes_the_rows_between_limits(halo: Catalogue, tmp_path: Pat
     assert main(arguments) == 0
     assert len(read_catalogue(out)) == len(halo.by_perilune("45000km", "inf"))
     assert main([*arguments, "--jacobi", "9", "10"]) == 1
+    assert main([*arguments, "--scheduler", "127.0.0.1:1"]) == 2
     assert main(["catalogue", "--family", "zzz", "--mass", "jpl-earth-moon", "-o", str(out)]) == 2
     assert main(["catalogue", str(tmp_path / "halo.json"), "-o", str(tmp_path / "a.txt")]) == 2

@@ -46,6 +46,12 @@ def failing(argument: Argument, report: Report) -> dict[str, Any]:
     }
 
 
+def singular(argument: Argument, report: Report) -> dict[str, Any]:
+    """Fails on every interval of the second piece, for a reason that is there however short it is."""
+    reason = {"condition": "singular", "message": "a bifurcation is there", "remedy": "end the curve before it"}
+    return {**failing(argument, report), "reason": reason} if _second(argument) else proving(argument, report)
+
+
 def short_only(argument: Argument, report: Report) -> dict[str, Any]:
     """Fails on intervals longer than 1 of the second piece."""
     return proving(argument, report) if _length(argument) <= 1 or not _second(argument) else failing(argument, report)

@@ -76,6 +76,14 @@ def test_a_piece_is_given_up_at_the_first_interval_that_may_not_be_split(splits:
     assert run.pending == []
 
 
+def test_an_interval_across_a_bifurcation_is_not_split_and_not_tried_again() -> None:
+    run, engine = go(CURVE, atlas_work.singular)
+    assert [name for name, _ in engine.asked].count("p001") == 1
+    assert run.plan_of("p001").failed
+    assert not run.plan_of("p001").is_proved
+    assert not go(CURVE, atlas_work.singular, earlier=run.results)[1].asked
+
+
 def test_more_splits_go_on_where_fewer_ended() -> None:
     run, _ = go(CURVE, atlas_work.short_only, RunLimits({}, None, 1))
     assert not run.plan_of("p001").is_proved

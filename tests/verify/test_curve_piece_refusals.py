@@ -34,7 +34,8 @@ from support.wide_checks import MU, OMEGA, TWIST
 
 from orbitproof.shared.claims import Piece
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, SYSTEMS
-from orbitproof.verify.curve import PieceLimits, prove_piece
+from orbitproof.verify.atlas import condition_of
+from orbitproof.verify.curve import SINGULAR, PieceLimits, prove_piece
 from orbitproof.verify.oracle import ORACLE
 
 
@@ -76,7 +77,10 @@ THROUGH = shifted(LINE, (Fraction(1), Fraction(0)))
 @pytest.mark.parametrize("interval", [WHOLE, *slow((Fraction(-1, 10**4), Fraction(1, 10**4)))], ids=str)
 def test_lines_through_the_symmetry_breaking_are_refused(tube: str, interval: tuple[Fraction, Fraction]) -> None:
     """The tube contains both curves, however narrow it is."""
-    refused(prove(replace(THROUGH, tube=(Fraction(tube),)), interval))
+    result = prove(replace(THROUGH, tube=(Fraction(tube),)), interval)
+    refused(result)
+    if tube == "1e-6" and interval == WHOLE:
+        assert condition_of(result.stored) == SINGULAR
 
 
 @pytest.mark.parametrize("tube", ["1e-6", *slow("1e-4", "1e-2")])
@@ -85,6 +89,10 @@ def test_the_circle_through_the_symmetry_breaking_is_no_regular_piece(tube: str)
     refused(prove(regular, (Fraction(-1, 10**3), Fraction(1, 10**3))))
     away = replace(regular, tube=(TUBE,))
     check_circle(away, prove(away, (Fraction(1, 2), Fraction(1))))
+
+
+def test_what_fails_without_a_bifurcation_in_it_may_be_proved_on_a_shorter_interval() -> None:
+    assert condition_of(prove(with_terms(REGULAR, {6: Fraction(3, 10**6)})).stored) == "newton"
 
 
 @pytest.mark.parametrize("tube", ["0.15", *slow("0.25", "1")])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator, Mapping
 from types import SimpleNamespace
 from typing import Any
@@ -10,10 +9,11 @@ from typing import Any
 import pytest
 from support import atlas_work
 
+from orbitproof.shared import cluster
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.processes import Answer, Failure, Task
 from orbitproof.verify.evidence import installed
-from orbitproof.verify.run import Engine, Processes, cluster, connected
+from orbitproof.verify.run import Engine, Processes, connected
 
 HERE = installed()
 OTHER = {**HERE, "orbitproof": "0"}
@@ -26,10 +26,10 @@ TASKS = [Task(name, {"piece": {"id": name, "tube": ["1"]}, "interval": ["-0x1", 
 class Future:
     """What a worker of some software answers."""
 
-    def __init__(self, answer: str, version: Mapping[str, str]) -> None:
-        self._answer = json.dumps({**json.loads(answer), "software": version})
+    def __init__(self, result: str, version: Mapping[str, str]) -> None:
+        self._answer = version, result
 
-    def result(self) -> str:
+    def result(self) -> tuple[Mapping[str, str], str]:
         return self._answer
 
     def release(self) -> None:
@@ -50,8 +50,8 @@ class Client:
     def nthreads(self) -> dict[str, int]:
         return {"worker 0": 1}
 
-    def submit(self, function: Callable[..., str], *arguments: Any, pure: bool) -> Future:
-        return Future(function(*arguments), next(self.works))
+    def submit(self, function: Callable[..., tuple[Mapping[str, str], str]], *arguments: Any, pure: bool) -> Future:
+        return Future(function(*arguments)[1], next(self.works))
 
     def cancel(self, futures: list[Future]) -> None:
         assert not futures

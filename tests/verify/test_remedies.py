@@ -14,8 +14,9 @@ from support.claims import known, to_the_end
 from orbitproof.shared.formats import Candidate, read_candidates
 from orbitproof.verify.bifurcation import Counsel, Failure, check_exactly, prove, silent
 from orbitproof.verify.certificate import certify
-from orbitproof.verify.evidence import Checklist, NotProved, Proved, Reason, guarded
+from orbitproof.verify.evidence import Checklist, Hypothesis, NotProved, Proved, Reason, guarded
 from orbitproof.verify.oracle import Limits, Verdict, remedies
+from orbitproof.verify.oracle.remedies import advice_on
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings
 
 TRUE = known("fs2")
@@ -95,6 +96,22 @@ def follow(candidate: Candidate, change: str, rounds: int) -> None:
         candidate = scaled(candidate, *factors)
         given = advice(candidate)
     assert given is None, given
+
+
+@pytest.mark.parametrize("share", [1e-2, 1e-7])
+def test_of_a_touch_and_go_whose_new_orbits_do_not_cross_the_family_no_other_box_is_asked_for(share: float) -> None:
+    """As where a symmetry that shifts time makes G_11 vanish."""
+    radius = Fraction(1, 2**50)
+    found = {"p_0(P_1)": arb(0, share * 2**-50)}
+    looked_at = [
+        Hypothesis("branch", "", "9.1", True, found),
+        Hypothesis("G_11", "", "9.1", False, {"G_11": arb(0, 1)}),
+    ]
+    told = advice_on("touch_and_go", (radius * 1000, radius, radius), looked_at)
+    assert told is not None
+    assert ("no other box helps" in told.words, bool(told.factors)) == (
+        (True, False) if share < 1e-6 else (False, True)
+    )
 
 
 @pytest.mark.parametrize("digits", [8, 14, 16, 20])

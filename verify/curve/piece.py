@@ -12,7 +12,7 @@ from fractions import Fraction
 from functools import cached_property
 from math import floor, log2
 
-from flint import arb
+from flint import arb, arb_mat
 
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.systems import ReversibleSystem
@@ -41,6 +41,7 @@ from orbitproof.verify.evidence import (
     guarded,
     hull,
     is_inside,
+    is_positive,
 )
 from orbitproof.verify.newton import is_regular, newton_image
 from orbitproof.verify.poincare import PHYSICAL, REGULARISED, WideOracle
@@ -55,6 +56,9 @@ _PARTS, _HALVINGS = 8, 6
 
 SLOPE_BITS = 52
 """Significant bits of the derivatives across the curve; what a Newton operator needs of them is little."""
+
+SINGULAR = "singular"
+"""The condition of an interval of which no part helps: a derivative that has to be regular is not, somewhere on it."""
 
 _MENDED_BY_COORDINATES = ("tube", "newton", "singularity", "steps")
 """Conditions for which regularised coordinates are tried where the system's own fail."""
@@ -278,17 +282,32 @@ def _images(equations: Sequence[Equation], radius: Fraction, divided: bool) -> l
         part, halvings = parts.pop()
         try:
             found.append(_newton(equations, part, radius, divided))
-        except IntegrationFailure:
+        except IntegrationFailure as failure:
             if halvings == _HALVINGS:
-                raise
+                raise _singular_between(equations) or failure from None
             parts += [(half, halvings + 1) for half in halves(part)]
     return found
 
 
+def _slopes(equations: Sequence[Equation], part: arb) -> list[list[arb]]:
+    return [[equation.slope(j, part) for j in range(len(equations))] for equation in equations]
+
+
+def _singular_between(equations: Sequence[Equation]) -> IntegrationFailure | None:
+    """Why the claim fails however short a piece is, if the derivative has determinants of both signs on the tube."""
+    determinants = [arb_mat(_slopes(equations, part)).det() for part in parts_of_interval(_PARTS)]
+    if not (any(map(is_positive, determinants)) and any(is_positive(-value) for value in determinants)):
+        return None
+    message = (
+        "the determinant of the derivative across the curve changes its sign on the interval: a bifurcation is there"
+    )
+    remedy = "end the curve before this point, and begin another after it; the point itself may be certified (k = 1)"
+    return IntegrationFailure(SINGULAR, message, remedy)
+
+
 def _newton(equations: Sequence[Equation], part: arb, radius: Fraction, divided: bool) -> tuple[list[arb], list[arb]]:
     """Newton image and slope of omega on a part of the interval of sigma; raises if it is not inside the tube."""
-    size = len(equations)
-    matrix = [[equation.slope(j, part) for j in range(size)] for equation in equations]
+    matrix = _slopes(equations, part)
     residual = [equation.value(part) for equation in equations]
     if not all_finite(residual) or not all_finite(entry for row in matrix for entry in row):
         raise IntegrationFailure("newton", "the half return was not enclosed", "give a narrower piece")

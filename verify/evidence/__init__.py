@@ -68,5 +68,5 @@ from orbitproof.verify.evidence.outcome_as_json import (
     reason_to_json,
 )
 from orbitproof.verify.evidence.precision import GUARD_BITS, guarded
-from orbitproof.verify.evidence.sources import ON_WHICH_NOTHING_RESTS, installed, software, source_digest
+from orbitproof.verify.evidence.sources import ON_WHICH_NOTHING_RESTS, installed, software
 from orbitproof.verify.evidence.stops import STOPS

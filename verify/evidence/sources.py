@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import hashlib
 import platform
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import cache
 from importlib import metadata, resources
-from importlib.resources.abc import Traversable
 
 import flint
+
+from orbitproof.shared.sources import source_digest
 
 ON_WHICH_NOTHING_RESTS = (
     *("verify/oracle", "verify/words", "verify/run", "verify/second_proof", "verify/alone", "verify/enclose"),
     *("verify/scripting.py", "verify/__main__.py", "verify/__init__.py"),
-    *("shared/processes.py", "shared/interrupts.py", "shared/extras.py", "shared/arguments.py", "shared/wording.py"),
+    *("shared/processes.py", "shared/cluster.py", "shared/interrupts.py", "shared/extras.py", "shared/arguments.py"),
+    "shared/wording.py",
 )
 """What finds, words and moves what is proved, and proves nothing: a change there makes no proof another one."""
 
@@ -45,21 +46,3 @@ def _with_digest(left_out: Sequence[str]) -> dict[str, str]:
         "FLINT": str(flint.__FLINT_VERSION__),
         "numpy": metadata.version("numpy"),
     }
-
-
-def source_digest(packages: Sequence[tuple[str, Traversable]], left_out: Sequence[str] = ()) -> str:
-    """SHA-256 of every Python file in the packages, at all levels, with its path, but for what is left out."""
-    digest = hashlib.sha256()
-    for name, package in packages:
-        for path, content in sorted(_sources(package, name)):
-            if not any(path == place or path.startswith(f"{place}/") for place in left_out):
-                digest.update(f"{path}\0".encode() + content + b"\0")
-    return f"sha256:{digest.hexdigest()}"
-
-
-def _sources(folder: Traversable, path: str) -> Iterator[tuple[str, bytes]]:
-    for entry in folder.iterdir():
-        if entry.is_dir():
-            yield from _sources(entry, f"{path}/{entry.name}")
-        elif entry.name.endswith(".py"):
-            yield f"{path}/{entry.name}", entry.read_bytes()

@@ -24,6 +24,8 @@ _SHARE = {1: "as much", 2: "its square"}
 """How P_0 follows P_1, by the order of p_0 in p_1."""
 _TOO_WIDE = 100
 """P_0 may be so many times wider than the branch needs before that is taken for the reason of a failure."""
+_TANGENT = arb(2) ** -20
+"""Where p_0 is so many times smaller than P_1 along the new orbits, they do not cross the family."""
 _WHERE = "`radii` of the search, for one point"
 _LARGE = 1e300
 _LOST = 10**15
@@ -49,6 +51,8 @@ def advice_on(kind: str, radii: Sequence[Fraction], hypotheses: Sequence[Hypothe
     tell. `kind` is that of a bifurcation, `radii` the half-widths of the box that the hypotheses are about.
     """
     last, order = hypotheses[-1], 1 if kind == "touch_and_go" else 2
+    if last.name in ("G_11", "h_b'") and order == 1 and (tangent := of_tangency(hypotheses, radii[1])) is not None:
+        return tangent
     if last.name in _AT_THE_POINT or (last.name == "point" and kind == FOLD):
         return of_shape(hypotheses, radii[0], order)
     entries = [ball for name, ball in last.enclosures.items() if name.startswith("d q_")]
@@ -130,9 +134,20 @@ def of_sign(ball: arb, order: int) -> Advice | None:
     return Advice(words, {0: narrower**-order, 1: 1 / narrower, 2: narrower**-2})
 
 
+def of_tangency(hypotheses: Sequence[Hypothesis], radius: Fraction) -> Advice | None:
+    """What to say where the new orbits of a touch-and-go, over P_1 of this half-width, seem not to cross the family."""
+    found = _values_of_p_0(hypotheses)
+    if not found or not found[-1].abs_upper() < _TANGENT * enclose(radius):
+        return None
+    return Advice(
+        "no other box helps: as far as the enclosures show the new orbits are tangent to P_1, where G_11 vanishes. It "
+        "does if a symmetry maps the orbits to themselves with a shift in time: such a resonance is no touch-and-go"
+    )
+
+
 def of_shape(hypotheses: Sequence[Hypothesis], radius: Fraction, order: int) -> Advice | None:
     """What helps if P_0, of this half-width, is much wider than the values p_0(P_1) that were found; else `None`."""
-    found = [h.enclosures["p_0(P_1)"] for h in hypotheses if "p_0(P_1)" in h.enclosures]
+    found = _values_of_p_0(hypotheses)
     excess = enclose(radius) / found[-1].abs_upper() if found else arb(0)
     if not excess > _TOO_WIDE:
         return None
@@ -141,6 +156,10 @@ def of_shape(hypotheses: Sequence[Hypothesis], radius: Fraction, order: int) -> 
         f"{_times(excess.sqrt() if order == 2 else excess)} ({_WHERE})"
     )
     return Advice(words, {0: enclose(_MARGIN) / excess})
+
+
+def _values_of_p_0(hypotheses: Sequence[Hypothesis]) -> list[arb]:
+    return [h.enclosures["p_0(P_1)"] for h in hypotheses if "p_0(P_1)" in h.enclosures]
 
 
 def _times(factor: arb) -> str:

@@ -5,7 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from orbitproof.shared.formats import AnyAtlas, AnyPiece, ArgumentError, Atlas, InputError, Piece, check_writable
+from orbitproof.shared.formats import (
+    AnyAtlas,
+    AnyPiece,
+    ArgumentError,
+    Atlas,
+    InputError,
+    PeriodicAtlas,
+    Piece,
+    check_writable,
+)
 from orbitproof.shared.systems import VERTICAL
 from orbitproof.verify.atlas import (
     AtlasCertificate,
@@ -160,12 +169,14 @@ class AtlasRun:
         return done + fraction * longest
 
     def _place(self, name: str, interval: Interval) -> str:
-        """Where the middle of an interval is, in words, if its piece is one of a curve of symmetric orbits."""
+        """Where the middle of an interval is, in words, if its piece is one of a curve."""
         piece = self._pieces[name]
-        if not isinstance(self.atlas, Atlas) or not isinstance(piece, Piece):
+        if not isinstance(piece, Piece):
             return ""
         start, end = interval
-        values = zip(self.atlas.system.centre_coordinates, piece.point((start + end) / 2), strict=True)
+        atlas = self.atlas
+        names = atlas.coordinates if isinstance(atlas, PeriodicAtlas) else atlas.system.centre_coordinates
+        values = zip(names, piece.point((start + end) / 2), strict=True)
         return ", near " + ", ".join(f"{coordinate} = {float(value):.6g}" for coordinate, value in values)
 
     def _tell(self, display: Display, name: str, result: Result) -> None:

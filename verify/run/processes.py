@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Generator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import partial
@@ -42,17 +42,27 @@ class Processes:
 
     def run(self, work: Work, source: Source, progress: Progress, finished: Finished) -> None:
         """See `Engine.run`."""
+        found = answers(partial(on_text, work), as_text(source), progress, self.jobs, self.timeout, memory=self.memory)
+        hand_over(found, finished)
 
-        def next_text() -> Task | None:
-            task = source()
-            return None if task is None else Task(task.name, json.dumps(task.argument))
 
-        found = answers(partial(on_text, work), next_text, progress, self.jobs, self.timeout, memory=self.memory)
-        with closing(found) as all_answers:
-            for answer in all_answers:
-                task = replace(answer.task, argument=json.loads(answer.task.argument))
-                result = answer.result if isinstance(answer.result, Failure) else json.loads(answer.result)
-                finished(replace(answer, task=task, result=result))
+def as_text(source: Source) -> Source:
+    """The same tasks with JSON text for their arguments."""
+
+    def next_text() -> Task | None:
+        task = source()
+        return None if task is None else Task(task.name, json.dumps(task.argument))
+
+    return next_text
+
+
+def hand_over(found: Generator[Answer, None, None], finished: Finished) -> None:
+    """Give answers in JSON text to `finished`, read."""
+    with closing(found) as all_answers:
+        for answer in all_answers:
+            task = replace(answer.task, argument=json.loads(answer.task.argument))
+            result = answer.result if isinstance(answer.result, Failure) else json.loads(answer.result)
+            finished(replace(answer, task=task, result=result))
 
 
 def on_text(work: Work, argument: str, report: Report) -> str:

@@ -12,7 +12,7 @@ from fractions import Fraction
 
 from orbitproof.shared.formats import AnyPiece
 from orbitproof.verify.atlas import Result, Settings, condition_of, covers
-from orbitproof.verify.curve import Interval
+from orbitproof.verify.curve import SINGULAR, Interval
 
 _OVERLAP = Fraction(1, 64)
 """By this part of its length an interval that is split is exceeded by each half beyond the middle."""
@@ -105,7 +105,7 @@ def plan(
             return
         only_lacks = covers(proved, interval)
         conditions = [condition for _, condition in against.get(interval, [])]
-        if any(condition in NOT_FOR_SPLITTING for condition in conditions):
+        if any(condition in (*NOT_FOR_SPLITTING, SINGULAR) for condition in conditions):
             (done if only_lacks else failed).append(interval)
             return
         wide = splits < min(halved, max_splits) or any(condition in FOR_SPLITTING for condition in conditions)
