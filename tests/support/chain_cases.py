@@ -17,7 +17,7 @@ from support.conclusions import conclude
 
 from orbitproof.shared import format_exact
 from orbitproof.shared.claims import Atlas, Claim, Covers, Piece
-from orbitproof.shared.systems import CR3BP, FALKNER_SKAN
+from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR, FALKNER_SKAN
 from orbitproof.verify.certificate import Certificate, Finding, Recheck
 from orbitproof.verify.curve import Conclusion, ProvedCurve
 from orbitproof.verify.evidence import ball_to_json
@@ -104,6 +104,15 @@ def symmetric_arc(claim: Claim | None = None) -> Case:
 def loop() -> Case:
     """All of the circle, in ten regular pieces."""
     return circle(Claim("loop"), [0.1 + k * math.pi / 5 for k in range(10)])
+
+
+def line_in_plane() -> Case:
+    """Points of the planar problem with vy = 2 and x from 0.9 to 1.1."""
+    half = Fraction(1, 10)
+    frame = ((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1)))
+    piece = Piece("p000", "regular", (Fraction(1), Fraction(2)), frame, half, ((Fraction(0),),), (TUBE,))
+    claim = Claim("arc", None, ("x",), Covers("x", Fraction(91, 100), Fraction(109, 100)))
+    return Atlas("line", "a line", CR3BP_PLANAR, {"mu": MU}, claim, (piece,)), [proved(piece)]
 
 
 def parabola(claim: Claim | None = None) -> Case:

@@ -20,6 +20,7 @@ from support.chain_cases import (
     certificate,
     circle,
     circle_point,
+    line_in_plane,
     loop,
     stands,
     symmetric_arc,
@@ -53,6 +54,7 @@ from orbitproof.verify.curve import conclude as conclude_of_points
 from orbitproof.verify.curve.bifurcations_on_it import place_bifurcation
 from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.stability import conclude_list
+from orbitproof.verify.stability.matching import about_the_list
 from orbitproof.verify.web import Arc, Incidence, ProvedWeb, Switch, conclude_web, level_at, proved_web
 from orbitproof.verify.words import web_in_words
 
@@ -368,8 +370,28 @@ def test_it_is_a_planar_arc_through_the_same_vertex_from_which_another_one_branc
     arcs = (family, halo(), spatial)
     assert proved_web._switches(arcs, (onto, along, beside)) == (Switch("one", family.id, "halo"),)
     assert proved_web._switches(arcs, (onto, replace(along, vertex="other"))) == ()
+    assert along.place is not None
+    assert proved_web._switches(arcs, (onto, replace(along, place=replace(along.place, other_point=True)))) == ()
     assert proved_web._switches(arcs, (replace(onto, how=PASSES), along)) == ()
     assert proved_web._switches(arcs, (onto, replace(along, how=ENDS))) == ()
+
+
+def test_a_curve_of_the_planar_problem_passes_through_orbits_that_leave_the_plane_and_no_others() -> None:
+    at = {"x": arb(1, 2**-80), "z": arb(0, 2**-80), "vy": arb(2, 2**-80)}
+    flat = arc(line_in_plane(), "flat", ONE, certificate(at, name="doubling"))
+    claim = web({"flat": {"one": PASSES}, "halo": {"one": BRANCHES}})
+    found = proof(claim, flat, halo())
+    assert found.switches == (Switch("one", "flat", "halo"),)
+    assert found.parts == (("flat", "halo"),)
+    assert "orbits in the plane, symmetric under R;" in theorem(claim, flat, halo())
+    assert "not shown to be a planar orbit" in refusal(web({"flat": {"doubling": PASSES}}), flat)
+    assert flat.curve is not None
+    for system in ("cr3bp", "cr3bp-axial"):
+        other = replace(birth("birth", system), point={**birth("birth", system).point, "x": arb(1), "vy": arb(2)})
+        placed = place_bifurcation(flat.atlas, flat.curve.chain, other)
+        assert placed.place is not None, placed.reason
+        assert about_the_list(flat.atlas, [placed], 4) == []
+        assert about_the_list(flat.atlas, [replace(placed, kind="period_tupling")], 4) != []
 
 
 @pytest.mark.parametrize("system", ["cr3bp", "cr3bp-axial"])

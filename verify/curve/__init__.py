@@ -15,7 +15,13 @@ from orbitproof.verify.curve.equation import (
 )
 from orbitproof.verify.curve.gluing import Chain, Stretch, follow
 from orbitproof.verify.curve.libration_point import derived_parameter
-from orbitproof.verify.curve.lyapunov_family import certified_systems, in_units_of_orbit, jacobi_constant, point_name
+from orbitproof.verify.curve.lyapunov_family import (
+    certified_systems,
+    in_units_of_orbit,
+    is_planar,
+    jacobi_constant,
+    point_name,
+)
 from orbitproof.verify.curve.other_point import enclose_other_point
 from orbitproof.verify.curve.piece import SINGULAR, PieceLimits, Progress, check_newton, in_units, prove_piece
 from orbitproof.verify.curve.piece_result import (

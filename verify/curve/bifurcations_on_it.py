@@ -16,6 +16,9 @@ from orbitproof.verify.curve.gluing import Chain, Stretch
 from orbitproof.verify.curve.tube import lower_end, upper_end
 from orbitproof.verify.evidence import EmptyIntersectionError, all_finite, enclose, excludes_zero, is_below, symmetric
 
+PLANAR = "S"
+"""The symmetry of the CR3BP that fixes the planar orbits, z -> -z."""
+
 LACKS_COORDINATES = "the certificate does not have all coordinates of the point"
 
 Point = Mapping[str, arb]
@@ -79,6 +82,11 @@ class CertifiedPoint:
     stability: tuple[acb, ...] = ()
     other_point: Point | None = None
     shifted_by: tuple[str, ...] = ()
+
+    @property
+    def is_planar(self) -> bool:
+        """Whether, of the CR3BP, it is an orbit in the plane: where S breaks, the orbit itself is fixed by it (8.6)."""
+        return self.kind == "symmetry_breaking" and self.symmetry == PLANAR
 
 
 @dataclass(frozen=True)
@@ -195,6 +203,9 @@ def _in_coordinates_of(atlas: Atlas, certified: CertifiedPoint, partner: Partner
     names = atlas.system.centre_coordinates
     if not set(names) <= set(certified.point):
         return LACKS_COORDINATES
+    # Of the CR3BP, and the curve is one of planar orbits (16.5).
+    if set(certified.point) - set(names) and not certified.is_planar:
+        return "it is not shown to be a planar orbit"
     return {name: certified.point[name] for name in names}
 
 

@@ -1,4 +1,4 @@
-"""What curves in the units of `shared.systems.libration` say about the CR3BP (sections 16.4 and 16.5)."""
+"""What curves of planar orbits, some in units of `shared.systems.libration`, say about the CR3BP (16.4, 16.5)."""
 
 from __future__ import annotations
 
@@ -8,14 +8,11 @@ from fractions import Fraction
 from flint import arb, ctx
 
 from orbitproof.shared.formats import ORBIT_KINDS, Atlas
-from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, ReversibleSystem
+from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, ReversibleSystem
 from orbitproof.verify.curve.bifurcations_on_it import LACKS_COORDINATES, CertifiedPoint
 from orbitproof.verify.curve.libration_point import derived_parameter
 from orbitproof.verify.curve.vertical_family import vertical_jacobi_constant, vertical_point
 from orbitproof.verify.evidence import IntegrationFailure, enclose, excludes_zero
-
-PLANAR = "S"
-"""The symmetry of the CR3BP that fixes the planar orbits, z -> -z."""
 
 
 def point_name(system: ReversibleSystem) -> str | None:
@@ -23,14 +20,22 @@ def point_name(system: ReversibleSystem) -> str | None:
     return next((name for name, known in AROUND.items() if known is system), None)
 
 
-def certified_systems(system: ReversibleSystem) -> tuple[ReversibleSystem, ...]:
-    """The systems in which points of a curve of `system` are certified: `system` itself, or the CR3BP.
+def is_planar(system: ReversibleSystem) -> bool:
+    """Whether it is the CR3BP in the plane, in its own units or in those of orbits around a libration point."""
+    return system is CR3BP_PLANAR or point_name(system) is not None
 
-    In the plane both reversing symmetries of the CR3BP are the same, so a planar orbit may break S under either (16.5).
+
+def certified_systems(system: ReversibleSystem) -> tuple[ReversibleSystem, ...]:
+    """The systems in which points of a curve of `system` are certified; first the one whose states they are.
+
+    That is `system` itself, or the CR3BP. In the plane both reversing symmetries of the CR3BP are the same, so a planar
+    orbit may break S under either (16.5).
     """
     if vertical_point(system) is not None:
         return (CR3BP,)
-    return (system,) if point_name(system) is None else (CR3BP, CR3BP_AXIAL)
+    if not is_planar(system):
+        return (system,)
+    return (CR3BP, CR3BP_AXIAL, *((system,) if point_name(system) is None else ()))
 
 
 def libration_point(system: ReversibleSystem, parameters: Mapping[str, Fraction]) -> arb | None:
@@ -48,15 +53,14 @@ def carried(atlas: Atlas, certified: CertifiedPoint) -> dict[str, arb] | str:
         return LACKS_COORDINATES
     if certified.kind in ORBIT_KINDS:
         return "the curve is one of orbits in units of their size"
-    is_planar = certified.kind == "symmetry_breaking" and certified.symmetry == PLANAR
-    found = in_units_of_orbit(atlas.system, atlas.parameters, certified.point) if is_planar else None
+    found = in_units_of_orbit(atlas.system, atlas.parameters, certified.point) if certified.is_planar else None
     return "it is not shown to be a planar orbit away from the libration point" if found is None else found
 
 
 def in_units_of_orbit(
     system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Mapping[str, arb]
 ) -> dict[str, arb] | None:
-    """(eps, vy) of a point of the CR3BP's Fix(R) or Fix(R S) that `PLANAR` fixes, as in (16.2).
+    """(eps, vy) of a point of the CR3BP's Fix(R) or Fix(R S) that S fixes, as in (16.2).
 
     Args:
         parameters: the mass parameter, exact.

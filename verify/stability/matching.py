@@ -8,7 +8,7 @@ from dataclasses import replace
 from flint import arb
 
 from orbitproof.shared.formats import FOLD, KREIN_COLLISION, ORBIT_KINDS, REVERSOR_BREAKING, Atlas
-from orbitproof.shared.systems import shown
+from orbitproof.shared.systems import CR3BP_PLANAR, shown
 from orbitproof.verify.curve import Bifurcation
 from orbitproof.verify.evidence import EmptyIntersectionError, enclose, is_below
 from orbitproof.verify.stability.kinds import Kind, Matter, Resonance, name_of
@@ -19,11 +19,14 @@ _KINDS = {FOLD: Kind.FOLD, "symmetry_breaking": Kind.SYMMETRIC, REVERSOR_BREAKIN
 
 
 def about_the_list(atlas: Atlas, bifurcations: Sequence[Bifurcation], order: int) -> list[Bifurcation]:
-    """The bifurcations that have to be in the list; those on a planar family lead out of the plane (section 18.9)."""
+    """The bifurcations that have to be in the list; births on a planar family lead out of the plane (18.11)."""
     return [
         entry
         for entry in bifurcations
-        if entry.k <= order and entry.kind not in ORBIT_KINDS and not atlas.system.normalised
+        if entry.k <= order
+        and entry.kind not in ORBIT_KINDS
+        and not atlas.system.normalised
+        and not (atlas.system is CR3BP_PLANAR and entry.kind == "symmetry_breaking")
     ]
 
 

@@ -10,7 +10,7 @@ from flint import arb, ctx
 
 from orbitproof.shared.claims.web import BRANCHES, LIBRATION_POINTS, PASSES, Web
 from orbitproof.shared.systems import shown
-from orbitproof.verify.curve import CURVE_PRECISION, point_name
+from orbitproof.verify.curve import CURVE_PRECISION, is_planar
 from orbitproof.verify.evidence import (
     Checklist,
     NotEstablishedError,
@@ -225,9 +225,14 @@ def parts_of(web: Web) -> tuple[tuple[str, ...], ...]:
 
 def _switches(arcs: Sequence[Arc], found: Sequence[Incidence]) -> tuple[Switch, ...]:
     """Where a planar family and an arc that branches off meet (Lemma 33.3)."""
-    planar = {arc.id for arc in arcs if point_name(arc.atlas.system) is not None}
+    planar = {arc.id for arc in arcs if is_planar(arc.atlas.system)}
     return tuple(
         Switch(onto.vertex, along.arc, onto.arc)
         for onto in found if onto.how == BRANCHES
-        for along in found if along.how == PASSES and along.vertex == onto.vertex and along.arc in planar
+        for along in found
+        if along.how == PASSES and along.vertex == onto.vertex and along.arc in planar and not _at_other_point(along)
     )  # fmt: skip
+
+
+def _at_other_point(entry: Incidence) -> bool:
+    return entry.place is not None and entry.place.other_point

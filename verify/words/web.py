@@ -8,7 +8,7 @@ from orbitproof.shared.claims.web import BRANCHES
 from orbitproof.shared.systems import AXIAL, shown
 from orbitproof.shared.wording import counted, itemised
 from orbitproof.verify.claim import atlas_in_words, system_in_words
-from orbitproof.verify.curve import point_name, vertical_point
+from orbitproof.verify.curve import is_planar, point_name, vertical_point
 from orbitproof.verify.evidence import exact_text, interval_text, located, range_text
 from orbitproof.verify.web import Arc, Incidence, KnownArc, ProvedWeb, Vertex, WebTheorem
 
@@ -54,7 +54,9 @@ def _arc(known: KnownArc, web: ProvedWeb, level: str, digest: str) -> list[str]:
     arc, claim = known.arc, known.arc.atlas.claim
     point = point_name(arc.atlas.system)
     vertical = vertical_point(arc.atlas.system)
-    about = f"in the plane around {point}" if point else f"symmetric under {_reversor(arc.system.reversor)}"
+    about = f"symmetric under {_reversor(arc.system.reversor)}"
+    if is_planar(arc.atlas.system):
+        about = f"in the plane around {point}" if point else f"in the plane, {about}"
     if vertical is not None:
         about = f"around {vertical} that are vertical, symmetric under R and the half turn about the x axis"
     mirrored = ", mirror images included" if claim.is_of_symmetric_curve else ""
