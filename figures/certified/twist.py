@@ -15,6 +15,8 @@ from orbitproof.verify.lasting import LastingResult, TwistFunctions
 from orbitproof.verify.stability import REACH, StabilityFunctions
 
 _STEP = 1e-6
+_FLAT = 1e-6
+"""A coordinate changes along a level if by more than so much of the length."""
 
 
 def twist_on(stretch: Stretch, atlas: Atlas, results: Sequence[Result]) -> Array:
@@ -32,14 +34,18 @@ def twist_on(stretch: Stretch, atlas: Atlas, results: Sequence[Result]) -> Array
 
 
 def _twist(stability: StabilityFunctions, stored: TwistFunctions, tau: Array) -> Array:
-    """In the coordinates of the level of section 29.2: (29.5), where |c|^3 = S^3 (Theta/Theta')^(1/2) by Lemma 29.3."""
+    """In the coordinates of the level of section 29.2: (29.5), where |c|^3 = S^3 (Theta/Theta')^(1/2) by Lemma 29.3.
+
+    Of odd maps (29.9).
+    """
     s, first, second = (
         np.polynomial.polynomial.polyval(tau, [float(value) for value in each.coefficients] or [0.0])
         for each in (stability.characteristic[0], stored.twist, stored.exchanged)
     )
     with np.errstate(all="ignore"):
         size = np.sign(first) * np.sqrt(first * second)
-        twist: Array = size / (64 * (1 - s * s) ** 2.5 * (1 - s) * (1 + 2 * s))
+        factor = 1.0 if stored.odd else 1 + 2 * s
+        twist: Array = size / (64 * (1 - s * s) ** 2.5 * (1 - s) * factor)
     return np.where(np.abs(s) < 1, twist, np.nan)
 
 
@@ -52,7 +58,10 @@ def _scale(stretch: Stretch, atlas: Atlas, middle: float) -> Array:
     across = np.array([np.interp(middle, stretch.s, column) for column in gradients.T])
     along = np.array([-across[1], across[0]]) / hypot(*across)
     tangents = np.stack([-gradients[:, 1], gradients[:, 0]], axis=1)
-    scale: Array = np.abs(tangents[:, 0] / (tangents @ along))
+    # The first coordinate by which orbits of the level are told apart.
+    slopes = np.abs(tangents / np.hypot(*tangents.T)[:, None]).min(axis=0)
+    first = int(slopes[0] < _FLAT)
+    scale: Array = np.abs(tangents[:, first] / (tangents @ along))
     return scale
 
 

@@ -220,6 +220,39 @@ def test_orbits_turn_as_the_twist_says(share: float, square: float, cube: float)
     assert turned == pytest.approx(twist * (small / (2 * size)) ** 2, rel=0.02)
 
 
+@pytest.mark.parametrize(("share", "cube"), [(0.6, 0.3), (3.0, 0.4), (3.0, -0.7), (3.3, 0.2)])
+def test_orbits_of_odd_maps_turn_as_the_twist_says_at_1_3_too(share: float, cube: float) -> None:
+    """(29.9), with terms of degree 2 that are 0 and with none."""
+    found, step = kick(share, 0, cube)
+    s, c = float(found[0].coefficients[1, 0]), float(found[1].coefficients[1, 0])
+    size, small = sqrt(1 - s * s), 2e-2
+    without = [FunctionJet({i: v for i, v in jet.coefficients.items() if sum(i) != 2}) for jet in found]
+    known, same = (normal_form(jets[0], jets[1], Number(s), Number(1), odd=True) for jets in (found, without))
+    assert (known.twist, known.fourth) == (same.twist, same.fourth)
+    assert abs(known.defect) < 1e-12
+    twist = known.twist / (16 * c * c * size * (1 - s))
+    turned = turning(step, c, size, small, 3000) - acos(s)
+    assert turned == pytest.approx(twist * (small / (2 * size)) ** 2, rel=0.02)
+    assert form(found).twist == pytest.approx((1 + 2 * s) * known.twist)
+    # Beside it the same map with a quadratic term throws points out at 1:3.
+    _, bent = kick(share, 0.5, cube)
+    if share == 3.0:
+        assert farthest_of(step, 0.02) < 0.1
+        assert farthest_of(bent, 0.02) > 0.1
+
+
+def farthest_of(step: Callable[[float, float], tuple[float, float]], start: float) -> float:
+    farthest = 0.0
+    for direction in range(6):
+        p, q = start * cos(direction * pi / 3), start * sin(direction * pi / 3)
+        for _ in range(2000):
+            p, q = step(p, q)
+            farthest = max(farthest, abs(p) + abs(q))
+            if farthest > 1:
+                return farthest
+    return farthest
+
+
 @pytest.mark.parametrize("square", [0.7, -1.5])
 def test_the_quadratic_map_has_no_twist_where_the_cosine_is_a_quarter_below_0(square: float) -> None:
     """3 cot(omega/2) + cot(3 omega/2) = 0, and rotation numbers of iterates fall and grow on the two sides."""
@@ -318,6 +351,8 @@ def test_a_new_integration_confirms_what_it_finds_and_nothing_narrower() -> None
         for other in (narrower, moved):
             assert len(list(unconfirmed_twist(replace(twist, **{name: other}), twist))) == 1
     assert "missing" in next(unconfirmed_twist(twist, None))
+    assert "symmetry" in next(unconfirmed_twist(replace(twist, odd=True), twist))
+    assert "symmetry" in next(unconfirmed_twist(twist, replace(twist, odd=True)))
     assert list(unconfirmed_twist(None, twist)) == []
 
 
@@ -657,13 +692,26 @@ def no_zero(entry: dict[str, Any]) -> None:
     entry["results"][1]["twist"]["defect"]["coefficients"] = ["0x1p60"]
 
 
+def odd(entry: dict[str, Any]) -> None:
+    for result in entry["results"]:
+        result["twist"]["odd"] = True
+
+
+def fixed_and_stable(entry: dict[str, Any]) -> None:
+    odd(entry)
+    lasting_of(entry)["exceptions"][1]["fate"] = "stable"
+
+
 def other_margin(entry: dict[str, Any]) -> None:
     lasting_of(entry)["reversibility"]["intervals"] = 3
 
 
 @pytest.mark.parametrize(
     "change",
-    [left_out, other_sign, other_fate, joined, invented, no_functions, other_function, no_zero, other_margin],
+    [
+        *(left_out, other_sign, other_fate, joined, invented, no_functions),
+        *(other_function, no_zero, other_margin, odd, fixed_and_stable),
+    ],
 )
 def test_a_forged_list_is_found_out(change: Callable[[dict[str, Any]], None]) -> None:
     entry = json.loads(document())

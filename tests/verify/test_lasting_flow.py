@@ -24,6 +24,7 @@ from orbitproof.verify.evidence import Proved
 from orbitproof.verify.functions import error_of, known_part, norm_of
 from orbitproof.verify.lasting import FunctionJet, LastingResult, TwistFunctions, compose, twist_of_piece
 from orbitproof.verify.lasting.half_map import _around, _elements, _jet, _on_level
+from orbitproof.verify.lasting.odd import odd_coordinate
 from orbitproof.verify.lasting.stored import require_zero
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import TubeOfOrbits, sharpened, stability_of_piece, stability_slope_bits
@@ -92,6 +93,9 @@ class Case:
 
 CASES = {
     "springs": Case(SYSTEM, lambda a: 2 * half_period(a), energy, float(HARDENING)),
+    "known symmetry": Case(
+        replace(SYSTEM, symmetries={"S": (1, 1, -1, -1)}), lambda a: 2 * half_period(a), energy, float(HARDENING)
+    ),
     "pendula": Case(PENDULA, lambda a: 4 * ellipk(sin(a / 2) ** 2), lambda a: 1 - cos(a), -float(STIFFNESS) / 6),
 }
 
@@ -177,6 +181,59 @@ def test_at_1_3_without_a_quadratic_term_nothing_is_said_of_the_twist() -> None:
     assert [(entry["kind"], entry["k"], entry["fate"]) for entry in lasting["exceptions"]] == [("resonance", 3, "open")]
     assert [entry["twist"] for entry in lasting["stable"]] == ["negative", "negative"]
     assert len(lasting["undecided"]) == len(lasting["gaps"]) == 1
+
+
+def test_at_1_3_orbits_that_a_symmetry_fixes_are_stable_for_ever() -> None:
+    """The same orbits, where it is known that y -> -y makes the return map odd (29.7)."""
+    case, amplitude = CASES["known symmetry"], Fraction(303, 512)
+    piece, result = along(case, amplitude)
+    twist = result.twist
+    assert isinstance(twist, TwistFunctions)
+    assert twist.odd
+    for s in (-0.9, 0.4, 0.95):
+        place = float(amplitude) + s * float(HALF_WIDTH)
+        without = 1 + 2 * cos(sqrt(STIFFNESS) * case.period(place))
+        for function, value in zip((twist.twist, twist.exchanged), theta(case, place), strict=True):
+            enclosed = function.enclosed.value(arb(s) * 32 / 33)
+            assert abs(float(enclosed.mid()) - value / without) < float(enclosed.rad()) + 1e-4 * abs(value / without)
+    atlas = Atlas("modes", "normal modes", case.system, {}, Claim("arc"), (piece,))
+    lasting = conclusion_of(atlas, [result], (), lambda _: (), 4)["complete"]["lasting"]
+    assert [(entry["k"], entry["fate"]) for entry in lasting["exceptions"]] == [(3, "stable")]
+    assert [entry["twist"] for entry in lasting["stable"]] == ["negative", "negative"]
+    assert lasting["undecided"] == lasting["gaps"] == []
+    # Nothing is concluded from such functions where no symmetry is known, or none is shown to fix the orbits.
+    for other in (replace(atlas, system=SYSTEM), replace(atlas, pieces=(off_the_line(piece),))):
+        said = conclusion_of(other, [result], (), lambda _: (), 4)["complete"]["lasting"]
+        assert not said["stable"]
+        assert said["gaps"]
+        assert {entry["fate"] for entry in said["exceptions"]} <= {"open"}
+
+
+def off_the_line(piece: Piece) -> Piece:
+    """A tube that does not reach y = 0 for certain."""
+    return replace(piece, polynomial=((Fraction(1, 2**24),),))
+
+
+def test_a_symmetry_fixes_orbits_only_if_that_is_shown() -> None:
+    system = CASES["known symmetry"].system
+    frame = ((Fraction(1), Fraction(1)), (Fraction(0), Fraction(-2)))
+    polynomial = ((Fraction(1, 64), Fraction(-1, 64)),)
+    piece = Piece("line", "regular", (Fraction(1), Fraction(0)), frame, HALF_WIDTH, polynomial, (Fraction(3, 64),))
+    assert odd_coordinate(system, piece) == "y"
+    for change in (
+        {"polynomial": ((Fraction(1, 64), Fraction(-1, 32)),)},
+        {"centre": (Fraction(1), Fraction(1, 2**60))},
+        {"frame": ((Fraction(1), Fraction(1)), (Fraction(1, 2**60), Fraction(-2)))},
+        {"kind": "symmetric"},
+    ):
+        assert odd_coordinate(system, replace(piece, **change)) is None
+    # One that leaves q alone, one that negates all, one that the field has not, and one that the integral has not.
+    for signs in ((-1, -1, 1, 1), (-1, -1, -1, -1), (1, 1, -1, 1)):
+        assert odd_coordinate(replace(system, symmetries={"S": signs}), piece) is None
+    uneven = replace(system, first_integral=lambda z, _: (_energy(z, _)[0] + z[2],))
+    assert odd_coordinate(uneven, piece) is None
+    bent = replace(system, vector_field=lambda z, _: (*_field(z, _)[:3], _field(z, _)[3] + z[2] * z[2]))
+    assert odd_coordinate(bent, piece) is None
 
 
 def test_what_is_unknown_of_a_grade_is_unknown_of_its_coefficients() -> None:

@@ -257,7 +257,9 @@ def test_stored_are_theta_its_other_form_and_delta(seed: int, monkeypatch: pytes
     monkeypatch.setattr(storing, "return_map", lambda *_: jets)
     # These numbers are rounded, and what reversibility makes zero with them.
     monkeypatch.setattr(storing, "require_zero", lambda *_: None)
-    tube = SimpleNamespace(curve=lambda half: None, arithmetic=own)
+    tube = SimpleNamespace(
+        curve=lambda half: None, arithmetic=own, system=FALKNER_SKAN, piece=atlas().curve_pieces()[0]
+    )
     known = storing._twist(cast(Any, tube), cast(Any, None), None)
     s, one = found[0].coefficients[1, 0], Number(1)
     other = normal_form(exchanged(found[1]), exchanged(found[0]), s, one)

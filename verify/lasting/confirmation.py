@@ -8,6 +8,7 @@ from dataclasses import fields
 from flint import ctx
 
 from orbitproof.verify.evidence import NotKnown
+from orbitproof.verify.functions import StoredFunction
 from orbitproof.verify.lasting.stored import TwistFunctions
 from orbitproof.verify.stability import PRECISION
 
@@ -22,8 +23,11 @@ def unconfirmed_twist(stored: Known, fresh: Known) -> Iterator[str]:
         why = "it is missing" if fresh is None else fresh.reason.message
         yield f"the twist is not enclosed again: {why}"
         return
+    if stored.odd is not fresh.odd:
+        yield "that a symmetry fixes the orbits of an interval, or none, is not confirmed"
+        return
     with ctx.workprec(PRECISION):
         for field in fields(TwistFunctions):
-            old, new = (getattr(each, field.name).enclosed for each in (stored, fresh))
-            if not old.contains(new.as_found):
+            old, new = (getattr(each, field.name) for each in (stored, fresh))
+            if isinstance(old, StoredFunction) and not old.enclosed.contains(new.enclosed.as_found):
                 yield f"the stored bounds of the function {field.name} of the twist are not confirmed"

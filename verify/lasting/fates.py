@@ -13,6 +13,7 @@ from orbitproof.shared.formats import Atlas
 from orbitproof.verify.curve import Chain, Stretch
 from orbitproof.verify.evidence import sign
 from orbitproof.verify.functions import REACH, BoundedFunction
+from orbitproof.verify.lasting.odd import odd_coordinate
 from orbitproof.verify.lasting.stored import LastingResult, TwistFunctions
 from orbitproof.verify.stability import (
     CompleteList,
@@ -88,14 +89,19 @@ class LastingList:
 
 @dataclass(frozen=True)
 class _Twist:
-    """The functions of section 29.3 on a segment: Theta in both forms, and Delta."""
+    """The functions of section 29.3 on a segment: Theta in both forms, or Theta_0 of odd maps, and Delta."""
 
     functions: tuple[BoundedFunction, BoundedFunction]
     fourth: BoundedFunction
+    odd: bool
 
     def sign(self, tau: arb) -> int:
         """Of Theta, at all points of a ball; 0 if it is not known."""
         return next((found for found in (sign(each.value(tau)) for each in self.functions) if found), 0)
+
+    def factor(self, segment: Segment, tau: arb) -> int:
+        """The sign of 1 + 2 c_1, if the functions differ from the twist by it; 0 if it is not known."""
+        return 1 if self.odd else sign(1 + 2 * segment.characteristic[0].value(tau))
 
 
 def lasting_list(
@@ -112,6 +118,9 @@ def lasting_list(
         results: of the pieces, with what is known of the twist.
         begun: called with the number of a stretch before a part of it is looked at.
     """
+    # Functions of odd maps count only where a symmetry is shown to fix the orbits (29.7).
+    fixed = {piece.id for piece in atlas.curve_pieces() if odd_coordinate(atlas.system, piece) is not None}
+    results = [each for each in results if not _is_odd(each) or each.piece in fixed]
     points: list[Point] = []
     gaps: list[Gap] = []
     for part in _elliptic(chain, found):
@@ -133,7 +142,7 @@ def lasting_list(
         for point in (point for finder in finders for point in finder.points):
             tau = part.tau_of(point.s)
             # Where 1 + 2 c_1 may be 0 a zero of Theta may be that factor's.
-            if is_stable(part, tau) and _factor(part, tau):
+            if is_stable(part, tau) and twist.factor(part, tau):
                 points.append(point)
             else:
                 gaps.append(_gap(part, stretch, *ends_of(point.s), _BESIDE))
@@ -143,7 +152,7 @@ def lasting_list(
 
     def sign_at(segment: Segment, tau: arb) -> int:
         twist = _twist_on(segment, chain.stretches[segment.stretch], results)
-        return 0 if twist is None else _factor(segment, tau) * twist.sign(tau)
+        return 0 if twist is None else twist.factor(segment, tau) * twist.sign(tau)
 
     def lasts(segment: Segment, tau: arb) -> bool | None:
         stable = is_stable(segment, tau)
@@ -165,6 +174,10 @@ def lasting_list(
     )
 
 
+def _is_odd(result: LastingResult) -> bool:
+    return isinstance(result.twist, TwistFunctions) and result.twist.odd
+
+
 def _place(point: Point) -> tuple[int, Fraction]:
     return point.stretch, ends_of(point.s)[0]
 
@@ -178,11 +191,6 @@ def _may_end(subject: Subject) -> bool:
     if isinstance(subject, Resonance):
         return subject.k <= LEAST_ORDER
     return subject not in (Matter.EXTREMA, Matter.COMBINATIONS)
-
-
-def _factor(segment: Segment, tau: arb) -> int:
-    """The sign of 1 + 2 c_1, by which Theta differs from the twist; 0 if it is not known."""
-    return sign(1 + 2 * segment.characteristic[0].value(tau))
 
 
 def _elliptic(chain: Chain, found: CompleteList) -> list[Segment]:
@@ -221,15 +229,15 @@ def _twist_on(segment: Segment, stretch: Stretch, results: Sequence[LastingResul
         twist = result.twist
         functions = [each.enclosed for each in (twist.twist, twist.exchanged, twist.fourth)]
         if segment.middle == (low + high) / 2:
-            return _Twist((functions[0], functions[1]), functions[2])
+            return _Twist((functions[0], functions[1]), functions[2], twist.odd)
         if stretch.tube.is_symmetric and segment.middle == -(low + high) / 2:
             mirrored = [each.mirrored() for each in functions]
-            return _Twist((mirrored[0], mirrored[1]), mirrored[2])
+            return _Twist((mirrored[0], mirrored[1]), mirrored[2], twist.odd)
     return None
 
 
 def _fate(chain: Chain, found: CompleteList, results: Sequence[LastingResult], point: Point) -> Fate:
-    """What is shown of a resonance of order 3 or 4 (Lemmas 29.6 to 29.8)."""
+    """What is shown of a resonance of order 3 or 4 (Lemmas 29.6 to 29.8 and 29.11)."""
     if point.k not in (3, 4):
         return Fate.OPEN
     low, high = ends_of(point.s)
@@ -240,6 +248,8 @@ def _fate(chain: Chain, found: CompleteList, results: Sequence[LastingResult], p
             if twist is None:
                 return Fate.OPEN
             if point.k == 3:
-                return Fate.UNSTABLE if twist.sign(tau) else Fate.OPEN
+                if not twist.sign(tau):
+                    return Fate.OPEN
+                return Fate.STABLE if twist.odd else Fate.UNSTABLE
             return {1: Fate.UNSTABLE, -1: Fate.STABLE, 0: Fate.OPEN}[sign(twist.fourth.value(tau))]
     return Fate.OPEN

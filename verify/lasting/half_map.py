@@ -23,7 +23,11 @@ _SLOPE_BITS = 48
 
 
 def return_map(
-    tube: TubeOfOrbits, half: HalfReturn, curve: CurveInTube, progress: Callable[[float], None] | None
+    tube: TubeOfOrbits,
+    half: HalfReturn,
+    curve: CurveInTube,
+    progress: Callable[[float], None] | None,
+    odd: str | None = None,
 ) -> tuple[Jet, Jet]:
     """Both components of R P^-1 R P, in coordinates (p, q) of the level of each orbit about its point of the curve.
 
@@ -31,18 +35,20 @@ def return_map(
         half: the return of the tube.
         curve: the curve in it.
         progress: called after every step with the number of steps; what it raises passes through.
+        odd: the coordinate that is 0 on the curve and that a symmetry negates with q, if there is one (29.7).
 
     Raises `IntegrationFailure`.
     """
     system = tube.system
     names = [name for name in system.centre_coordinates if name in system.state]
     width = Fraction(2) ** floor(log2(max(half.widths)))
-    points = _around(tube, half, curve, names)
+    points = _around(tube, half, curve, names, odd)
+    own = None if odd is None else [Fraction(int(name == odd)) for name in names]
     if system.family_parameter is None:
         begun = _elements(tube, points, width)
         integral = first_integral(system, begun[names[0]].arithmetic, begun)
         assert integral is not None
-        points = _on_level(tube, _jet(tube, integral, width), points)
+        points = _on_level(tube, _jet(tube, integral, width), points, own)
     begun = _elements(tube, points, width)
 
     def after_step(number: float) -> None:
@@ -53,29 +59,39 @@ def return_map(
     state, _ = orbits.half_orbit(tube.crossings, after_step)
     images = [_restricted(_jet(tube, state[system.state.index(name)], width)) for name in names]
     kernel = _restricted(_jet(tube, state[system.kernel_coordinates[0]], width))
-    even = _combined(_direction([jet.coefficients[1, 0] for jet in images]), images)
+    even = _combined(own or _direction([jet.coefficients[1, 0] for jet in images]), images)
+    if odd is not None:
+        even, kernel = (_odd_part(jet) for jet in (even, kernel))
     (a, b), (c, d) = ([jet.coefficients[unit] for unit in ((1, 0), (0, 1))] for jet in (even, kernel))
     back = inverse_of_plane_map(even, kernel, inverse(a * d - b * c))
     turned = [even.of_degrees(1), kernel.of_degrees(1).scaled(Fraction(-1))]
     return compose(back[0], turned), compose(back[1], turned).scaled(Fraction(-1))
 
 
-def _around(tube: TubeOfOrbits, half: HalfReturn, curve: CurveInTube, names: Sequence[str]) -> Mapping[str, Jet]:
+def _around(
+    tube: TubeOfOrbits, half: HalfReturn, curve: CurveInTube, names: Sequence[str], odd: str | None = None
+) -> Mapping[str, Jet]:
     """The points of the curve and those beside them in the section, by increments of these coordinates and of q."""
     system, one = tube.system, tube.arithmetic.constant(Fraction(1))
     size = len(names) + 1
     units = [tuple(int(i == j) for i in range(size)) for j in range(size)]
     found = {name: FunctionJet({(0,) * size: curve.value(half.start[name])}) for name in system.centre_coordinates}
-    found[system.state[system.kernel_coordinates[0]]] = FunctionJet({})
+    found |= {name: FunctionJet({}) for name in (system.state[system.kernel_coordinates[0]], odd) if name is not None}
     for name, unit in zip((*names, system.state[system.kernel_coordinates[0]]), units, strict=True):
         found[name] = found[name] + FunctionJet({unit: one})
     return found
 
 
-def _on_level(tube: TubeOfOrbits, level: Jet, points: Mapping[str, Jet]) -> Mapping[str, Jet]:
-    """Points on the level of each orbit up to terms of order 4, by one coordinate and q; `level` is known on all."""
+def _on_level(
+    tube: TubeOfOrbits, level: Jet, points: Mapping[str, Jet], own: Sequence[Fraction] | None = None
+) -> Mapping[str, Jet]:
+    """Points on the level of each orbit up to terms of order 4, by one coordinate and q; `level` is known on all.
+
+    `own`: the direction of that coordinate, if it is not to be chosen.
+    """
     one = tube.arithmetic.constant(Fraction(1))
-    across = _direction([level.coefficients[unit] for unit in ((1, 0, 0), (0, 1, 0))])
+    slopes = [level.coefficients[unit] for unit in ((1, 0, 0), (0, 1, 0))]
+    across = _direction(slopes) if own is None else [own[1], -own[0]]
     along = [-across[1], across[0]]
     turned = [
         FunctionJet({(1, 0, 0): one.scaled(first), (0, 1, 0): one.scaled(second)})
@@ -128,6 +144,11 @@ def _jet(tube: TubeOfOrbits, element: Series, width: Fraction) -> Jet:
 def _restricted(jet: Jet) -> Jet:
     """The same as functions of tau."""
     return FunctionJet({index: restricted(value, SHARE) for index, value in jet.coefficients.items()})
+
+
+def _odd_part(jet: Jet) -> Jet:
+    """An odd function without what is enclosed of its terms of even degree, which are 0."""
+    return FunctionJet({index: value for index, value in jet.coefficients.items() if sum(index) % 2})
 
 
 def _direction(slopes: Sequence[Series]) -> list[Fraction]:

@@ -16,6 +16,7 @@ from orbitproof.verify.evidence import IntegrationFailure, NotKnown, Reason, gua
 from orbitproof.verify.functions import REACH, StoredFunction, error_of, known_part
 from orbitproof.verify.lasting.half_map import return_map
 from orbitproof.verify.lasting.jets import exchanged
+from orbitproof.verify.lasting.odd import odd_coordinate
 from orbitproof.verify.lasting.twist_function import normal_form
 from orbitproof.verify.poincare import PHYSICAL
 from orbitproof.verify.stability import (
@@ -43,12 +44,15 @@ class TwistFunctions:
         exchanged: Theta', the same with p and q exchanged.
         fourth: Delta, which decides at resonances 1:4.
         defect: D, which is 0 by reversibility; its enclosure contains 0.
+        odd: whether a symmetry fixes the orbits (29.7): then `twist` and `exchanged` are Theta_0 and Theta_0', without
+            the factor 1 + 2 c.
     """
 
     twist: StoredFunction
     exchanged: StoredFunction
     fourth: StoredFunction
     defect: StoredFunction
+    odd: bool = False
 
 
 @dataclass(frozen=True)
@@ -115,14 +119,17 @@ def _twist(tube: TubeOfOrbits, half: HalfReturn, progress: Callable[[float], Non
     except IntegrationFailure:
         half = tube.wider(progress)
         curve = tube.curve(half)
-    first, second = return_map(tube, half, curve, progress)
+    coordinate = odd_coordinate(tube.system, tube.piece)
+    first, second = return_map(tube, half, curve, progress, coordinate)
+    odd = coordinate is not None
     one = tube.arithmetic.constant(Fraction(1))
     s = first.coefficients[1, 0]
-    found = normal_form(first, second, s, one)
-    other = normal_form(exchanged(second), exchanged(first), s, one)
+    found = normal_form(first, second, s, one, odd)
+    other = normal_form(exchanged(second), exchanged(first), s, one, odd)
     for form in (found, other):
         require_zero(form.defect)
-    return TwistFunctions(*map(StoredFunction.of, (found.twist, other.twist, found.fourth, found.defect)))
+    twist, other_form, fourth, defect = map(StoredFunction.of, (found.twist, other.twist, found.fourth, found.defect))
+    return TwistFunctions(twist, other_form, fourth, defect, odd)
 
 
 def require_zero(element: Series) -> None:

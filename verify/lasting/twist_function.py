@@ -66,7 +66,8 @@ class NormalForm(Generic[T]):
     """Of a reversible map of the plane, as functions along a curve (29.3), (29.4).
 
     Attributes:
-        twist: Theta; where -1 < s < 1 and s is not -1/2, it has the sign of (1 + 2 s) tau.
+        twist: Theta; where -1 < s < 1 and s is not -1/2, it has the sign of (1 + 2 s) tau. Of an odd map Theta_0, with
+            the sign of tau where -1 < s < 1.
         defect: 0, by reversibility.
         fourth: Delta; where s = 0, it is positive if the orbit is unstable by its 1:4 resonance.
     """
@@ -76,7 +77,7 @@ class NormalForm(Generic[T]):
     fourth: T
 
 
-def normal_form(first: FunctionJet[T], second: FunctionJet[T], s: T, one: T) -> NormalForm[T]:
+def normal_form(first: FunctionJet[T], second: FunctionJet[T], s: T, one: T, odd: bool = False) -> NormalForm[T]:
     """The functions of section 29.3, of a map whose derivative is [[s, b], [c, s]] with s^2 - b c = 1.
 
     With the two components, and the two increments, exchanged the result is the same times a positive function where
@@ -84,13 +85,14 @@ def normal_form(first: FunctionJet[T], second: FunctionJet[T], s: T, one: T) -> 
 
     Args:
         first, second: its components, in both increments; 1 is `one`.
+        odd: whether the map is odd, without terms of order 2 (29.7).
     """
-    square = one - s * s
+    square, zero = one - s * s, one - one
     c = second.coefficients[1, 0]
     cc = c * c
 
     def d(jet: FunctionJet[T], *index: int) -> T:
-        result: T = jet.coefficients[index].scaled(Fraction(index_factorial(index)))
+        result: T = jet.coefficients.get(index, zero).scaled(Fraction(index_factorial(index)))
         return result
 
     def element(real: T, imaginary: T) -> _Ring[T]:
@@ -120,11 +122,11 @@ def normal_form(first: FunctionJet[T], second: FunctionJet[T], s: T, one: T) -> 
 
     g20, g11, g21, g03 = (component(of(first), of(second)) for of in (along, between, cubic, resonant))
     g02 = component(along(first).conjugate, along(second).conjugate)
-    zero = one - one
     plain, value = element(one, zero), element(s, one)
     back = value.conjugate
     minus = back + plain.scaled(-1)
-    third = one + s.scaled(Fraction(2))
+    # Of an odd map 1 + 2 s is a factor of all that is left.
+    third = one if odd else one + s.scaled(Fraction(2))
     pairs = g20 * g11 * (plain + value.scaled(-2)) * back * back * minus
     sizes = minus.times(g11.norm).scaled(2)
     own = (back * g21.turned).times(c * (one - s)).scaled(-4)

@@ -24,6 +24,7 @@ _FATES = {
     Fate.UNSTABLE: "unstable",
     Fate.OPEN: "whether it is stable is not said",
 }
+_ODD = "a symmetry of the system fixes it and makes its return map odd"
 _SIGNS = {1: "positive", -1: "negative"}
 
 
@@ -104,4 +105,5 @@ def _stable(atlas: Atlas, entry: LastingInterval) -> str:
 
 
 def _exception(atlas: Atlas, entry: ExceptionalOrbit) -> str:
-    return f"{point_in_words(atlas, entry.point)}: {_FATES[entry.fate]}"
+    why = f", as {_ODD}" if entry.point.k == 3 and entry.fate is Fate.STABLE else ""
+    return f"{point_in_words(atlas, entry.point)}: {_FATES[entry.fate]}{why}"
