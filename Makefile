@@ -26,7 +26,7 @@ help:
 	@echo "make web        families of L1 and L2 joined into a graph that is proved (into $(WEBS)/; goes on where it stopped)"
 	@echo "make examples   example systems from files: found, proved, drawn (into $(EXAMPLES)/; minutes)"
 	@echo "make report     every theorem, proved and told: both tables and all branches (into $(BRANCHES)/; forty minutes)"
-	@echo "make archive    all certificates of make report with a guide for readers (into $(ARCHIVE)/)"
+	@echo "make archive    all certificates of make report and make web with a guide for readers (into $(ARCHIVE)/)"
 	@echo "make figures    every picture, with its data and proofs (into $(PICTURES)/; long, goes on where it stopped)"
 	@echo "make docs       this project as a site, its notebooks executed (into $(SITE)/)"
 	@echo "make test       everything that has to pass: lint, format, types, tests"
@@ -164,9 +164,11 @@ report: $(VENV)/demo.stamp
 	@$(BOUND) $(BIN)/orbitproof report $(BRANCHES)/certificates.json $(BRANCHES)/*-certificate.json \
 	  -o $(BRANCHES)/report.html -o $(BRANCHES)/report.tex -o $(BRANCHES)/report.md
 
-# What `make report` has proved; run it first for all theorems.
+# What `make report` and `make web` have proved; run them first for all theorems. FOLDERS: others, of certificates.
+FOLDERS = $(wildcard $(BRANCHES) $(WEBS))
+
 archive: $(VENV)/demo.stamp
-	@$(BIN)/python docs/archive.py $(BRANCHES) -o $(ARCHIVE)
+	@$(BIN)/python docs/archive.py $(or $(FOLDERS),$(BRANCHES)) -o $(ARCHIVE)
 
 # LIMIT: seconds for each printed command; what takes longer is stopped, and told.
 LIMIT := 600

@@ -1,8 +1,9 @@
 """An archive of certificates with a guide for readers: ``python docs/archive.py FOLDER .. -o OUT`` (``make archive``).
 
 Every certificates file of the folders is checked again up to its conclusion and copied; the theorems are told anew, as
-one document. The guide lists each certificate with its file, its digest and how to check it again. A certificate that
-does not stand is refused, and then there is no archive.
+one document for each folder. The guide lists each certificate with its file, its digest and how to check it again. A
+certificate that does not stand is refused, and then there is no archive. What one rests on, the arcs of a web,
+the curve of a catalogue's rows, has to be in the same folder.
 """
 
 from __future__ import annotations
@@ -13,21 +14,32 @@ import gzip
 import hashlib
 import io
 import json
+import os
+import shlex
 import shutil
 import sys
 import tarfile
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
 
 from orbitproof.figures.commands.report import main as report
-from orbitproof.figures.report import Checked, Refused, check_files
+from orbitproof.figures.report import (
+    CERTIFICATE_FORMATS,
+    Checked,
+    CheckedRow,
+    Refused,
+    check_again,
+    check_files,
+    curve_of,
+    kind_of,
+)
+from orbitproof.figures.report import second_proofs as again_by_other_code
 from orbitproof.shared import InputError
 from orbitproof.shared.formats import stated_format
 
-KINDS = ("certificates", "atlas-certificate")
-FOLDER, SUMS, GUIDE = "certificates", "SHA256SUMS", "README.md"
+FOLDER, SUMS, GUIDE, THEOREMS = "certificates", "SHA256SUMS", "README.md", "theorems"
 VERSION = metadata.version("orbitproof")
 
 _GUIDE = """\
@@ -35,29 +47,35 @@ _GUIDE = """\
 
 {count} certificates in {files} files. Each was checked again when this archive was made: from the enclosures
 that it carries, every hypothesis was evaluated, the conclusion was drawn and its words were compared. The
-theorems in full, with their hypotheses and margins, stand in `theorems.html`, and as text in `theorems.md`.
+theorems in full, with their hypotheses and margins, stand in {theorems}.
 
 ## How to check them again
 
-    sha256sum -c {sums}
-    pip install .
-    orbitproof verify --recheck {folder}/FILE
-    orbitproof verify atlas --recheck {folder}/FILE
+With the sources of version {version} in a folder SOURCES, in the folder of this file:
 
-The first line compares the files with their digests. The second, in the sources of version {version},
-installs the verifier. Of the others the table says which is for which file; they take seconds to minutes.
-With `--integrate` the same command encloses again all that a certificate carries, which takes as long as the
-proof did, and `orbitproof verify --second-proof {folder}/FILE` proves a row again, if its kind is one that it
-knows, by code that shares nothing with the first. What has to be trusted: docs/method.md and docs/security.md
-of the sources.
+    sha256sum -c {sums}
+    pip install SOURCES
+
+The first line compares the files with their digests, the second installs the verifier. What follows checks every
+certificate again, from what it carries and from the certificates that it rests on; that takes seconds to minutes:
+
+{lines}
+
+With `--integrate` after `--recheck` the same lines enclose again all that the certificates carry, which takes as
+long as the proofs did. These lines prove rows once more, of the kinds that are known there, by code that shares
+nothing with the first:
+
+{second}
+
+What has to be trusted: docs/method.md and docs/security.md of the sources.
 
 A certificate is about the system with exactly the parameter values that it states, and about its box or its
 pieces. *Not proved* means that something could not be shown, never that a claim is false.
 
 ## What is in it
 
-| file | certificate | kind | verdict | checked again | digest of the certificate | command |
-| --- | --- | --- | --- | --- | --- | --- |
+| file | certificate | about | verdict | checked again | digest of the certificate |
+| --- | --- | --- | --- | --- | --- |
 {rows}
 
 | file | bytes | SHA-256 of the file |
@@ -66,32 +84,52 @@ pieces. *Not proved* means that something could not be shown, never that a claim
 """
 
 
-def certificates_in(folders: Sequence[Path]) -> list[Path]:
-    """The files of certificates, in order of name. Raises `InputError`."""
-    paths = [path for folder in folders for path in sorted(folder.glob("*.json"))]
-    found = [path for path in paths if stated_format(path, "give a folder of certificates") in KINDS]
-    if not found:
-        raise InputError(f"{folders[0]}: holds no certificates; make some with: make report")
-    names = [path.name for path in found]
-    twice = next((name for name in names if names.count(name) > 1), None)
-    if twice is not None:
-        raise InputError(f"{twice}: is in two folders; give other names")
+def certificates_in(folders: Sequence[Path]) -> dict[Path, list[Path]]:
+    """The files of certificates in order of name, by folder. Raises `InputError`."""
+    found = {}
+    for folder in dict.fromkeys(folder.resolve() for folder in folders):
+        paths = [
+            path
+            for path in sorted(folder.glob("*.json"))
+            if stated_format(path, "give certificates") in CERTIFICATE_FORMATS
+        ]
+        if not paths:
+            raise InputError(f"{folder}: holds no certificates; make some with: make report, make web")
+        found[folder] = paths
     return found
 
 
-def guide(checked: Sequence[Checked], files: Sequence[Path]) -> str:
-    """The text of the guide."""
-    rows, sizes = [], []
-    for entry in checked:
-        document = entry.document
-        kind = document.get("kind") or document["statement"].get("candidate", {}).get("kind") or entry.chapter
-        cells = (entry.path.name, f"`{entry.name}`", kind, document["verdict"], entry.check.word)
-        rows.append(f"| {' | '.join(cells)} | `{document['digest']}` | `orbitproof {entry.command} --recheck` |")
-    for path in files:
-        sizes.append(f"| {path.name} | {path.stat().st_size} | `{digest(path)}` |")
+def places_of(folders: Sequence[Path]) -> dict[Path, Path]:
+    """Where the files of each folder lie in the archive: with several folders, in one of its name."""
+    common = Path(os.path.commonpath([str(folder) for folder in folders]))
+    return {folder: FOLDER / folder.relative_to(common) for folder in folders}
+
+
+def guide(checked: Mapping[Path, Sequence[Checked]], places: Mapping[Path, Path], theorems: Sequence[str]) -> str:
+    """The text of the guide. Raises `InputError` if a curve on which an orbit has a place is not there."""
+    lines, second, rows, sizes = [], [], [], []
+
+    def named(path: Path) -> str:
+        return shlex.quote((places[path.parent] / path.name).as_posix())
+
+    for entries in checked.values():
+        for entry in entries:
+            place = entry.document.get("place") if isinstance(entry, CheckedRow) else None
+            if place is not None and curve_of(place, entries) is None:
+                raise InputError(f"{entry.path}: {entry.name}: lies on a curve that is not in its folder; put it there")
+            cells = ((places[entry.path.parent] / entry.path.name).as_posix(), f"`{entry.name}`", kind_of(entry))
+            verdicts = (entry.check.verdict, entry.check.word, f"`{entry.document['digest']}`")
+            rows.append(f"| {' | '.join((*cells, *verdicts))} |")
+        for path in dict.fromkeys(entry.path for entry in entries):
+            lines.append(check_again(entries, path, named))
+            place = (places[path.parent] / path.name).as_posix()
+            sizes.append(f"| {place} | {path.stat().st_size} | `{digest(path)}` |")
+        second += again_by_other_code(entries, named)
+    count = sum(map(len, checked.values()))
     return _GUIDE.format(
-        version=VERSION, count=len(checked), files=len(files), sums=SUMS, folder=FOLDER, rows="\n".join(rows),
-        sizes="\n".join(sizes),
+        version=VERSION, count=count, files=len(lines), sums=SUMS, theorems=", ".join(f"`{name}`" for name in theorems),
+        lines="\n".join(f"    {line}" for line in lines), second="\n".join(f"    {line}" for line in second),
+        rows="\n".join(rows), sizes="\n".join(sizes),
     )  # fmt: skip
 
 
@@ -116,18 +154,24 @@ def pack(folder: Path, target: Path) -> None:
 def make(folders: Sequence[Path], target: Path, pictures: bool) -> list[Checked]:
     """Make the archive in a folder, which is replaced. Raises `InputError` and `Refused`."""
     files = certificates_in(folders)
-    checked = check_files(files, quiet=False)
+    places = places_of(list(files))
+    checked = {folder: check_files(paths, quiet=False) for folder, paths in files.items()}
     with tempfile.TemporaryDirectory() as name:
         draft = Path(name) / "draft"
-        (draft / FOLDER).mkdir(parents=True)
-        for path in files:
-            shutil.copy(path, draft / FOLDER)
-        words = [str(path) for path in files] + ([] if pictures else ["--no-pictures"])
-        with contextlib.redirect_stdout(io.StringIO()):
-            code = report([*words, "-o", str(draft / "theorems.html"), "-o", str(draft / "theorems.md"), "--quiet"])
-        if code == 2:
-            raise InputError("the theorems cannot be told; see above")
-        (draft / GUIDE).write_text(guide(checked, files), "utf-8")
+        told = []
+        for folder, paths in files.items():
+            (draft / places[folder]).mkdir(parents=True, exist_ok=True)
+            for path in paths:
+                shutil.copy(path, draft / places[folder])
+            stem = "-".join((THEOREMS, *places[folder].parts[1:]))
+            told += [f"{stem}.html", f"{stem}.md"]
+            outputs = [word for made in told[-2:] for word in ("-o", str(draft / made))]
+            words = [*map(str, paths), *([] if pictures else ["--no-pictures"]), *outputs, "--quiet"]
+            with contextlib.redirect_stdout(io.StringIO()):
+                code = report(words)
+            if code == 2:
+                raise InputError("the theorems cannot be told; see above")
+        (draft / GUIDE).write_text(guide(checked, places, told), "utf-8")
         inside = sorted(path for path in draft.rglob("*") if path.is_file())
         sums = [f"{digest(path)}  {path.relative_to(draft).as_posix()}\n" for path in inside]
         (draft / SUMS).write_text("".join(sums), "utf-8")
@@ -136,10 +180,14 @@ def make(folders: Sequence[Path], target: Path, pictures: bool) -> list[Checked]
         pack(draft, packed)
         shutil.rmtree(target / "content", ignore_errors=True)
         shutil.copytree(draft, target / "content")
-    total = sum(path.stat().st_size for path in files)
-    print(f"{len(checked)} certificates in {len(files)} files, {total} bytes: {target / 'content' / GUIDE}")
+    everything = [path for paths in files.values() for path in paths]
+    total, entries = (
+        sum(path.stat().st_size for path in everything),
+        [each for found in checked.values() for each in found],
+    )
+    print(f"{len(entries)} certificates in {len(everything)} files, {total} bytes: {target / 'content' / GUIDE}")
     print(f"{packed}: {packed.stat().st_size} bytes, SHA-256 {digest(packed)}")
-    return checked
+    return entries
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -6,6 +6,7 @@ from .scripting import Report as Report
 from .scripting import draw_all as draw_all
 from .scripting import draw_atlases as draw_atlases
 from .scripting import draw_branches as draw_branches
+from .scripting import draw_catalogues as draw_catalogues
 from .scripting import draw_distances as draw_distances
 from .scripting import draw_family as draw_family
 from .scripting import draw_periodic as draw_periodic

@@ -12,6 +12,7 @@ from typing import NoReturn
 from orbitproof.figures.commands import all as all_command
 from orbitproof.figures.commands import atlas as atlas_command
 from orbitproof.figures.commands import branches as branches_command
+from orbitproof.figures.commands import catalogue as catalogue_command
 from orbitproof.figures.commands import data as data_command
 from orbitproof.figures.commands import distances as distances_command
 from orbitproof.figures.commands import interactive as interactive_command
@@ -131,6 +132,7 @@ def argument_parser() -> argparse.ArgumentParser:
         all_command,
         atlas_command,
         branches_command,
+        catalogue_command,
         data_command,
         distances_command,
         periodic_command,

@@ -17,8 +17,11 @@ examples:
   orbitproof report certificates.json -o report.html
   orbitproof report certificates.json branches-out/*-certificate.json -o paper.tex -o paper.html
   orbitproof report l1-certificate.json -o l1.md --no-pictures
+  orbitproof report web-certificate.json arcs/*.json certificates.json -o web.html
+  orbitproof report rows.json curve.json -o rows.html
   orbitproof report certificates.json -o k2.html --only "*-k2-*"
 
+A web and the rows of a catalogue rest on other certificates: give these as well.
 Each theorem as a statement that stands alone, with its hypotheses, margins and pictures; how to check it again,
 software and digests, references. HTML carries its pictures; those of LaTeX and Markdown go into a folder beside the
 file. Every certificate is checked up to its conclusion first (verify --recheck): one that does not stand is named, and
@@ -32,7 +35,7 @@ def argument_parser() -> argparse.ArgumentParser:
     """The command line."""
     words = "A report of what certificates prove, to read, to print and to cite."
     parser = ArgumentParser("orbitproof report", words, _EXAMPLES)
-    parser.add_argument("certificates", type=Path, nargs="+", help="certificates of bifurcations and of atlases (JSON)")
+    parser.add_argument("certificates", type=Path, nargs="+", help="certificates of all kinds (JSON)")
     words = ".html, .tex or .md; once for each file that is to be written"
     parser.add_argument("-o", "--output", type=Path, action="append", required=True, metavar="FILE", help=words)
     parser.add_argument("--only", nargs="+", metavar="ID", help="these certificates (with * and ? as in file names)")

@@ -5,6 +5,7 @@ from .certified_branches import draw_curves as draw_curves
 from .certified_branches import draw_pieces as draw_pieces
 from .certified_orbit import draw_orbit as draw_orbit
 from .certified_orbit import solution_of as solution_of
+from .certified_rows import draw_rows as draw_rows
 from .certified_stability import draw_certified_stability as draw_certified_stability
 from .certified_surfaces import Surface as Surface
 from .certified_surfaces import draw_surface as draw_surface

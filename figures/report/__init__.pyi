@@ -1,3 +1,6 @@
+from .again import check_again as check_again
+from .again import curve_of as curve_of
+from .again import second_proofs as second_proofs
 from .content import report_of as report_of
 from .document import Document as Document
 from .formulas import typeset as typeset
@@ -5,11 +8,15 @@ from .margins import margin_of as margin_of
 from .margins import margin_on_atlas as margin_on_atlas
 from .pictures import pictures_of as pictures_of
 from .statements import hypothesis_table as hypothesis_table
+from .statements import kind_of as kind_of
 from .statements import parameter_text as parameter_text
 from .statements import piece_table as piece_table
+from .theorems import CERTIFICATE_FORMATS as CERTIFICATE_FORMATS
 from .theorems import Checked as Checked
 from .theorems import CheckedAtlas as CheckedAtlas
+from .theorems import CheckedCatalogue as CheckedCatalogue
 from .theorems import CheckedRow as CheckedRow
+from .theorems import CheckedWeb as CheckedWeb
 from .theorems import Refused as Refused
 from .theorems import check_files as check_files
 from .writers import FORMATS as FORMATS

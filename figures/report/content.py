@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib import metadata, resources
 from pathlib import Path
 
+from orbitproof.figures.report.again import check_again, second_proofs
 from orbitproof.figures.report.document import (
     Block,
     Code,
@@ -21,6 +22,7 @@ from orbitproof.figures.report.document import (
     Statement,
     Table,
 )
+from orbitproof.figures.report.joined import extent_of, resting_paragraph, tables_of_joined
 from orbitproof.figures.report.statements import (
     box_label,
     box_table,
@@ -31,7 +33,7 @@ from orbitproof.figures.report.statements import (
     piece_table,
     statement_blocks,
 )
-from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow, has_second_proof
+from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedCatalogue, CheckedRow, CheckedWeb
 from orbitproof.shared.systems import shown
 from orbitproof.shared.wording import counted
 from orbitproof.verify.certificate import MEANINGS, Level
@@ -43,6 +45,8 @@ _CHAPTERS = {
     "bifurcations": "Bifurcations",
     "curves": "Curves of symmetric periodic orbits",
     "surfaces": "Over ranges of a parameter",
+    "webs": "Curves joined into graphs",
+    "catalogues": "Rows of catalogues",
 }
 """The theorems, in this order."""
 
@@ -57,7 +61,7 @@ def report_of(entries: Sequence[Checked], draw: Draw = lambda entry: ()) -> Docu
     for label, title in _CHAPTERS.items():
         if group := [entry for entry in proved if entry.chapter == label]:
             sections.append(Section(label, title, ()))
-            sections += [_theorem(entry, numbers[entry.name], draw) for entry in group]
+            sections += [_theorem(entry, numbers, draw) for entry in group]
     sections += _not_proved([entry for entry in entries if not is_proved(entry)])
     sections += [_checked(entries), _again(entries), _software(entries)]
     if rows := _rows(proved):
@@ -105,12 +109,22 @@ def _summary(proved: Sequence[Checked], numbers: dict[str, int]) -> Section:
     return Section("summary", "Summary", tuple(blocks))
 
 
-def _theorem(entry: Checked, number: int, draw: Draw) -> Section:
-    name = entry.name
+def _theorem(entry: Checked, numbers: Mapping[str, int], draw: Draw) -> Section:
+    name, number = entry.name, numbers[entry.name]
     statement = Statement(theorem_label(name), number, f"{kind_of(entry)}; {shown(name)}", statement_blocks(entry))
-    blocks: list[Block] = [statement, hypothesis_table(entry)]
+    blocks: list[Block] = [statement]
+    if isinstance(entry, CheckedWeb | CheckedCatalogue):
+
+        def place_of(other: str) -> Place | None:
+            return Place(theorem_label(other), f"Theorem {numbers[other]}") if other in numbers else None
+
+        blocks.append(resting_paragraph(entry, place_of))
+    if not isinstance(entry, CheckedCatalogue):
+        blocks.append(hypothesis_table(entry))
     if isinstance(entry, CheckedAtlas):
         blocks.append(piece_table(entry))
+    elif isinstance(entry, CheckedWeb | CheckedCatalogue):
+        blocks += tables_of_joined(entry)
     return Section(f"section-{name}", f"Theorem {number}: {shown(name)}", (*blocks, *draw(entry)), level=2)
 
 
@@ -119,7 +133,11 @@ def _not_proved(entries: Sequence[Checked]) -> list[Section]:
         return []
     items: list[Runs] = []
     for entry in entries:
-        items.append((f"{shown(entry.name)}: {as_said(Reason(**entry.document['reason']))}",))
+        if isinstance(entry, CheckedCatalogue):
+            why = f"{extent_of(entry)} are certified by the curve"
+        else:
+            why = as_said(Reason(**entry.document["reason"]))
+        items.append((f"{shown(entry.name)}: {why}",))
     words = (
         "These certificates claim nothing. That something is not proved does not mean that it is false. What the runs "
         "said is quoted; nothing checks it."
@@ -145,39 +163,17 @@ def _checked(entries: Sequence[Checked]) -> Section:
 
 
 def _again(entries: Sequence[Checked]) -> Section:
-    lines = ["# follows from what the certificates carry"]
-    files = {entry.path: entry.command for entry in entries}
-    curves = {path: _curve_of(path, entries) for path in files}
-    lines += [f"orbitproof {verify} --recheck {path.name}{curves[path]}" for path, verify in files.items()]
+    def named(path: Path) -> str:
+        return path.name
+
+    files = list(dict.fromkeys(entry.path for entry in entries))
+    lines = ["# follows from what the certificates carry", *(check_again(entries, path, named) for path in files)]
     lines += ["", "# integrated again, with other settings"]
-    lines += [f"orbitproof {verify} --recheck --integrate {path.name}{curves[path]}" for path, verify in files.items()]
-    if second := _second_proofs(entries):
+    lines += [check_again(entries, path, named, integrate=True) for path in files]
+    if second := second_proofs(entries, named):
         lines += ["", "# once more, by code that shares nothing with the first proof", *second]
     words = f"With orbitproof {metadata.version('orbitproof')} installed and the certificate files at hand:"
     return Section("again", "How to check it again", (Paragraph((words,)), Listing("\n".join(lines))))
-
-
-def _curve_of(path: Path, entries: Sequence[Checked]) -> str:
-    """The option that names the curve on which the orbits of a file have a place; empty if they have none."""
-    there = [entry for entry in _rows(entries) if entry.path == path]
-    places = [place for entry in there if (place := entry.document.get("place")) is not None]
-    if not places:
-        return ""
-    digest = places[0]["rests_on"]["digest"]
-    curves = [entry for entry in entries if entry.document["digest"] == digest]
-    return f" --curve {curves[0].path.name if curves else 'CERTIFICATE-OF-THE-CURVE'}"
-
-
-def _second_proofs(entries: Sequence[Checked]) -> list[str]:
-    """The commands for what is proved and has a second proof; the others of its file are left out by name."""
-    rows = _rows(entries)
-    lines = []
-    for path in dict.fromkeys(entry.path for entry in rows):
-        there = [entry for entry in rows if entry.path == path]
-        followed = [entry.name for entry in there if is_proved(entry) and has_second_proof(entry)]
-        only = "" if len(followed) == len(there) else f" --only {' '.join(map(shown, followed))}"
-        lines += [f"orbitproof verify --second-proof {path.name}{only}"] if followed else []
-    return lines
 
 
 def _software(entries: Sequence[Checked]) -> Section:

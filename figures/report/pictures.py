@@ -16,15 +16,17 @@ from orbitproof.figures.pictures import (
     draw_periodic_orbit,
     draw_pieces,
     draw_reversor_breaking,
+    draw_rows,
     draw_section,
     draw_surface,
+    draw_web,
     surface_of,
 )
 from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.report.document import Picture
-from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
+from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedCatalogue, CheckedRow, CheckedWeb
 from orbitproof.figures.style import close, use_style
-from orbitproof.shared.formats import Candidate, PeriodicBifurcation, PeriodicOrbit
+from orbitproof.shared.formats import Candidate, InputError, PeriodicBifurcation, PeriodicOrbit
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import AtlasCertificate
 from orbitproof.verify.orbit import OrbitResults
@@ -40,7 +42,37 @@ _FROM_POLYNOMIALS = "drawn from the polynomials of the pieces, from which the tr
 def pictures_of(entry: Checked) -> tuple[Picture, ...]:
     """The pictures of a proved theorem."""
     with use_style():
-        return _of_row(entry) if isinstance(entry, CheckedRow) else _of_atlas(entry)
+        match entry:
+            case CheckedRow():
+                return _of_row(entry)
+            case CheckedAtlas():
+                return _of_atlas(entry)
+            case CheckedWeb():
+                return _of_web(entry)
+        return _of_catalogue(entry)
+
+
+def _of_web(entry: CheckedWeb) -> tuple[Picture, ...]:
+    """None of a web of another system than the three-body problem."""
+    curves = [
+        Curve.of(AtlasCertificate(each.atlas, each.document))
+        for each in entry.rests_on
+        if isinstance(each, CheckedAtlas)
+    ]
+    try:
+        figure = draw_web(entry.certificate, {curve.atlas.id: curve for curve in curves})
+    except InputError:
+        return ()
+    caption = f"{shown(entry.name)}: level against x where orbits start; the arcs are {_FROM_POLYNOMIALS}"
+    return (_picture(f"web-{file_name(entry.name)}", caption, figure),)
+
+
+def _of_catalogue(entry: CheckedCatalogue) -> tuple[Picture, ...]:
+    caption = (
+        f"{shown(entry.name)}: (a) the rows, filled where an orbit of the curve is certified to start near one; "
+        "(b) certified bounds of how far the numbers of that orbit are from those of the row"
+    )
+    return (_picture(f"rows-{file_name(entry.name)}", caption, draw_rows(entry.certificate)),)
 
 
 def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:

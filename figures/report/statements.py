@@ -11,8 +11,9 @@ from flint import arb
 
 from orbitproof.figures.report.document import Block, Code, Formulas, Items, Math, Paragraph, Place, Run, Runs, Table
 from orbitproof.figures.report.formulas import to_latex, typeset
+from orbitproof.figures.report.joined import extent_of
 from orbitproof.figures.report.margins import margin_of, margin_on_atlas, part_of
-from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
+from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedCatalogue, CheckedRow, CheckedWeb
 from orbitproof.shared.claims.fields import Matrix, Vector
 from orbitproof.shared.formats import (
     KINDS,
@@ -63,6 +64,10 @@ def kind_of(entry: Checked) -> str:
     """What a theorem is about, from the claim."""
     if isinstance(entry, CheckedRow):
         return _KINDS[entry.candidate.kind].format(k=entry.candidate.k)
+    if isinstance(entry, CheckedWeb):
+        return "Curves of periodic orbits joined into a graph"
+    if isinstance(entry, CheckedCatalogue):
+        return "Rows of a catalogue as orbits of a curve"
     return _BRANCHES[entry.atlas.claim.kind].format(symmetry=entry.atlas.claim.symmetry)
 
 
@@ -73,7 +78,8 @@ def is_proved(entry: Checked) -> bool:
 
 def statement_blocks(entry: Checked) -> tuple[Block, ...]:
     """The theorem in full, in the words of its certificate: system, box, what is proved and what that means."""
-    blocks = list(_blocks(str(entry.document["statement"]["in_full"]).split("\n")))
+    words = "theorem" if isinstance(entry, CheckedWeb | CheckedCatalogue) else "in_full"
+    blocks = list(_blocks(str(entry.document["statement"][words]).split("\n")))
     if isinstance(entry, CheckedRow):
         where = Place(box_label(entry), "the table of boxes")
         blocks.append(Paragraph(("Centre, frame and radii stand exactly in ", where, ".")))
@@ -132,17 +138,18 @@ def _notes(entry: Checked) -> Iterator[Block]:
         yield Paragraph((f"Note: {as_options(note)}.",))
 
 
-def hypothesis_table(entry: Checked) -> Table:
+def hypothesis_table(entry: CheckedRow | CheckedAtlas | CheckedWeb) -> Table:
     """The hypotheses of the theorem with their enclosures and margins."""
     if isinstance(entry, CheckedRow):
         hypotheses = [
             (item.name, item.statement, item.section, item.enclosures) for item in entry.certificate.hypotheses
         ]
     else:
+        stored = entry.document if isinstance(entry, CheckedWeb) else entry.document["conclusion"]
         hypotheses = [
             (item["name"], item["statement"], item["section"],
              {name: ball_from_json(ball) for name, ball in item["enclosures"].items()})
-            for item in entry.document["conclusion"]["hypotheses"]
+            for item in stored["hypotheses"]
         ]  # fmt: skip
     rows: list[tuple[Runs, ...]] = []
     for name, statement, section, enclosures in hypotheses:
@@ -159,7 +166,9 @@ def hypothesis_table(entry: Checked) -> Table:
     ).without_empty_columns()  # fmt: skip
 
 
-def _margin(entry: Checked, hypothesis: str, name: str, ball: arb) -> Runs:
+def _margin(entry: CheckedRow | CheckedAtlas | CheckedWeb, hypothesis: str, name: str, ball: arb) -> Runs:
+    if isinstance(entry, CheckedWeb):
+        return ()
     if isinstance(entry, CheckedAtlas):
         margin = margin_on_atlas(entry.atlas, hypothesis, name, ball)
     else:
@@ -276,6 +285,8 @@ def parameter_text(entry: Checked) -> str:
     """The parameter at a bifurcation, the period of an orbit, or what is on a curve or surface, for the summary."""
     if isinstance(entry, CheckedAtlas):
         return _extent(entry)
+    if isinstance(entry, CheckedWeb | CheckedCatalogue):
+        return extent_of(entry)
     if entry.certificate.parameter is None:
         return ""
     return f"{entry.certificate.parameter_name} in {interval_text(entry.certificate.parameter, 20)}"

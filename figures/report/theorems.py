@@ -21,14 +21,34 @@ from orbitproof.shared.formats import (
     select_ids,
     stated_format,
 )
-from orbitproof.shared.systems import SYSTEMS
-from orbitproof.verify.atlas import SCHEMA, atlas_of
+from orbitproof.shared.systems import SYSTEMS, shown
+from orbitproof.verify.atlas import (
+    AtlasCertificate,
+    CatalogueCertificate,
+    Resting,
+    WebCertificate,
+    atlas_of,
+    recheck_catalogue,
+    recheck_web,
+    resting,
+)
 from orbitproof.verify.bifurcation import level_form
-from orbitproof.verify.certificate import Certificate, Recheck, read_certificates, systems_with
-from orbitproof.verify.run import LONG_CHECK_SECONDS, CheckLimits, Display
+from orbitproof.verify.certificate import (
+    CannotBeCheckedError,
+    Certificate,
+    Recheck,
+    not_checked,
+    read_certificates,
+    systems_with,
+)
+from orbitproof.verify.run import LONG_CHECK_SECONDS, CheckLimits, Display, Failure, apart
 from orbitproof.verify.run.branch_checks import conclusion_apart
 from orbitproof.verify.run.rows import rechecks
 from orbitproof.verify.second_proof import BadCertificate, CannotFollow, read_claim
+
+ATLAS, WEB, CATALOGUE = "atlas-certificate", "web-certificate", "catalogue-certificate"
+CERTIFICATE_FORMATS = ("certificates", ATLAS, WEB, CATALOGUE)
+"""Of files that a report may be about."""
 
 
 class Refused(Exception):
@@ -101,7 +121,54 @@ class CheckedAtlas:
         return "surfaces" if self.atlas.is_surface else "curves"
 
 
-Checked = CheckedRow | CheckedAtlas
+@dataclass(frozen=True)
+class CheckedWeb:
+    """A certificate of a web that follows from those that it rests on, with these."""
+
+    path: Path
+    certificate: WebCertificate
+    document: Mapping[str, Any]
+    rests_on: tuple[CheckedRow | CheckedAtlas, ...]
+    check: Recheck
+
+    command = "verify web"
+    chapter = "webs"
+    side = ""
+
+    @property
+    def name(self) -> str:
+        """The certificate's id."""
+        return self.certificate.id
+
+
+@dataclass(frozen=True)
+class CheckedCatalogue:
+    """A certificate of a catalogue's rows that follows from that of its curve, with that."""
+
+    path: Path
+    certificate: CatalogueCertificate
+    document: Mapping[str, Any]
+    rests_on: tuple[CheckedAtlas]
+    check: Recheck
+
+    command = "verify catalogue"
+    chapter = "catalogues"
+    side = ""
+
+    @property
+    def name(self) -> str:
+        """The certificate has the id of its curve; its file tells it from others by that curve."""
+        return name_of_rows(self.path, self.certificate)
+
+
+Checked = CheckedRow | CheckedAtlas | CheckedWeb | CheckedCatalogue
+Entry = Certificate | Mapping[str, Any] | WebCertificate | CatalogueCertificate
+"""As it is read; of a branch the document."""
+
+
+def name_of_rows(path: Path, certificate: CatalogueCertificate) -> str:
+    """What the certificate of a catalogue is called among others."""
+    return f"{certificate.document['id']}-{path.stem}"
 
 
 def check_files(
@@ -111,7 +178,7 @@ def check_files(
     timeout: float | None = None,
     memory: int = CheckLimits.memory,
 ) -> list[Checked]:
-    """Read certificates files of both kinds and check every certificate, each in a process of its own.
+    """Read certificates files of all kinds and check every certificate, each in a process of its own.
 
     Arguments:
         only: ids, or patterns of ids.
@@ -124,40 +191,117 @@ def check_files(
     entries = [entry for path in paths for entry in _read(path)]
     if not entries:
         raise InputError(f"{paths[0]}: holds no certificates; prove something first")
-    names = [_name(entry) for _, entry in entries]
-    if only is not None:
-        chosen = set(select_ids(names, only, "certificate"))
-        entries = [entry for entry in entries if _name(entry[1]) in chosen]
-        names = [_name(entry) for _, entry in entries]
-    for (path, _), name in zip(entries, names, strict=True):
-        if names.count(name) > 1:
+    names = [_name(path, entry) for path, entry in entries]
+    wanted = set(names) if only is None else set(select_ids(names, only, "certificate"))
+    rests_on = {
+        name: _rests_on(path, entry, [each for _, each in entries])
+        for name, (path, entry) in zip(names, entries, strict=True) if name in wanted
+    }  # fmt: skip
+    needed = wanted.union(*({each.id for each in resting} for resting in rests_on.values()))
+    for name, (path, _) in zip(names, entries, strict=True):
+        if name in needed and names.count(name) > 1:
             raise ArgumentError(
                 "{0}: {1!r} is given twice; give each certificate once, or choose with {only}; two that are called the "
                 "same need names of their own (explore, {id})",
                 path,
                 name,
             )
-    display = Display({name: _work(entry) for name, (_, entry) in zip(names, entries, strict=True)}, quiet)
+    given = {name: entry for name, entry in zip(names, entries, strict=True) if name in needed}
+    display = Display({name: _work(entry) for name, (_, entry) in given.items()}, quiet)
+    limits, long = CheckLimits(timeout, memory), CheckLimits(timeout, memory, LONG_CHECK_SECONDS)
     checks: dict[str, Recheck] = {}
 
-    def finished(check: Recheck) -> None:
-        checks[check.id] = check
-        display.finish(check.id, check.word)
+    def finished(name: str, check: Recheck) -> None:
+        checks[name] = check
+        display.finish(name, check.word)
 
-    rows = [entry for _, entry in entries if isinstance(entry, Certificate)]
-    again = rechecks(rows, False, 1, display.advance, CheckLimits(timeout, memory))
+    rows = [entry for _, entry in given.values() if isinstance(entry, Certificate)]
+    again = rechecks(rows, False, 1, display.advance, limits)
     with display.shown(), closing(again):
         for check in again:
-            finished(check)
-        for _, entry in entries:
-            if not isinstance(entry, Certificate):
-                finished(conclusion_apart(entry, CheckLimits(timeout, memory, LONG_CHECK_SECONDS)))
-    found = [(path, entry, checks[name]) for name, (path, entry) in zip(names, entries, strict=True)]
-    # A place on a curve is not told.
-    refused = [(path, check) for path, _, check in found if not check.stands_without_place]
+            finished(check.id, check)
+        for name, (_, entry) in given.items():
+            if isinstance(entry, Mapping):
+                finished(name, conclusion_apart(entry, long))
+        _refuse(given, checks)
+        for name, (_, entry) in given.items():
+            if isinstance(entry, WebCertificate | CatalogueCertificate):
+                finished(name, _joined(entry, rests_on[name], checks, long))
+    _refuse(given, checks)
+    known: dict[str, CheckedRow | CheckedAtlas] = {}
+    for name, (path, entry) in given.items():
+        if isinstance(entry, Certificate):
+            known[name] = _checked_row(path, entry, checks[name])
+        elif isinstance(entry, Mapping):
+            known[name] = CheckedAtlas(path, atlas_of(entry), checks[name].rendered or entry, checks[name])
+    found: list[Checked] = []
+    for name, (path, entry) in given.items():
+        # Words that are not this version's follow from nothing, and are not told.
+        if isinstance(entry, WebCertificate):
+            document = checks[name].rendered or entry.document
+            resting = tuple(known[each.id] for each in rests_on[name])
+            found.append(CheckedWeb(path, WebCertificate(document), document, resting, checks[name]))
+        elif isinstance(entry, CatalogueCertificate):
+            document, curve = checks[name].rendered or entry.document, known[rests_on[name][0].id]
+            assert isinstance(curve, CheckedAtlas)
+            found.append(CheckedCatalogue(path, CatalogueCertificate(document), document, (curve,), checks[name]))
+        elif name in wanted:
+            found.append(known[name])
+    return found
+
+
+def _refuse(given: Mapping[str, tuple[Path, Entry]], checks: Mapping[str, Recheck]) -> None:
+    """Raises `Refused` if one of the checks so far has failed. A place on a curve is not told."""
+    refused = [(given[name][0], check) for name, check in checks.items() if not check.stands_without_place]
     if refused:
         raise Refused(refused)
-    return [_checked(path, entry, check) for path, entry, check in found]
+
+
+def _rests_on(path: Path, entry: Entry, given: Sequence[Entry]) -> tuple[Resting, ...]:
+    """The certificates among all that are given that one rests on. Raises `InputError` if one is not there."""
+    branches = [each for each in given if isinstance(each, Mapping)]
+    try:
+        if isinstance(entry, WebCertificate):
+            arcs = [_branch(each) for each in branches if each["id"] in entry.claim.certificates]
+            return resting(entry.claim, [*arcs, *(each for each in given if isinstance(each, Certificate))])
+        if isinstance(entry, CatalogueCertificate):
+            name, digest = (entry.document["rests_on"][key] for key in ("id", "digest"))
+            found = next((_branch(each) for each in branches if each["digest"] == digest), None)
+            if found is None:
+                raise InputError(f"rests on the curve {shown(name)} ({digest}), which is not given; give its file")
+            return (found,)
+    except (InputError, ValueError, CannotBeCheckedError) as error:
+        raise InputError(f"{path}: {error}") from None
+    return ()
+
+
+def _branch(document: Mapping[str, Any]) -> AtlasCertificate:
+    return AtlasCertificate(atlas_of(document), document)
+
+
+def _joined(
+    entry: WebCertificate | CatalogueCertificate,
+    resting: Sequence[Resting],
+    checks: Mapping[str, Recheck],
+    limits: CheckLimits,
+) -> Recheck:
+    """The check of a certificate that rests on others, which were checked; of rows with a place without that again."""
+    if isinstance(entry, CatalogueCertificate):
+        (curve,) = resting
+        arguments: tuple[Any, ...] = (entry.document, curve, checks[curve.id])
+        found = apart(recheck_catalogue, curve.id, arguments, limits)
+    else:
+        placed = [
+            each for each in resting
+            if isinstance(each, Certificate) and checks[each.id].digest != each.to_json().get("digest")
+        ]  # fmt: skip
+        with closing(rechecks(placed, False, 1, lambda *_: None, limits)) as again:
+            without_place = {check.id: check for check in again}
+        arguments = (entry.document, tuple(resting), {**checks, **without_place})
+        found = apart(recheck_web, entry.id, arguments, limits)
+    if isinstance(found, Failure):
+        return not_checked(str(entry.document["id"]), entry.verdict, found)
+    return found
 
 
 def has_second_proof(entry: CheckedRow) -> bool:
@@ -168,24 +312,34 @@ def has_second_proof(entry: CheckedRow) -> bool:
     return False
 
 
-def _read(path: Path) -> list[tuple[Path, Certificate | Mapping[str, Any]]]:
-    if stated_format(path, "give the path of a certificates file") == SCHEMA:
-        return [(path, read_document(path, SCHEMA))]
+def _read(path: Path) -> list[tuple[Path, Entry]]:
+    stated = stated_format(path, "give the path of a certificates file")
+    if stated == ATLAS:
+        return [(path, read_document(path, ATLAS))]
+    if stated == WEB:
+        return [(path, WebCertificate(read_document(path, WEB)))]
+    if stated == CATALOGUE:
+        return [(path, CatalogueCertificate(read_document(path, CATALOGUE)))]
     return [(path, certificate) for certificate in read_certificates(path).values()]
 
 
-def _name(entry: Certificate | Mapping[str, Any]) -> str:
-    return entry.id if isinstance(entry, Certificate) else str(entry["id"])
+def _name(path: Path, entry: Entry) -> str:
+    if isinstance(entry, CatalogueCertificate):
+        return name_of_rows(path, entry)
+    return str(entry["id"]) if isinstance(entry, Mapping) else entry.id
 
 
-def _work(entry: Certificate | Mapping[str, Any]) -> float:
-    return 1.0 if isinstance(entry, Certificate) else 1.0 + len(entry["results"]) / 10
+def _work(entry: Entry) -> float:
+    """How long a check takes, in those of a row."""
+    match entry:
+        case CatalogueCertificate():
+            return 1.0 + len(entry.document["rows"]) / 200
+        case Mapping():
+            return 1.0 + len(entry["results"]) / 10
+    return 1.0
 
 
-def _checked(path: Path, entry: Certificate | Mapping[str, Any], check: Recheck) -> Checked:
-    # Words that are not this version's follow from nothing, and are not told.
-    if not isinstance(entry, Certificate):
-        return CheckedAtlas(path, atlas_of(entry), check.rendered or entry, check)
+def _checked_row(path: Path, entry: Certificate, check: Recheck) -> CheckedRow:
     entry = entry if check.rendered is None else Certificate.from_json(check.rendered)
     statement = entry.statement
     stated = statement["candidate"]

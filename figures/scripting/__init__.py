@@ -19,6 +19,7 @@ from orbitproof.figures.scripting.pictures import (
     draw_all,
     draw_atlases,
     draw_branches,
+    draw_catalogues,
     draw_family,
     draw_periodic,
     draw_resonances,

@@ -237,7 +237,7 @@ def write_report(
     Every certificate is checked up to its conclusion first; nothing is written if one does not stand.
 
     Arguments:
-        certificates: files of certificates, of rows and of atlases.
+        certificates: files of certificates of all kinds; of a web, and of a catalogue's rows, with those they rest on.
         outputs: .html, .tex or .md, one or several.
         only: ids, with * and ? as in file names; by default all.
         pictures: whether they are drawn.

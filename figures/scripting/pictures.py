@@ -192,6 +192,27 @@ def draw_web(
     return written.paths
 
 
+def draw_catalogues(
+    certificates: Sequence[Source], folder: Source, *, files: Files | None = None, told: Told = quietly
+) -> list[Path]:
+    """The rows of catalogues that a curve certifies, from their certificates: one picture each."""
+    from orbitproof.verify.atlas import CatalogueCertificate, read_catalogue_certificate
+
+    given = [(Path(path).stem, CatalogueCertificate(read_catalogue_certificate(Path(path)))) for path in certificates]
+
+    from orbitproof.figures.files import save
+    from orbitproof.figures.pictures import draw_rows
+    from orbitproof.figures.style import close, use_style
+
+    target, names, written = folder_of(folder), Names(), Written(told)
+    with saved_as(files), use_style():
+        for name, certificate in given:
+            figure = draw_rows(certificate)
+            written.add(save(figure, target / names.new(f"rows-{file_name(name)}")))
+            close(figure)
+    return written.paths
+
+
 def draw_branches(
     branches: Source,
     folder: Source,

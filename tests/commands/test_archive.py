@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from support.claims import known
+from support.joined import write_catalogue, write_web
 
 from orbitproof.verify.__main__ import main as verify
 from orbitproof.verify.certificate import Limits, certify, write_certificates
@@ -52,3 +53,29 @@ def test_an_archive_names_every_certificate_and_refuses_one_that_was_changed(
     empty = tmp_path / "empty"
     empty.mkdir()
     assert ARCHIVE([str(empty), "-o", str(other)]) == 2
+
+
+def test_folders_with_the_same_names_in_them_are_told_apart_and_what_rests_on_others_is_checked_as_the_guide_says(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    webs, rows, out = (tmp_path / name for name in ("webs", "rows", "out"))
+    for folder, write in ((webs, write_web), (rows, write_catalogue)):
+        folder.mkdir()
+        write(folder)
+    assert ARCHIVE([str(webs), str(rows), "-o", str(out), "--no-pictures"]) == 0
+    content = out / "content"
+    guide = (content / "README.md").read_text("utf-8")
+    lines = [line.split()[1:] for line in guide.splitlines() if line.startswith("    orbitproof verify")]
+    assert sum("--recheck" in line for line in lines) == 5
+    monkeypatch.chdir(content)
+    for line in lines:
+        if "web" in line or "catalogue" in line:
+            assert verify([*line[1:], "--quiet"]) == 0
+    told = (content / "theorems-webs.md").read_text() + (content / "theorems-rows.md").read_text()
+    assert "passes through near" in told
+    assert "For each of 4 of 4 rows" in told
+
+    monkeypatch.chdir(tmp_path)
+    (webs / "curve.json").unlink()
+    assert ARCHIVE([str(webs), "-o", str(tmp_path / "none"), "--no-pictures"]) == 2
+    assert "parabola, and no such certificate is given" in capsys.readouterr().err

@@ -15,7 +15,8 @@ from flint import arb
 from matplotlib.figure import Figure
 from support import atlas_work, chain_cases
 from support.claims import known
-from support.forgeries import DATA, atlas_certificate, read
+from support.forgeries import DATA, atlas_certificate, forged, read
+from support.joined import write_catalogue, write_web
 
 from orbitproof.figures.certified import CertifiedPoint, Curve
 from orbitproof.figures.commands.report import main
@@ -221,3 +222,36 @@ def test_insets_hide_no_part_of_a_loop() -> None:
     assert len(boxes) == 2
     for box in boxes:
         assert not any(box.contains(*point) for point in drawn)
+
+
+def test_webs_and_rows_of_catalogues_are_told_with_what_they_rest_on_and_forged_ones_are_not(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    webs, rows = tmp_path / "webs", tmp_path / "rows"
+    for folder in (webs, rows):
+        folder.mkdir()
+    point, arc, web = write_web(webs)
+    curve, catalogue = write_catalogue(rows)
+    given = [str(path) for path in (catalogue, web, arc, point, curve)]
+    outputs = [word for suffix in ("html", "tex", "md") for word in ("-o", str(tmp_path / f"report.{suffix}"))]
+    assert main([*given, *outputs, "--quiet"]) == 0
+    text = (tmp_path / "report.md").read_text()
+    for words in ("It rests on parabola ([Theorem ", "4 of 4 rows", "1 arc, 1 vertex", "largest bound"):
+        assert words in text, words
+    for name in ("near", "halo-from-the-plane-rows"):
+        assert all(name in (tmp_path / f"report.{suffix}").read_text() for suffix in ("html", "tex", "md"))
+    assert len(list((tmp_path / "report-pictures").glob("rows-*.p*"))) == 2
+
+    told = ["-o", str(tmp_path / "other.md"), "--no-pictures", "--quiet"]
+    assert main([str(web), str(arc), *told]) == 2
+    assert "no such certificate is given" in capsys.readouterr().err
+    assert main([str(catalogue), *told]) == 2
+    assert "rests on the curve" in capsys.readouterr().err
+    for path, change in (
+        (web, lambda d: d["arcs"][0]["meets"][0].update(piece="p002")),
+        (catalogue, lambda d: d["rows"][0]["orbit"]["period"].update(rad="0x1p-300")),
+    ):
+        path.write_text(json.dumps(forged(json.loads(path.read_text()), change)))
+        assert main([*given, *told]) == 1
+        assert f"REFUSED {path}" in capsys.readouterr().err
+        assert not (tmp_path / "other.md").exists()

@@ -1,0 +1,51 @@
+"""Certificates that rest on others, as files: a web of a curve and a point on it, a catalogue by its curve."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from support import catalogue_cases
+from support.claims import known
+from support.forgeries import atlas_certificate, fabricated, of_parabola
+
+from orbitproof import verify
+from orbitproof.shared.claims.web import PASSES, Meeting, Web, WebArc
+from orbitproof.shared.formats import read_catalogue_rows
+from orbitproof.verify.atlas import (
+    AtlasCertificate,
+    certified_rows,
+    certified_web,
+    check_of_conclusion,
+    resting,
+    write_catalogue_certificate,
+    write_web_certificate,
+)
+from orbitproof.verify.certificate import Limits, certify, recheck, write_certificates
+
+
+def write_web(folder: Path) -> list[Path]:
+    """`rows.json` with a point, `curve.json`, and `web.json`, which says that the curve passes through it."""
+    point = fabricated(certify(known("fs3"), Limits(max_precision=256)), ("2", "4e-2"), "near")
+    atlas, results = of_parabola()
+    curve = AtlasCertificate(atlas, json.loads(json.dumps(atlas_certificate(atlas, results))))
+    claim = Web("a web", "a web", (WebArc("parabola", (Meeting("near", PASSES),)),))
+    checks = {"parabola": check_of_conclusion(curve.document), "near": recheck(point)}
+    paths = [folder / name for name in ("rows.json", "curve.json", "web.json")]
+    write_certificates(paths[0], [point])
+    verify.write_atlas(paths[1], curve)
+    write_web_certificate(paths[2], certified_web(claim, resting(claim, [point, curve]), checks))
+    return paths
+
+
+def write_catalogue(folder: Path) -> list[Path]:
+    """`curve.json`, and `rows.json`, which says what it certifies of four rows."""
+    curve, stored = catalogue_cases.curve(), catalogue_cases.STORED["catalogue"]
+    given = folder / "given.json"
+    data = stored["data"][: catalogue_cases.ON_THE_ARC]
+    given.write_text(json.dumps({**stored, "data": data, "count": str(len(data))}))
+    paths = [folder / name for name in ("curve.json", "rows.json")]
+    verify.write_atlas(paths[0], curve)
+    write_catalogue_certificate(paths[1], certified_rows(curve, read_catalogue_rows(given)))
+    given.unlink()
+    return paths
