@@ -8,7 +8,6 @@ import re
 import shlex
 import signal
 import sys
-import time
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -25,9 +24,14 @@ from support.stored import values
 from orbitproof.shared import InputError
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.interrupts import INTERRUPTED
+from orbitproof.shared.systems import AROUND
 from orbitproof.verify.atlas import make_atlas_certificate, read_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.certificate import Limits, certify, digest, write_certificates
+from orbitproof.verify.oracle import steps_about
+from orbitproof.verify.run import branches
 from orbitproof.verify.run.branch_command import _parser, main
+from orbitproof.verify.run.branch_tasks import RunLimits, attempts_of
+from orbitproof.verify.run.branches import AtlasRun
 
 
 def certificate_of(atlas: Atlas, work: Any) -> dict[str, Any]:
@@ -191,23 +195,38 @@ def test_an_interrupt_keeps_finished_pieces_and_the_same_command_goes_on(tmp_pat
     places = [str(ROOT / "tests"), *filter(None, [os.environ.get("PYTHONPATH")])]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(places)}
     with started(["-c", code], env=environment) as run:
-        wait_until(target.exists)
-        time.sleep(0.3)
+        wait_until(lambda: target.exists() and len(read_atlas_certificate(target).results) == 2)
         # As a terminal does: to every process of the group.
         os.killpg(run.pid, signal.SIGINT)
         output, errors = run.communicate(timeout=60)
     assert run.returncode == INTERRUPTED
-    assert "interrupted: 1 of 3 pieces finished, saved in" in errors
+    assert "interrupted: 2 of 3 pieces finished, saved in" in errors
     assert "Traceback" not in errors
     assert "not finished" in output
     stored = read_atlas_certificate(target)
     assert stored.document["reason"]["condition"] == "unfinished"
-    assert [result.piece for result in stored.results] == ["p000"]
+    assert [result.piece for result in stored.results] == ["p000", "p002"]
     assert main(["--recheck", str(target)]) == 1
 
     assert main([source, "-o", str(target)], atlas_work.proving) == 0
-    assert "1 of 3 pieces settled already" in capsys.readouterr().err
+    assert "2 of 3 pieces settled already" in capsys.readouterr().err
     assert read_atlas_certificate(target).is_proved
+
+
+def test_pieces_whose_orbits_take_the_most_steps_are_proved_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    settings = attempts_of(CURVE, RunLimits({}))[0]
+    names = CURVE.system.centre_coordinates
+    points = [dict(zip(names, map(float, piece.centre), strict=True)) for piece in CURVE.curve_pieces()]
+    found = steps_about(CURVE.system, points, settings["precision"], settings["order"])
+    assert all(1 < number < 100 for number in found)
+    assert steps_about(CURVE.system, points[:1], 2 * settings["precision"], settings["order"])[0] > found[0]
+    assert steps_about(AROUND["L1"], points, settings["precision"], settings["order"]) == [0] * 3
+    for numbers, order in (([3, 9, 5], ["p001", "p002", "p000"]), ([0, 0, 0], ["p000", "p001", "p002"])):
+        monkeypatch.setattr(branches, "steps_about", lambda *_, numbers=numbers: numbers)
+        run, tasks = AtlasRun(CURVE, RunLimits({})), []
+        while (task := run._next()) is not None:
+            tasks.append(task.name)
+        assert tasks == order
 
 
 def test_examples_of_the_help_parse(capsys: Any) -> None:

@@ -15,3 +15,4 @@ from orbitproof.verify.oracle.precision import (
     steps_of_centre,
 )
 from orbitproof.verify.oracle.sharpened import counsel
+from orbitproof.verify.oracle.steps import steps_about

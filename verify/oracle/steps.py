@@ -1,12 +1,13 @@
-"""In which coordinates a half return takes less time, by an estimate in float64 (section 14)."""
+"""How many steps half returns take, and in which coordinates they take less time: estimates in float64 (section 14)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
+from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.oracle.centre import float_coefficients, step_size
-from orbitproof.verify.poincare import Coordinates
+from orbitproof.verify.poincare import PHYSICAL, Coordinates, coordinates_of
 
 _ROUGH_DEGREE = 24
 _MOST_STEPS = 400
@@ -31,6 +32,27 @@ def regularised_steps(
     if few is None:
         return 0
     return 0 if steps_to_section(own, point, parameters, bits, degree, int(_COST * few)) is not None else few
+
+
+def steps_about(
+    system: ReversibleSystem, points: Sequence[Mapping[str, float]], bits: int, degree: int
+) -> Sequence[int]:
+    """About how many steps half returns take in the system's own coordinates; 0 if that is not found.
+
+    Args:
+        points: coordinates on Fix(R) and parameters of each, by name; what is not given is 0.
+    """
+    if system.normalised or system.defined or system.fixed_level is not None or system.derived_parameters:
+        return [0] * len(points)
+    own = coordinates_of(PHYSICAL, system.program, len(system.state), system.section_index)
+    found = []
+    for point in points:
+        state, constants = ([point.get(name, 0.0) for name in names] for names in (system.state, system.parameters))
+        try:
+            found.append(steps_to_section(own, state, constants, bits, degree, _MOST_STEPS) or _MOST_STEPS)
+        except (ArithmeticError, ValueError):
+            found.append(0)
+    return found
 
 
 def steps_to_section(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from pathlib import Path
 
 from orbitproof.shared.formats import (
@@ -34,6 +35,7 @@ from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import exact_interval_text
 from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, exceptions_to_sharpen, is_known_of, twist_open_on
+from orbitproof.verify.oracle import steps_about
 from orbitproof.verify.run import Answer, Display, Engine, Task, Work, Workplace
 from orbitproof.verify.run.branch_checks import checked_side_by_side, watching
 from orbitproof.verify.run.branch_tasks import (
@@ -79,6 +81,7 @@ class AtlasRun:
         self._begun: set[tuple[str, Interval, int]] = set()
         self._told: set[str] = set()
         self._plans = {piece.id: self._plan(piece) for piece in atlas.pieces}
+        self._order = _longest_first(atlas, self._attempts[0])
         self.kept = frozenset(self._plans) - frozenset(self.pending)
         """Ids of the pieces that an earlier run had settled."""
 
@@ -145,8 +148,9 @@ class AtlasRun:
         return self._lacking[id(result)][1]
 
     def _next(self) -> Task | None:
-        """The first interval along the curve that nobody works on; so halves come before pieces further on."""
-        for name, state in self._plans.items():
+        """An interval that nobody works on, of the first such piece; so halves come before the pieces after it."""
+        for name in self._order:
+            state = self._plans[name]
             if state.is_settled:
                 continue
             for interval, attempt in state.missing:
@@ -203,6 +207,29 @@ class AtlasRun:
                 f"{name}: {word}, not proved for s in {exact_interval_text(start, end)}{place}: {result.reason.message}"
             )
         display.advance(name, self._share(name, 0.0), "next interval")
+
+
+def _longest_first(atlas: AnyAtlas, settings: Settings) -> list[str]:
+    """Ids of the pieces, those first whose orbits take the most steps: what one process does last is short then.
+
+    By an estimate; where there is none, as along the curve.
+    """
+    names = [piece.id for piece in atlas.pieces]
+    pieces = atlas.curve_pieces() if isinstance(atlas, Atlas) else ()
+    if not isinstance(atlas, Atlas) or not pieces:
+        return names
+    parameters = {name: float(value) for name, value in atlas.parameters.items()}
+    try:
+        middles = [map(float, piece.point(Fraction(0))) for piece in pieces]
+        points = [
+            {**parameters, **dict(zip(atlas.system.centre_coordinates, middle, strict=True))} for middle in middles
+        ]
+    except ValueError:
+        # A piece with other numbers of coordinates is refused when it is proved.
+        return names
+    found = steps_about(atlas.system, points, settings["precision"], settings["order"])
+    steps = dict(zip((piece.id for piece in pieces), found, strict=True))
+    return sorted(names, key=lambda name: -steps.get(name, 0))
 
 
 def reusable(
