@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import wrap
 from typing import Any
@@ -21,6 +21,7 @@ from orbitproof.figures.style import INK, label_of, level_label
 from orbitproof.shared.formats import AnyAtlas, InputError
 from orbitproof.shared.systems import AROUND, BRANCH_SYSTEMS, CR3BP, VERTICAL, ReversibleSystem, System
 from orbitproof.verify.atlas import StoredArc, StoredVertex, WebCertificate
+from orbitproof.verify.atlas.listed import ListedInterval
 
 COLOURS = {"planar": "#3c6e91", "R": "#1b7837", "axial": "#b2182b", "vertical": "#762a83"}
 WORDS = {
@@ -33,6 +34,7 @@ _WIDTH, _HEIGHT = 7.2, 4.4
 _CHARACTERS = 95
 _NEAR = "(b)  around libration points"
 _LIBRATION_POINT = "libration_point"
+_STABLE: Mapping[str, Any] = {"linewidth": 6.0, "alpha": 0.3, "solid_capstyle": "butt"}
 _POINT: Mapping[str, Any] = {"color": INK, "marker": "d", "linestyle": "none", "markersize": 6.0}
 
 
@@ -44,11 +46,13 @@ class DrawnArc:
         kind: of its symmetry, a key of `WORDS`.
         lines: for each piece level and x, shape (2, M).
         marks: the vertices on it, with level and x.
+        stable: lines where its certificate lists that orbits are linearly stable, of a planar arc in the plane.
     """
 
     kind: str
     lines: tuple[Array, ...]
     marks: tuple[tuple[StoredVertex, float, float], ...]
+    stable: tuple[Array, ...]
 
 
 def drawn_arcs(web: WebCertificate, curves: Mapping[str, Curve]) -> tuple[DrawnArc, ...]:
@@ -71,7 +75,23 @@ def _drawn(arc: StoredArc, curve: Curve, vertices: Mapping[str, StoredVertex]) -
             mark = CertifiedPoint(vertex.id, vertex.kind, vertex.k, meeting.piece, float(meeting.s.mid()), False)
             x = float(states.level_and_x(curve.place_of(mark)[1][None, :])[1, 0])
         marks.append((vertex, float(vertex.level.mid()), x))
-    return DrawnArc(kind, lines, tuple(marks))
+    stable = [states.level_and_x(part) for interval in arc.stable for part in _between(curve, interval)]
+    return DrawnArc(kind, lines, tuple(marks), tuple(stable))
+
+
+def _between(curve: Curve, interval: ListedInterval) -> Iterator[Array]:
+    """The points of a curve between the ends of an interval, piece by piece; on a loop it may pass its beginning."""
+    order = [stretch.piece for stretch in curve.stretches]
+    first, last = (order.index(end.piece) for end in (interval.start, interval.end))
+    begin, end = float(interval.start.interval[1]), float(interval.end.interval[0])
+    wraps = (last, end) < (first, begin)
+    for number in range(first, last + 1 + wraps * len(order)):
+        stretch = curve.stretches[number % len(order)]
+        low = begin if number == first else -np.inf
+        high = end if number == last + wraps * len(order) else np.inf
+        points = stretch.points[(stretch.s >= low) & (stretch.s <= high)]
+        if len(points):
+            yield points
 
 
 def _kind_of(atlas: AnyAtlas) -> str:
@@ -166,6 +186,8 @@ def draw_web(web: WebCertificate, curves: Mapping[str, Curve]) -> Figure:
         Line2D([], [], color=COLOURS[kind], linewidth=1.6, label=words)
         for kind, words in WORDS.items() if any(arc.kind == kind for arc in arcs)
     ]  # fmt: skip
+    if any(arc.stable for arc in arcs):
+        handles.append(Line2D([], [], color=INK, **_STABLE, label="linearly stable"))
     if len(claims) < len(web.vertices):
         handles.append(Line2D([], [], **_POINT, label="libration point"))
     figure = plt.figure(figsize=(_WIDTH, _HEIGHT))
@@ -188,6 +210,8 @@ def _draw(axes: Axes, arcs: Sequence[DrawnArc], around: Sequence[DrawnArc]) -> N
         room = 0.06 * (values.max() - values.min())
         set_limits(values.min() - room, values.max() + room)
     for arc in arcs:
+        for level, x in arc.stable:
+            axes.plot(level, x, color=COLOURS[arc.kind], **_STABLE)
         for level, x in arc.lines:
             axes.plot(level, x, color=COLOURS[arc.kind], linewidth=1.4)
     limits = np.array([axes.get_xlim(), axes.get_ylim()])

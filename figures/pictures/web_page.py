@@ -13,6 +13,7 @@ from html import escape
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from orbitproof.explore.flow import FlowFailure, flow_of
 from orbitproof.figures.certified import Curve
@@ -21,10 +22,11 @@ from orbitproof.figures.pictures.web import COLOURS, WORDS, DrawnArc, States, dr
 from orbitproof.figures.pictures.web_script import PAGE
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, shown
 from orbitproof.verify.atlas import StoredArc, WebCertificate
+from orbitproof.verify.atlas.listed import ListedEnd
 from orbitproof.verify.evidence import range_text
 
-ORBITS, PLACES = 40, 120
-"""Orbits of an arc, and points of each, at most."""
+ORBITS, PLACES, LINE = 32, 100, 50
+"""Orbits of an arc, points of each, and points of a line of the diagram, at most."""
 
 _SAID = {"vertical": "vertical, symmetric under R and under the half turn"}
 """Where the legend of the picture is too short."""
@@ -43,7 +45,8 @@ def page_of(web: WebCertificate, curves: Mapping[str, Curve]) -> str:
     theorem = "".join(f"<p>{escape(line)}</p>" for line in (web.theorem or "").split("\n"))
     # "</" would end the script.
     text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
-    parts = {"TITLE": escape(web.claim.title), "DATA": text, "THEOREM": theorem}
+    stable = ", broad bands where orbits are proved to be linearly stable" if any(arc.stable for arc in drawn) else ""
+    parts = {"TITLE": escape(web.claim.title), "STABLE": stable, "DATA": text, "THEOREM": theorem}
     page = PAGE
     for name, part in parts.items():
         page = page.replace(f"@{name}@", part)
@@ -53,8 +56,7 @@ def page_of(web: WebCertificate, curves: Mapping[str, Curve]) -> str:
 def _arc(known: StoredArc, arc: DrawnArc, curve: Curve) -> dict[str, Any]:
     states = States.of(curve)
     points = np.concatenate([stretch.points for stretch in curve.stretches])
-    chosen = np.unique(np.linspace(0, len(points) - 1, ORBITS).round().astype(int))
-    found = [_orbit(arc.kind, states, row) for row in points[chosen]]
+    found = [_orbit(arc.kind, states, row) for row in points[_evenly(len(points), ORBITS)]]
     return {
         "id": known.id,
         "name": shown(known.id),
@@ -64,7 +66,8 @@ def _arc(known: StoredArc, arc: DrawnArc, curve: Curve) -> dict[str, Any]:
         "period": "not known" if known.period is None else range_text(known.period, 5),
         "list": _list_in_words(known, arc.kind),
         "meets": [f"{meeting.how} {shown(meeting.vertex)}" for meeting in known.meets],
-        "line": [[_short(level), _short(x)] for line in arc.lines for level, x in line.T],
+        "line": [point for line in arc.lines for point in _thinned(line)],
+        "stable": [_thinned(line) for line in arc.stable],
         "orbits": [each for each in found if each is not None],
     }
 
@@ -72,11 +75,15 @@ def _arc(known: StoredArc, arc: DrawnArc, curve: Curve) -> dict[str, Any]:
 def _list_in_words(known: StoredArc, kind: str) -> str:
     """What its certificate has of linear stability; of a planar arc it is about variations in the plane (33.5)."""
     where = " to variations in the plane" if kind == "planar" else ""
-    return (
-        "its certificate has no list"
-        if known.order is None
-        else f"proved intervals of stability{where}: {len(known.stable)}"
-    )
+    if known.order is None:
+        return "its certificate has no list"
+    ends = "; ".join(" to ".join(map(_end, (interval.start, interval.end))) for interval in known.stable)
+    return f"proved intervals of linear stability{where}: {len(known.stable)}" + (f" ({ends})" if ends else "")
+
+
+def _end(end: ListedEnd) -> str:
+    """The Jacobi constant at an end of an interval, or what is there."""
+    return ", ".join(end.what) if end.level is None else f"{float(end.level.mid()):.6g}"
 
 
 def _orbit(kind: str, states: States, point: Array) -> dict[str, Any] | None:
@@ -92,8 +99,7 @@ def _orbit(kind: str, states: States, point: Array) -> dict[str, Any] | None:
         period, multiplier = _period(state, rows, states.mu)
     except (OrbitNotClosed, FlowFailure):
         return None
-    kept = rows[np.unique(np.linspace(0, len(rows) - 1, PLACES).round().astype(int)), :3]
-    places = [_short(value) for value in kept.ravel()]
+    places = [_short(value, 5) for value in rows[_evenly(len(rows), PLACES), :3].ravel()]
     return {"c": _short(level, 8), "x": _short(x, 8), "t": _short(period), "m": _short(multiplier, 4), "p": places}
 
 
@@ -107,6 +113,16 @@ def _period(state: Array, rows: Array, mu: float) -> tuple[float, float]:
     period = guess - 2 * float(half.state[1] / half.velocity[1])
     values = np.linalg.eigvals(flow.derivative(state, period, [mu]).state_transition)
     return period, float(np.abs(values).max())
+
+
+def _evenly(count: int, most: int) -> NDArray[np.int_]:
+    """Indices of at most so many of `count` rows, the first and the last among them."""
+    return np.unique(np.linspace(0, count - 1, most).round().astype(int))
+
+
+def _thinned(line: Array) -> list[list[float]]:
+    """Points of a line, shape (2, M)."""
+    return [[_short(level), _short(x)] for level, x in line.T[_evenly(line.shape[1], LINE)]]
 
 
 def _short(value: float, digits: int = 6) -> float:

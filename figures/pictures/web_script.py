@@ -18,7 +18,8 @@ canvas { width: 100%; aspect-ratio: 4 / 3; border: 1px solid #ccc; touch-action:
 button { font: inherit; margin: 0 .4rem .4rem 0; padding: .1rem .5rem; border: 2px solid; border-radius: .4rem; }
 button { background: none; color: inherit; overflow-wrap: anywhere; }
 button[aria-pressed="true"] { font-weight: bold; background: #eee; }
-input[type="range"] { width: 100%; }
+.along { display: flex; align-items: center; } .along button { border-color: #999; white-space: nowrap; }
+input[type="range"] { flex: 1; min-width: 0; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 0 .8rem; margin: .5rem 0; }
 dd { margin: 0; } .small { color: #666; font-size: .85rem; } summary { cursor: pointer; }
 #theorem p { margin: .3rem 0; overflow-wrap: anywhere; }
@@ -29,12 +30,13 @@ dd { margin: 0; } .small { color: #666; font-size: .85rem; } summary { cursor: p
 <div id="arcs"></div>
 <div class="panels">
 <div><canvas id="diagram"></canvas><p class="small">Jacobi constant to the right, x where orbits start upwards; vertices
-filled, libration points as diamonds. Click an arc.
+filled, libration points as diamonds@STABLE@. Click an arc.
 <label><input id="whole" type="checkbox"> whole arcs</label></p></div>
 <div><canvas id="space"></canvas><p class="small">The orbit in space; drag to turn it. Dots: the two primaries, if near.
 </p></div>
 </div>
-<input id="along" type="range" min="0" value="0" aria-label="along the arc">
+<div class="along"><button id="move" type="button" aria-pressed="false">move along</button>
+<input id="along" type="range" min="0" value="0" aria-label="along the arc"></div>
 <dl id="facts"></dl>
 <p class="small">Ranges of level and period, meetings and the theorem are those that the certificate says are proved.
 Single orbits, their levels, periods and multipliers are computed in double precision, and not proved.</p>
@@ -88,10 +90,14 @@ function drawDiagram() {
     const [, v] = place(span[0], value, width, height);
     pen.beginPath(); pen.moveTo(34, v); pen.lineTo(width, v); pen.stroke(); pen.fillText(value, 2, v + 4);
   }
-  data.arcs.forEach((arc, number) => {
-    pen.strokeStyle = arc.colour; pen.lineWidth = number === chosen ? 4 : 1.6; pen.beginPath();
-    arc.line.forEach((p, i) => pen[i ? "lineTo" : "moveTo"](...place(p[0], p[1], width, height)));
+  const stroke = (points, colour, thick) => {
+    pen.strokeStyle = colour; pen.lineWidth = thick; pen.beginPath();
+    points.forEach((p, i) => pen[i ? "lineTo" : "moveTo"](...place(p[0], p[1], width, height)));
     pen.stroke();
+  };
+  data.arcs.forEach((arc, number) => {
+    arc.stable.forEach(part => stroke(part, arc.colour + "40", 10));
+    stroke(arc.line, arc.colour, number === chosen ? 4 : 1.6);
   });
   for (const vertex of data.vertices) {
     const [u, v] = place(vertex.level, vertex.x, width, height);
@@ -156,10 +162,24 @@ function tell() {
   })));
 }
 function draw() { frame(); drawDiagram(); drawSpace(); tell(); }
+let moving = 0;
+function move(starts) {
+  clearInterval(moving); moving = 0;
+  byId("move").setAttribute("aria-pressed", starts);
+  if (!starts) return;
+  if (+along.value >= +along.max) along.value = 0;
+  moving = setInterval(() => {
+    along.value = +along.value + 1; draw();
+    if (+along.value >= +along.max) move(false);
+  }, 120);
+}
+byId("move").onclick = () => { move(!moving); draw(); };
 function choose(number) {
+  move(false);
   chosen = number; along.max = Math.max(0, data.arcs[number].orbits.length - 1);
   along.value = Math.floor(along.max / 2);
   [...byId("arcs").children].forEach((button, i) => button.setAttribute("aria-pressed", i === number));
+  history.replaceState(null, "", "#" + encodeURIComponent(data.arcs[number].id));
   draw();
 }
 data.arcs.forEach((arc, number) => {
@@ -167,7 +187,7 @@ data.arcs.forEach((arc, number) => {
   button.textContent = arc.name; button.style.borderColor = arc.colour; button.onclick = () => choose(number);
   byId("arcs").append(button);
 });
-along.oninput = draw;
+along.oninput = () => { move(false); draw(); };
 byId("whole").onchange = draw;
 diagram.onclick = event => {
   const [width, height] = [diagram.clientWidth, diagram.clientHeight];
@@ -187,7 +207,8 @@ space.onpointermove = event => {
 };
 space.onpointerup = () => { held = null; };
 window.onresize = draw;
-choose(0);
+const asked = decodeURIComponent(location.hash.slice(1));
+choose(Math.max(0, data.arcs.findIndex(arc => arc.id === asked)));
 </script>
 </body>
 </html>

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from fractions import Fraction
 from functools import cache
 from html import escape
 from pathlib import Path
@@ -18,11 +19,12 @@ from support.forgeries import atlas_certificate, forged
 from orbitproof.figures import draw_web as draw_files
 from orbitproof.figures.certified import Curve
 from orbitproof.figures.pictures import draw_web, web_page
-from orbitproof.figures.pictures.web import States, drawn_arcs
+from orbitproof.figures.pictures.web import States, _between, drawn_arcs
 from orbitproof.figures.pictures.web_page import _list_in_words
 from orbitproof.shared.claims.web import BRANCHES, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import InputError
 from orbitproof.verify.atlas import AtlasCertificate, WebCertificate, certified_web
+from orbitproof.verify.atlas.listed import ListedEnd, ListedInterval
 from orbitproof.verify.atlas.web import StoredArc
 from orbitproof.verify.certificate import Level, Recheck
 
@@ -60,6 +62,25 @@ def test_arcs_and_vertices_are_drawn_where_they_are_proved() -> None:
     drawn = np.concatenate(arc.lines, axis=1)
     for c, x in drawn.T[::50]:
         assert abs(c - level(math.acos(np.clip(x, -1, 1)))) < 1e-5
+
+
+def test_where_orbits_are_listed_as_stable_is_drawn_between_the_ends_and_nowhere_else() -> None:
+    curve = Curve.of(web()[1])
+    pieces = [stretch.piece for stretch in curve.stretches]
+
+    def interval(start: tuple[int, int], end: tuple[int, int]) -> ListedInterval:
+        ends = (ListedEnd(pieces[number], ("an end",), (Fraction(s, 8), Fraction(s, 8))) for number, s in (start, end))
+        return ListedInterval(*ends)
+
+    between = np.concatenate(list(_between(curve, interval((1, 2), (3, -2)))))
+    beyond = np.concatenate(list(_between(curve, interval((3, -2), (1, 2)))))
+    angles, others = (np.arctan2(points[:, 1], points[:, 0]) for points in (between, beyond))
+    # Pieces of the half circle are centred every 36 degrees, as wide as a sine of 0.4.
+    low, high = np.pi / 5 + np.arcsin(0.1), 3 * np.pi / 5 - np.arcsin(0.1)
+    assert low - 1e-6 < angles.min() < low + 0.02
+    assert high - 0.02 < angles.max() < high + 1e-6
+    assert others.min() < 0.01 < np.pi - 0.01 < others.max()
+    assert not ((others > low + 0.01) & (others < high - 0.01)).any()
 
 
 def test_the_picture_has_filled_vertices_and_a_legend() -> None:
@@ -133,6 +154,6 @@ def test_what_is_not_proved_is_not_drawn(tmp_path: Path) -> None:
 
 def test_stability_that_is_proved_of_a_planar_arc_is_told_to_be_in_the_plane() -> None:
     known = StoredArc(id="a", system="a system", kind="arc", meets=(), order=4)
-    assert _list_in_words(known, "planar") == "proved intervals of stability to variations in the plane: 0"
-    assert _list_in_words(known, "R") == "proved intervals of stability: 0"
+    assert _list_in_words(known, "planar") == "proved intervals of linear stability to variations in the plane: 0"
+    assert _list_in_words(known, "R") == "proved intervals of linear stability: 0"
     assert _list_in_words(replace(known, order=None), "planar") == "its certificate has no list"
