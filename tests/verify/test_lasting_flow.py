@@ -230,6 +230,12 @@ def test_a_symmetry_fixes_orbits_only_if_that_is_shown() -> None:
     # One that leaves q alone, one that negates all, one that the field has not, and one that the integral has not.
     for signs in ((-1, -1, 1, 1), (-1, -1, -1, -1), (1, 1, -1, 1)):
         assert odd_coordinate(replace(system, symmetries={"S": signs}), piece) is None
+    # Where all is negated, points with the first coordinate 0 are not fixed.
+    other = replace(piece, centre=piece.centre[::-1], frame=frame[::-1])
+    assert odd_coordinate(replace(system, symmetries={"S": (-1, -1, 1, -1)}), other) is None
+    assert odd_coordinate(replace(system, symmetries={"S": (-1, -1, -1, -1)}), other) is None
+    # One of the system that negates x, which is 0, and leaves q alone.
+    assert odd_coordinate(replace(system, symmetries={"S": (-1, -1, 1, 1)}), other) is None
     uneven = replace(system, first_integral=lambda z, _: (_energy(z, _)[0] + z[2],))
     assert odd_coordinate(uneven, piece) is None
     bent = replace(system, vector_field=lambda z, _: (*_field(z, _)[:3], _field(z, _)[3] + z[2] * z[2]))
