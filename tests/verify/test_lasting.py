@@ -475,6 +475,8 @@ def test_a_zero_next_to_a_resonance_is_not_told_from_it() -> None:
     assert lasting["undecided"]
     assert len(lasting["stable"]) == 3
     assert "twistless" not in [entry["kind"] for entry in lasting["exceptions"]]
+    # Also one that is known better than the resonance.
+    assert said(made_up(([tau], []), error=1e-60))["gaps"]
     third = ball_from_json(said(made_up(([], [])))["exceptions"][1]["s"])
     lasting = said(made_up(([], [float(third.mid()) * 32 / 33])))
     assert lasting["undecided"]
