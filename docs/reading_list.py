@@ -27,6 +27,10 @@ CHAPTERS = {
     "orbit": ("verify.orbit.following", "verify.orbit.proved_orbit"),
     "twist": ("verify.twist.following", "verify.twist.proved_stable_orbit"),
     "krein": ("verify.reversor_breaking.following", "verify.krein.proved_krein"),
+    "double-resonance": (
+        "verify.double_resonance.following",
+        "verify.double_resonance.proved_double_resonance",
+    ),
     "curve": ("verify.curve.piece", "verify.curve.proved_curve"),
     "periodic": ("verify.periodic.following", "verify.periodic.proved_periodic"),
     "periodic-bifurcation": (
@@ -53,6 +57,7 @@ OTHER_WORDS = {
     "orbit": ("one-orbit", "single-orbit"),
     "twist": ("stable-orbit",),
     "krein": ("collision", "krein-collision"),
+    "double-resonance": ("two-resonances", "codimension-two"),
     "curve": ("branch", "branches", "family", "families", "loop", "piece", "atlas", "libration"),
     "periodic": ("periodic-orbit",),
     "periodic-bifurcation": ("periodic-fold", "periodic-doubling", "periodic-pitchfork", "doubling", "pitchfork"),

@@ -10,7 +10,7 @@ from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import kind_of
 from orbitproof.explore.names import exact_parameters, label_of, short_name
 from orbitproof.explore.refinement import RefinementFailure, Task, refine_task
-from orbitproof.shared.formats import ACROSS_KINDS, KINDS, Candidate, InputError
+from orbitproof.shared.formats import ACROSS_KINDS, DOUBLE_RESONANCE, KINDS, Candidate, InputError
 from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
 
 
@@ -32,11 +32,12 @@ def refine_at(
 
     Arguments:
         system: one of `shared`, or your own from `shared.load_system` or `shared.define_system`.
-        point: on Fix(R), all of `system.centre_coordinates` by name.
+        point: on Fix(R), all of `system.centre_coordinates` by name; where two resonances meet, also a value near
+            which the parameter lies that varies.
         k: multiplicity.
-        parameters: the fixed parameters, exact: `Fraction`, int, or text such as "0.1", "1/3", "earth-moon".
-        kind: one of `shared.KINDS`, "reversor_breaking" or "krein_collision"; by default the generic bifurcation at a
-            1:k resonance, for n = 1 and k = 3 period tupling where a symmetry fixes the point.
+        parameters: the fixed parameters but that one, exact: `Fraction`, int, or text: "0.1", "1/3", "earth-moon".
+        kind: one of `shared.KINDS`, "reversor_breaking", "krein_collision" or "double_resonance"; by default the
+            generic bifurcation at a 1:k resonance, for n = 1 and k = 3 period tupling where a symmetry fixes the point.
         symmetry: for symmetry breaking, the symmetry that breaks, for period tupling with k = 3 the one that fixes the
             point; by default the only one.
         crossings: how often the half orbit, from Fix(R) to Fix(R), meets the section, its end included.
@@ -48,12 +49,20 @@ def refine_at(
     Raises `ValueError` for what is missing or unknown, `RefinementFailure`, one line, if Newton's method does not come
     to a point.
     """
-    wanted = system.centre_coordinates
+    varying = next((each for each in system.fixed_parameters if each in point), None)
+    if kind != DOUBLE_RESONANCE:
+        varying = None
+    elif varying is None or k < 2 or symmetry is not None or system.family_parameter is not None:
+        raise ValueError(
+            f"kind: {kind!r} needs k > 1, no symmetry, a system with a first integral, and in point the value near "
+            f"which one of {', '.join(system.fixed_parameters) or 'no parameters'} lies"
+        )
+    wanted = system.centre_coordinates if varying is None else (varying, *system.centre_coordinates)
     if set(point) != set(wanted):
         raise ValueError(f"point: {', '.join(point)}; give {', '.join(wanted)}")
     if digits < 1:
         raise ValueError(f"digits: {digits!r} is not positive")
-    known = (*KINDS, *ACROSS_KINDS)
+    known = (*KINDS, *ACROSS_KINDS, DOUBLE_RESONANCE)
     if kind is not None and kind not in known:
         raise ValueError(f"kind: {kind!r} is unknown; there are {', '.join(known)}")
     if kind in ACROSS_KINDS and (k != 1 or symmetry is not None):
@@ -64,7 +73,7 @@ def refine_at(
     texts = {key: str(MASS_PARAMETERS.get(str(value), value)) for key, value in (parameters or {}).items()}
     words = [f"{key}={text}" for key, text in texts.items()]
     try:
-        exact = exact_parameters(system, texts)
+        exact = exact_parameters(system, texts, varying)
     except InputError as error:
         raise ValueError(str(error)) from None
     name = id or f"{label_of(system, None, words) or system.name}-{short_name(kind, k)}"

@@ -13,9 +13,9 @@ from .lyapunov import lyapunov_atlas as lyapunov_atlas
 from .request import Source as Source
 from .request import check_names as check_names
 from .run import run_source as run_source
+from .surface import Births as Births
 from .surface import intervals as intervals
 from .surface import piece as piece
-from .surface import system_of as system_of
 from .surface import trace as trace
 from .vertical import VerticalFamily as VerticalFamily
 from .vertical import vertical_atlas as vertical_atlas

@@ -1,4 +1,4 @@
-"""``orbitproof explore atlas-mass``: halo orbits of L1, L2, L3 over a range of the mass parameter, as an atlas."""
+"""``orbitproof explore atlas-mass``: births of halo or axial orbits over a range of the mass parameter, as an atlas."""
 
 from __future__ import annotations
 
@@ -12,7 +12,14 @@ from orbitproof.explore.names import mass_parameter
 from orbitproof.shared.formats import SURFACE, AnyPiece, Atlas, Claim, Covers, InputError, check_writable, write_atlas
 
 POINTS = ("L1", "L2", "L3")
-AMPLITUDES = {"L1": Fraction(4, 1000), "L2": Fraction(3, 1000), "L3": Fraction(125, 10**6)}
+FAMILIES = ("halo", "axial")
+AMPLITUDES = {
+    ("L1", "halo"): Fraction(4, 1000),
+    ("L2", "halo"): Fraction(3, 1000),
+    ("L3", "halo"): Fraction(125, 10**6),
+    ("L1", "axial"): Fraction(1, 1000),
+    ("L2", "axial"): Fraction(1, 1000),
+}
 """Values of --z by default: what the verifier proves in a few pieces."""
 
 LOWEST = {"L1": Fraction(0), "L2": Fraction(0), "L3": Fraction(1, 10**5)}
@@ -29,6 +36,7 @@ examples:
   orbitproof explore atlas-mass --point L1 -o mass-l1.json
   orbitproof explore atlas-mass --point L2 --z 0.001 -o mass-l2.json
   orbitproof explore atlas-mass --point L1 --lyapunov -o mass-l1.json
+  orbitproof explore atlas-mass --point L1 --family axial -o mass-axial-l1.json
   orbitproof explore atlas-mass --point L3 --mu-min 0.0002 --z 0.00005 -o mass-l3.json
   orbitproof verify atlas mass-l1.json -o mass-l1-certificate.json
 
@@ -42,10 +50,16 @@ def add_parser(commands: Any) -> None:
     parser = add_command(
         commands,
         "atlas-mass",
-        "atlas of the halo orbits near their symmetry-breaking points over a range of the mass",
+        "atlas of halo or axial orbits near their birth on the planar families, over a range of the mass",
         _EXAMPLES,
     )
     parser.add_argument("--point", choices=POINTS, required=True, help="the libration point")
+    parser.add_argument(
+        "--family",
+        choices=FAMILIES,
+        default="halo",
+        help="the orbits that are born (default: %(default)s; axial: L1, L2)",
+    )
     parser.add_argument(
         "--mu-min", metavar="MU", help="smallest mass parameter (default: 0 for L1 and L2, 0.00001 for L3)"
     )
@@ -54,8 +68,8 @@ def add_parser(commands: Any) -> None:
         "--z",
         type=positive,
         metavar="Z",
-        help="halo orbits up to this abs(z), for L1 and L2 in units of mu^(1/3) (default: "
-        + ", ".join(f"{name} {float(value):g}" for name, value in AMPLITUDES.items())
+        help="orbits up to this abs(z), axial ones abs(vz), for L1 and L2 in units of mu^(1/3) (default: "
+        + ", ".join(f"{point} {family} {float(value):g}" for (point, family), value in AMPLITUDES.items())
         + f"; L3 below mass {float(LIGHT[0]):g}: {float(LIGHT_AMPLITUDE):g})",
     )
     parser.add_argument(
@@ -74,7 +88,9 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Follow the curve and write the atlas; returns the exit code. Raises `InputError`."""
-    point = options.point
+    point, family = options.point, options.family
+    if (point, family) not in AMPLITUDES:
+        raise InputError(f"--family {family}: for L1 and L2 only; give another point")
     smallest = LOWEST[point] if options.mu_min is None else mass_parameter("--mu-min", options.mu_min, or_zero=True)
     largest = mass_parameter("--mu-max", options.mu_max)
     if not smallest < largest <= LARGEST_MASS:
@@ -85,28 +101,29 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--z {options.z:g}: above {WIDEST_AMPLITUDE:g}; give a smaller number")
     if options.share > WIDEST_SHARE:
         raise InputError(f"--share {options.share:g}: above {WIDEST_SHARE:g}; the default is 0.2")
-    if options.lyapunov and point == "L3":
-        raise InputError("--lyapunov: goes down to the libration point for L1 and L2 only; leave it out")
+    if options.lyapunov and (point == "L3" or family != "halo"):
+        raise InputError("--lyapunov: from births of halo orbits down to L1 and L2 only; leave it out")
     check_writable(options.output)
     lowest, highest = (smallest, largest) if point == "L3" else (_root(smallest, floor), _root(largest, ceil))
-    z = AMPLITUDES[point] if options.z is None else Fraction(str(options.z))
+    z = AMPLITUDES[point, family] if options.z is None else Fraction(str(options.z))
     ranges = [(lowest, highest, z)]
     if point == "L3" and options.z is None and smallest < LIGHT[0]:
         ranges = [(lowest, min(LIGHT[1], highest), LIGHT_AMPLITUDE)]
         ranges += [(LIGHT[0], highest, z)] if highest > LIGHT[1] else []
 
     # Only now: JAX takes a moment to load.
-    from orbitproof.explore.atlases import LibrationFailure, intervals, piece, pieces_to, system_of, trace
+    from orbitproof.explore.atlases import Births, LibrationFailure, intervals, piece, pieces_to, trace
     from orbitproof.explore.engines import Reporter
     from orbitproof.explore.families import FamilyFailure
     from orbitproof.explore.orbits import CorrectionFailure
 
-    system = system_of(point)
+    births = Births(point, family)
+    system = births.system
     pieces: list[AnyPiece] = []
     with Reporter(options.quiet) as report:
         try:
             report.stage(f"{point}, the curve of symmetry-breaking points")
-            curve = trace(point, max(float(smallest) / 2, 1e-7), float(largest))
+            curve = trace(births, max(float(smallest) / 2, 1e-7), float(largest))
             places = [
                 (interval, width)
                 for start, end, width in ranges
@@ -115,7 +132,7 @@ def run(options: argparse.Namespace) -> int:
             report.stage(f"{point}, pieces")
             for number, (interval, width) in enumerate(places, start=1):
                 report.update(f"{number} of {len(places)}", number / len(places))
-                pieces.append(piece(point, curve.points, interval, width, f"p{number:03d}"))
+                pieces.append(piece(births, curve.points, interval, width, f"p{number:03d}"))
             if options.lyapunov:
                 report.stage(f"{point}, planar orbits down to the libration point")
                 pieces += pieces_to(point, lowest**3, highest**3, lambda share: report.update("", share))
@@ -124,13 +141,13 @@ def run(options: argparse.Namespace) -> int:
             return 1
         parameter = system.fixed_parameters[0]
         atlas = Atlas(
-            id=f"halo-{point.lower()}-masses",
-            title=f"halo orbits near their birth from planar orbits near {point}",
+            id=f"{family}-{point.lower()}-masses",
+            title=f"{family} orbits near their birth from planar orbits near {point}",
             system=system,
             parameters={},
             claim=Claim(SURFACE, "S", (), Covers(parameter, lowest, highest)),
             pieces=tuple(pieces),
-            provenance={"point": point, "share": options.share},
+            provenance={"point": point, "family": family, "share": options.share},
         )
         write_atlas(options.output, atlas)
         count = f"{len(pieces)} piece" + "s" * (len(pieces) > 1)

@@ -7,9 +7,10 @@ import sys
 from typing import Any
 
 from orbitproof.explore.commands import common
-from orbitproof.explore.names import given_parameters, label_of, place_of, short_name, system_named
+from orbitproof.explore.names import given_parameters, label_of, place_of, short_name, system_named, varying_in
 from orbitproof.shared.formats import (
     ACROSS_KINDS,
+    DOUBLE_RESONANCE,
     KINDS,
     InputError,
     check_writable,
@@ -26,6 +27,8 @@ examples:
       --point x=0.93 z=0.287 vy=0.0817 -o loss.json
   orbitproof explore refine --system cr3bp --mass earth-moon -k 1 --kind krein_collision \\
       --point x=0.92854 z=0.29456 vy=0.0818 -o collision.json
+  orbitproof explore refine --system cr3bp -k 4 --kind double_resonance \\
+      --point mu=0.003521 x=0.997118 z=0.02447 vy=0.50942 -o meeting.json
   orbitproof verify candidate.json -o certificate.json
 
 The point has to be good to five digits or so. Exit codes: 0 refined, 1 not, 2 bad input.
@@ -41,7 +44,9 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("--mass", metavar="MU", help="mass parameter of the CR3BP: a name or a number")
     parser.add_argument("-k", type=common.multiplicity, required=True, metavar="K", help="multiplicity")
     parser.add_argument(
-        "--kind", choices=(*KINDS, *ACROSS_KINDS), help="of the bifurcation (default: the generic one of that K)"
+        "--kind",
+        choices=(*KINDS, *ACROSS_KINDS, DOUBLE_RESONANCE),
+        help="of the bifurcation (default: the generic one of that K)",
     )
     parser.add_argument(
         "--symmetry",
@@ -61,7 +66,7 @@ def add_parser(commands: Any) -> None:
         nargs="+",
         required=True,
         metavar="NAME=VALUE",
-        help="the point on Fix(R): family parameter and coordinates",
+        help="the point on Fix(R): family parameter (where two resonances meet, that which varies) and coordinates",
     )
     parser.add_argument(
         "--digits", type=common.digits, default=50, metavar="N", help="decimal digits (default: %(default)s)"
@@ -86,10 +91,11 @@ def run(options: argparse.Namespace) -> int:
         raise InputError("--system: missing; give a name or the file of your own system")
     check_writable(options.output)
     system = system_named(options.system)
-    parameters = given_parameters(system, options.mass, options.parameter)
-    place = place_of(system, "--point", options.point, complete=True)
-    if options.radii is not None and len(options.radii) != len(system.centre_coordinates):
-        count = len(system.centre_coordinates)
+    varying = varying_in(system, "--point", options.point) if options.kind == DOUBLE_RESONANCE else None
+    parameters = given_parameters(system, options.mass, options.parameter, varying)
+    place = place_of(system, "--point", options.point, complete=True, varying=varying)
+    if options.radii is not None and len(options.radii) != len(place):
+        count = len(place)
         raise InputError(f"--radii: {len(options.radii)} numbers; {system.name} needs {count}, for p_0, p_1, ..")
     label = label_of(system, options.mass, options.parameter) or system.name
     kept = read_candidates(options.output) if options.append and options.output.exists() else []

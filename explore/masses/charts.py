@@ -11,7 +11,8 @@ c = u (1 + s + s^2)/((1 + s) s^3) = (1 - s^-3)/h the equations of motion are exa
 
     xi'' - 2 eta' = mu xi + (1 - mu)(1 + h xi) c - xi/rho^3,   eta'' + 2 xi' = (mu + (1 - mu) h c) eta - eta/rho^3,
 
-and become Hill's equations at mu = 0.
+and become Hill's equations at mu = 0. Axial orbits are born where the half turn about the axis still maps the orbit to
+itself and S does not: zeta(0) = 0, zeta'(0) = 1, and zeta(T) = 0 instead.
 
 Around the larger mass (L3). At mu = 0 all ellipses of period 2 pi are symmetric orbits with zeta'(T) = 0 and T = pi:
 T - pi and zeta'(T) are of order mu. The unknown is tau = (T - pi)/mu instead of T. With the radius vector R from
@@ -44,6 +45,9 @@ import numpy as np
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector, compiled, configure_jax, integrate
 
 UNKNOWNS = 4
+FAMILIES = ("halo", "axial")
+HALO, AXIAL = FAMILIES
+"""Of the orbits that are born on the planar families."""
 LOG_MU = 3
 """Number of the unknown log mu; the others are position, velocity and time, each as the chart scales it."""
 
@@ -56,9 +60,15 @@ class Chart:
 
     Attributes:
         smaller: whether it belongs to the smaller mass (L1, L2) or to the larger one (L3).
+        family: of the orbits that are born: one of `FAMILIES`, `AXIAL` near the smaller mass only.
     """
 
     smaller: bool
+    family: str = HALO
+
+    def __post_init__(self) -> None:
+        if self.family not in FAMILIES or (self.family == AXIAL and not self.smaller):
+            raise ValueError(f"no chart for births of {self.family!r} orbits there")
 
     def unit(self, mu: float) -> float:
         """The unit of position and velocity, nondimensional."""
@@ -109,7 +119,7 @@ class Evaluation:
 
 def evaluate(chart: Chart, unknowns: Vector) -> Evaluation:
     """The equations of symmetry breaking with their derivatives; raises `FlowFailure` near a singularity."""
-    residual, jacobian, level, gradient, second, ok = _equations_of(chart.smaller)(unknowns)
+    residual, jacobian, level, gradient, second, ok = _equations_of(chart)(unknowns)
     result = Evaluation(
         np.asarray(residual), np.asarray(jacobian).T, float(level), np.asarray(gradient), np.asarray(second)
     )
@@ -119,9 +129,9 @@ def evaluate(chart: Chart, unknowns: Vector) -> Evaluation:
 
 
 @cache
-def _equations_of(smaller: bool) -> Callable[[Vector], Any]:
+def _equations_of(of: Chart) -> Callable[[Vector], Any]:
     configure_jax()
-    chart: Any = _NearSmaller if smaller else _AroundLarger
+    chart: Any = _NEAR_SMALLER[of.family] if of.smaller else _AroundLarger
 
     def flow(unknowns: jax.Array) -> tuple[jax.Array, tuple[jax.Array, jax.Array]]:
         mu = jnp.exp(unknowns[LOG_MU])
@@ -190,6 +200,22 @@ class _NearSmaller:
         h = jnp.cbrt(mu)
         scaled = a * a + 2.0 / jnp.abs(a) - v * v + 2.0 * (1.0 - mu) * a * a / (1.0 + h * a)
         return (1.0 - mu) * (3.0 - mu) + h * h * scaled
+
+
+class _AxialNearSmaller(_NearSmaller):
+    """The same where axial orbits are born: zeta(0) = 0, zeta'(0) = 1, and zeta(T) = 0."""
+
+    @staticmethod
+    def start(a: Any, v: Any) -> list[Any]:
+        zero = jnp.zeros(())
+        return [a, zero, zero, v, zero, zero + 1.0]
+
+    @staticmethod
+    def equations(end: Any, time: Any, mu: Any) -> list[Any]:
+        return [end[1], end[2], end[4]]
+
+
+_NEAR_SMALLER = {HALO: _NearSmaller, AXIAL: _AxialNearSmaller}
 
 
 class _AroundLarger:

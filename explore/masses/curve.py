@@ -18,12 +18,12 @@ import numpy as np
 
 from orbitproof.explore.families import Limits, trace_family
 from orbitproof.explore.flow import FlowFailure, Vector
-from orbitproof.explore.masses.charts import LOG_MU, UNKNOWNS, Chart, Evaluation, evaluate
+from orbitproof.explore.masses.charts import HALO, LOG_MU, UNKNOWNS, Chart, Evaluation, evaluate
 from orbitproof.explore.masses.file import CurveRecord, PointRecord
 from orbitproof.explore.numerics import BREAKING, predict
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.explore.seeds import LIBRATION_POINTS
-from orbitproof.shared.systems import CR3BP
+from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL
 
 Outcome = Literal["complete", "left", "failed", "interrupted"]
 
@@ -44,18 +44,22 @@ def extremum_brackets(points: Sequence[PointRecord]) -> list[tuple[PointRecord, 
     return [(a, b) for a, b in pairwise(points) if a.jacobi_derivative * b.jacobi_derivative < 0]
 
 
-def chart_of(libration: str) -> Chart:
-    """The chart in which the curve of a libration point is regular; raises `ValueError` for an unknown one."""
+def chart_of(libration: str, family: str = HALO) -> Chart:
+    """The chart in which the curve of births of a family is regular; raises `ValueError` for an unknown point."""
     if libration not in LIBRATION_POINTS:
         raise ValueError(f"unknown libration point {libration!r}")
-    return Chart(smaller=libration != "L3")
+    return Chart(libration != "L3", family)
 
 
-def first_breaking(libration: str, mu: Fraction) -> PointRecord:
-    """The first symmetry breaking of the planar family at one mass; raises `explore.families.named.FamilyFailure`."""
-    origin = trace_family(CR3BP, f"{libration}-halo", {"mu": mu}, Limits(max_orbits=1)).orbits[0]
-    chart = chart_of(libration)
-    x, _, vy = origin.unknowns[:3]
+def first_breaking(libration: str, mu: Fraction, family: str = HALO) -> PointRecord:
+    """The first birth of halo or axial orbits on the planar family at one mass.
+
+    Raises `explore.families.named.FamilyFailure`.
+    """
+    system = CR3BP if family == HALO else CR3BP_AXIAL
+    origin = trace_family(system, f"{libration}-{family}", {"mu": mu}, Limits(max_orbits=1)).orbits[0]
+    chart = chart_of(libration, family)
+    x, vy = (origin.unknowns[system.centre_coordinates.index(name)] for name in ("x", "vy"))
     return correct_at(chart, chart.unknowns(float(x), float(vy), origin.half_period, float(mu)))
 
 
@@ -104,6 +108,7 @@ def trace_curve(
     start: Sequence[PointRecord],
     smallest: float,
     *,
+    family: str = HALO,
     step: float = 0.1,
     minimum: float = 1e-6,
     max_points: int = 5000,
@@ -114,12 +119,13 @@ def trace_curve(
     Arguments:
         start: the points there are already, from the largest mass on, at least one.
         smallest: the mass at which the curve ends; its last point lies there exactly.
+        family: of the orbits that are born.
         step, minimum: longest and shortest step, in the chart's unknowns (one unit of log mu is a factor e).
         progress: called with all points after each new one.
 
     Never raises for a point that is not found: the outcome says where and why the curve ends.
     """
-    chart, points = chart_of(libration), list(start)
+    chart, points = chart_of(libration, family), list(start)
     largest = log(points[0].mu)
 
     def ended(outcome: Outcome, why: str) -> CurveRecord:

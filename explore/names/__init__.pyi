@@ -22,6 +22,7 @@ from .own_systems import given_parameters as given_parameters
 from .own_systems import label_of as label_of
 from .own_systems import place_of as place_of
 from .own_systems import system_named as system_named
+from .own_systems import varying_in as varying_in
 from .resonances import resonant_values as resonant_values
 from .resonances import short_name as short_name
 from .sections import given_values as given_values

@@ -35,33 +35,38 @@ def system_named(text: str) -> ReversibleSystem:
 
 
 def given_parameters(
-    system: ReversibleSystem, mass: str | None, assignments: Sequence[str] | None
+    system: ReversibleSystem, mass: str | None, assignments: Sequence[str] | None, varying: str | None = None
 ) -> dict[str, Fraction]:
     """The exact fixed parameters from ``--parameter NAME=VALUE``; ``--mass`` gives that of the CR3BP.
 
-    Raises `InputError`.
+    One of them may vary, and has no value then. Raises `InputError`.
     """
     texts = values_by_name("--parameter", assignments or ())
     known = [name for name in system.fixed_parameters if name in texts]
+    if varying == "mu" and mass is not None:
+        raise InputError(f"--mass {mass}: mu varies, and --point says near which value; leave it out")
     if mass is not None and len(known) == len(texts):
         if system.fixed_parameters != ("mu",) or "mu" in texts:
             why = "given by --parameter as well" if "mu" in texts else f"{system.name} has no mass parameter"
             raise InputError(f"--mass {mass}: {why}; leave it out")
         return {"mu": mass_parameter("--mass", mass)}
-    if system.fixed_parameters == ("mu",) and not texts:
+    if system.fixed_parameters == ("mu",) and not texts and varying is None:
         raise InputError(f"--mass: missing; give a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1)")
-    return exact_parameters(system, texts)
+    return exact_parameters(system, texts, varying)
 
 
-def exact_parameters(system: ReversibleSystem, texts: Mapping[str, str]) -> dict[str, Fraction]:
-    """The exact fixed parameters from texts by name. Raises `ArgumentError` about `parameters`."""
+def exact_parameters(
+    system: ReversibleSystem, texts: Mapping[str, str], varying: str | None = None
+) -> dict[str, Fraction]:
+    """The exact fixed parameters but a `varying` one from texts by name. Raises `ArgumentError` about `parameters`."""
+    fixed = [name for name in system.fixed_parameters if name != varying]
     for name in texts:
-        if name not in system.fixed_parameters:
-            known = ", ".join(system.fixed_parameters) or "none"
+        if name not in fixed:
+            known = ", ".join(fixed) or "none"
             words = "{parameters:--parameter} {0}: {1} has no such fixed parameter; it has {2}"
             raise ArgumentError(words, name, system.name, known)
     result = {}
-    for name in system.fixed_parameters:
+    for name in fixed:
         if name not in texts:
             words = "{parameters:--parameter}: {0} is missing; give {parameters:--parameter} {0}=VALUE"
             raise ArgumentError(words, name)
@@ -97,21 +102,35 @@ def bounds_of(
     return result
 
 
-def place_of(system: ReversibleSystem, option: str, words: Sequence[str], *, complete: bool) -> Mapping[str, float]:
-    """Centre coordinates by name from words like ``y=0.2``; all of them if `complete`. Raises `InputError`."""
-    names = system.centre_coordinates
+def place_of(
+    system: ReversibleSystem, option: str, words: Sequence[str], *, complete: bool, varying: str | None = None
+) -> Mapping[str, float]:
+    """Centre coordinates by name from words like ``y=0.2``; all of them if `complete`. Raises `InputError`.
+
+    A `varying` parameter comes before them.
+    """
+    names = system.centre_coordinates if varying is None else (varying, *system.centre_coordinates)
     result: dict[str, float] = {}
     for name, text in values_by_name(option, words).items():
         if name not in names:
             raise InputError(f"{option} {name}: no coordinate of {system.name} on Fix(R); give {', '.join(names)}")
         result[name] = finite_number(f"{option} {name}", text)
-        range_ = system.parameters[name] if name == system.family_parameter else None
+        range_ = system.parameters[name] if name in (system.family_parameter, varying) else None
         if range_ is not None and not range_.contains(Fraction(result[name])):
             raise InputError(f"{option} {name}={text}: outside {range_}; give a value inside, or declare a wider range")
     for name in names:
         if complete and name not in result:
             raise InputError(f"{option}: {name} is missing; give {' '.join(f'{each}=..' for each in names)}")
     return result
+
+
+def varying_in(system: ReversibleSystem, option: str, words: Sequence[str]) -> str:
+    """The fixed parameter to which a place like ``mu=0.0035 x=..`` gives a value. Raises `InputError`."""
+    given = [name for name in values_by_name(option, words) if name in system.fixed_parameters]
+    if len(given) != 1:
+        known = ", ".join(system.fixed_parameters) or "none"
+        raise InputError(f"{option}: one parameter varies; give a value near which, for one of {known}")
+    return given[0]
 
 
 def finite_number(option: str, text: str) -> float:

@@ -10,9 +10,10 @@ from typing import Any
 
 from orbitproof.explore.engines import Job, Lost, Progress, run_all
 from orbitproof.explore.refinement.breaking import refine_breaking
+from orbitproof.explore.refinement.double_resonance import refine_double_resonance
 from orbitproof.explore.refinement.krein import refine_collision
 from orbitproof.explore.refinement.newton import RefinementFailure, refine
-from orbitproof.shared.formats import KREIN_COLLISION, REVERSOR_BREAKING, Candidate
+from orbitproof.shared.formats import DOUBLE_RESONANCE, KREIN_COLLISION, REVERSOR_BREAKING, Candidate
 from orbitproof.shared.systems import ReversibleSystem
 
 _ONE_POINT = {REVERSOR_BREAKING: refine_breaking, KREIN_COLLISION: refine_collision}
@@ -62,6 +63,19 @@ def refine_task(task: Task, progress: Progress | None = None) -> Refined:
                 task.system,
                 task.parameters,
                 task.guess,
+                digits=task.digits,
+                crossings=task.crossings,
+                id=task.id,
+                provenance=task.provenance,
+                progress=progress,
+            )
+            return Refined(task, candidate, candidate.centre[0], None, time.monotonic() - started)
+        if task.kind == DOUBLE_RESONANCE:
+            candidate = refine_double_resonance(
+                task.system,
+                task.parameters,
+                task.guess,
+                task.k,
                 digits=task.digits,
                 crossings=task.crossings,
                 id=task.id,

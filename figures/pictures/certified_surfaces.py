@@ -1,4 +1,4 @@
-"""A surface of halo orbits over the mass parameter, from its certificate: the pieces, and where the symmetry breaks."""
+"""A surface of halo or axial orbits over the mass, from its certificate: the pieces, and where the symmetry breaks."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Sheet:
         piece: its id.
         parameter: shape (M,), values of the parameter, for s from -1 to 1.
         points: shape (M, 1 + n), the polynomials of the bifurcation point.
-        reach: up to where the halo orbits over the piece go in the coordinate that the symmetry negates.
+        reach: up to where the orbits over the piece go in the coordinate that the symmetry negates.
         borders: values of the parameter at the ends of the proved parts.
         is_proved: whether the proved intervals cover the piece.
     """
@@ -93,7 +93,7 @@ def _sheet(certificate: AtlasCertificate, piece: SurfacePiece) -> Sheet:
 
 
 def draw_surface(surface: Surface) -> Figure:
-    """Over the parameter: how far the halo orbits of each piece reach, and the coordinates of the bifurcation point."""
+    """Over the parameter: how far the orbits of each piece reach, and the coordinates of the bifurcation point."""
     system = surface.atlas.system
     figure = plt.figure(figsize=(_WIDTH, 4.4))
     grid = figure.add_gridspec(2, 1, left=0.1, right=0.985, top=0.9, bottom=0.16, hspace=0.24, height_ratios=(1.0, 1.2))
@@ -118,7 +118,7 @@ def draw_surface(surface: Surface) -> Figure:
     odd = next(name for i, name in enumerate(system.centre_coordinates) if i not in even)
     figure.text(0.1, 0.965, heading_of(surface.atlas), color=INK, fontweight="bold", va="center")
     count = f"{proved} of {len(surface.sheets)} pieces proved, in {parts} parts"
-    reach.set_title(f"(a)  halo orbits up to this height; {count}", color=INK)
+    reach.set_title(f"(a)  orbits that are born, up to this {label_of(system, odd, unit=False)}; {count}", color=INK)
     reach.set_ylabel(f"{label_of(system, odd, unit=False)}")
     reach.margins(x=0.015)
     reach.tick_params(labelbottom=False)

@@ -20,6 +20,7 @@ _KINDS = {
     "orbit": "one orbit",
     "reversor_breaking": "$R$ is lost",
     "krein_collision": "Krein collision",
+    "double_resonance": "two $k={k}$ resonances",
     "invariant_tori": "one orbit, tori near it",
     "stable_orbit": "one orbit, stable for ever",
 }

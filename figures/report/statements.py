@@ -43,6 +43,7 @@ _KINDS = {
     "stable_orbit": "A symmetric periodic orbit that is stable for ever",
     "reversor_breaking": "A birth of periodic orbits that R does not map to themselves",
     "krein_collision": "A Krein collision of multipliers",
+    "double_resonance": "Two resonances that meet",
     "periodic": "One periodic orbit",
     "periodic-fold": "A fold of periodic orbits",
     "periodic-doubling": "A period doubling of periodic orbits",

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.shared.formats import (
+    DOUBLE_RESONANCE,
     KREIN_COLLISION,
     AnyAtlas,
     ArgumentError,
@@ -94,8 +95,8 @@ class CheckedRow:
 
     @property
     def side(self) -> str:
-        """Where the new orbits are; empty if there are none, as at a collision, whose side is that of stable orbits."""
-        return "" if self.certificate.kind == KREIN_COLLISION else self.certificate.side or ""
+        """Where the new orbits are; empty if none are told of: the side of a collision is that of stable orbits."""
+        return "" if self.certificate.kind in (KREIN_COLLISION, DOUBLE_RESONANCE) else self.certificate.side or ""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
-from orbitproof.shared.formats import FOLD, KREIN_COLLISION, ORBIT_KINDS, REVERSOR_BREAKING
+from orbitproof.shared.formats import DOUBLE_RESONANCE, FOLD, KREIN_COLLISION, ORBIT_KINDS, REVERSOR_BREAKING
 from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, System
 
 INK = "#222222"
@@ -20,7 +20,13 @@ CURVE = "#3c6e91"
 SECOND_CURVE = "#a8a8a8"
 _MARKERS = {1: "^", 2: "s", 3: "D", 4: "o", 5: "p", 6: "h"}
 _COLOURS = {1: "#111111", 2: "#b2182b", 3: "#e08214", 4: "#1b7837", 5: "#762a83", 6: "#2166ac"}
-_OF_KIND = {FOLD: "v", REVERSOR_BREAKING: "X", KREIN_COLLISION: "*", **dict.fromkeys(ORBIT_KINDS, "P")}
+_OF_KIND = {
+    FOLD: "v",
+    REVERSOR_BREAKING: "X",
+    KREIN_COLLISION: "*",
+    DOUBLE_RESONANCE: "d",
+    **dict.fromkeys(ORBIT_KINDS, "P"),
+}
 _TEX = {
     "vx": r"\dot{x}",
     "vy": r"\dot{y}",
@@ -32,6 +38,7 @@ _TEX = {
     "xi": r"\xi",
     "zeta": r"\zeta",
     "veta": r"\dot{\eta}",
+    "vzeta": r"\dot{\zeta}",
 }
 _GREEK = frozenset({
     "alpha", "beta", "gamma", "delta", "epsilon", "varepsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda",

@@ -5,6 +5,7 @@ from orbitproof.shared.claims.candidate import (
     ACROSS_KINDS,
     BOX_KINDS,
     COORDINATE,
+    DOUBLE_RESONANCE,
     FOLD,
     HALF_PERIOD,
     INVARIANT_TORI,

@@ -34,9 +34,12 @@ REVERSOR_BREAKING = "reversor_breaking"
 """What a claim says about an orbit at which two are born that R does not map to themselves; k = 1."""
 KREIN_COLLISION = "krein_collision"
 """What a claim says about an orbit at which two pairs of multipliers meet on the unit circle and leave it; k = 1."""
+DOUBLE_RESONANCE = "double_resonance"
+"""What a claim says about a parameter at which two 1:k resonances of a family meet: a value of a coordinate beside
+those of Fix(R)."""
 ACROSS_KINDS = (REVERSOR_BREAKING, KREIN_COLLISION)
 """Claims about one orbit of a family whose proofs follow points beside Fix(R) too."""
-BOX_KINDS = (*KINDS, *ORBIT_KINDS, *ACROSS_KINDS)
+BOX_KINDS = (*KINDS, *ORBIT_KINDS, *ACROSS_KINDS, DOUBLE_RESONANCE)
 """All that a candidate may claim."""
 HALF_PERIOD, LEVEL, COORDINATE = "half period", "level", "coordinate"
 QUANTITIES = (HALF_PERIOD, LEVEL, COORDINATE)
@@ -65,12 +68,13 @@ class Candidate:
     Attributes:
         id: unique name within a file.
         system: the reversible system.
-        parameters: exact values of the system's fixed parameters, by name.
+        parameters: exact values of the system's fixed parameters, by name; where two resonances meet, of all but one,
+            which is the first coordinate then.
         kind: one of `BOX_KINDS`.
         k: multiplicity; 1 exactly for symmetry breaking, folds, orbits, where R is lost, and where multipliers collide.
         symmetry: name of the symmetry S that breaks, for symmetry breaking; for period tupling with k = 3, of one that
             fixes the points of the family.
-        centre: shape (1 + n,), in the order of `coordinates`.
+        centre: shape (1 + n,), in the order of `coordinates`; 2 + n numbers where two resonances meet, and so below.
         frame: shape (1 + n, 1 + n), rows; column j is the direction of p_j.
         kernel_frame: shape (n, n), rows; q_i is row i times the kernel coordinates.
         radii: shape (1 + n,), half-widths of P_0, P_1, P_2, all positive.
@@ -88,7 +92,7 @@ class Candidate:
     parameters: Mapping[Identifier, Rational]
     kind: Literal[
         "symmetry_breaking", "fold", "period_tupling", "touch_and_go",
-        "orbit", "stable_orbit", "invariant_tori", "reversor_breaking", "krein_collision",
+        "orbit", "stable_orbit", "invariant_tori", "reversor_breaking", "krein_collision", "double_resonance",
     ]  # fmt: skip
     k: Annotated[int, rules(minimum=1, maximum=1000)]
     centre: Numbers
@@ -121,6 +125,8 @@ class Candidate:
             refuse("symmetry", f"{self.system.name} has no symmetry {self.symmetry!r}", f"known: {known}")
         if self.looks_across and (self.k != 1 or self.symmetry is not None):
             refuse("kind", f"{self.kind} with k = {self.k} and {self.symmetry}", "give k = 1, and no symmetry")
+        if self.resonances_meet:
+            self._check_varying(refuse)
         if self.level_sign is not None and self.system.family_parameter is not None:
             refuse("level_sign", f"{self.system.name} has the parameter {self.system.family_parameter}", "leave it out")
         if self.is_of_orbit != (self.equation is not None):
@@ -166,7 +172,9 @@ class Candidate:
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """Names of the coordinates of the centre, 1 + n of them."""
+        """Names of the 1 + n coordinates of the centre; the parameter before them where two resonances meet."""
+        if self.resonances_meet:
+            return (self.varying, *self.system.centre_coordinates)
         return self.system.centre_coordinates if self.level_sign is None else self.system.level_coordinates
 
     @property
@@ -182,12 +190,22 @@ class Candidate:
     @property
     def has_branch(self) -> bool:
         """Whether other symmetric orbits branch off there."""
-        return not (self.is_of_orbit or self.is_fold or self.looks_across)
+        return not (self.is_of_orbit or self.is_fold or self.looks_across or self.resonances_meet)
 
     @property
     def loses_reversor(self) -> bool:
         """Whether orbits that R does not map to themselves branch off there."""
         return self.kind == REVERSOR_BREAKING
+
+    @property
+    def resonances_meet(self) -> bool:
+        """Whether two 1:k resonances of the family meet there while a parameter of the system varies."""
+        return self.kind == DOUBLE_RESONANCE
+
+    @property
+    def varying(self) -> str:
+        """The parameter that has no value of its own, where two resonances meet."""
+        return next(name for name in self.system.fixed_parameters if name not in self.parameters)
 
     @property
     def looks_across(self) -> bool:
@@ -223,6 +241,17 @@ class Candidate:
     def is_family_of_maps(self) -> bool:
         """Whether the first coordinate is the bifurcation parameter: a family parameter or the level of H."""
         return self.system.family_parameter is not None or self.level_sign is not None
+
+    def _check_varying(self, refuse: Callable[[str, str, str], NoReturn]) -> None:
+        """Where two resonances meet one of the system's fixed parameters varies, and H is none of the coordinates."""
+        free = set(self.system.fixed_parameters) - set(self.parameters)
+        if len(free) != 1 or not set(self.parameters) <= set(self.system.fixed_parameters):
+            wanted = ", ".join(self.system.fixed_parameters) or "none"
+            refuse("parameters", "all but one have a value where two resonances meet", f"there are {wanted}")
+        if self.k < 2 or self.symmetry is not None or self.level_sign is not None:
+            refuse("kind", f"{self.kind} with k = {self.k}", "give k > 1, and neither symmetry nor level_sign")
+        if self.system.family_parameter is not None:
+            refuse("kind", f"{self.kind} in a system with a family parameter", "claim it of one with a first integral")
 
 
 _EQUATION_VALUE = "equation.value"

@@ -4,6 +4,7 @@ from orbitproof.shared.arguments import ArgumentError, as_options, refused
 from orbitproof.shared.claims import (
     ACROSS_KINDS,
     COORDINATE,
+    DOUBLE_RESONANCE,
     FOLD,
     HALF_PERIOD,
     INVARIANT_TORI,

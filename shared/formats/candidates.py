@@ -9,6 +9,7 @@ from typing import Annotated, Any, NoReturn
 
 from orbitproof.shared.claims import (
     ACROSS_KINDS,
+    DOUBLE_RESONANCE,
     KINDS_IN_SECTION,
     ONCE,
     ORBIT_KINDS,
@@ -77,17 +78,22 @@ def candidate_to_json(candidate: BoxClaim, provenance: bool = True) -> dict[str,
 
 
 def read_system(
-    entry: Mapping[str, Any], source: str, systems: Mapping[str, ReversibleSystem] = SYSTEMS
+    entry: Mapping[str, Any],
+    source: str,
+    systems: Mapping[str, ReversibleSystem] = SYSTEMS,
+    varying: int = 0,
 ) -> tuple[ReversibleSystem, dict[str, Fraction]]:
     """The system of a JSON object, one of `systems` by name or one that it describes, and its fixed parameters.
 
-    Raises `InputError` that names the field.
+    So many of them, `varying`, have no value. Raises `InputError` that names the field.
     """
     system = find_system(entry["system"], f"{source}.system", systems)
     parameters = {name: parse_exact(text) for name, text in entry["parameters"].items()}
-    if set(parameters) != set(system.fixed_parameters):
+    known = set(system.fixed_parameters)
+    if not set(parameters) <= known or len(known - set(parameters)) != varying:
         wanted = ", ".join(system.fixed_parameters) or "none"
-        raise InputError(f"{source}.parameters: {system.name} takes the parameters: {wanted}; give exactly these")
+        exactly = "all but one of these" if varying else "exactly these"
+        raise InputError(f"{source}.parameters: {system.name} takes the parameters: {wanted}; give {exactly}")
     for name, value in parameters.items():
         interval = system.parameters[name]
         if not interval.contains(value):
@@ -140,7 +146,7 @@ def candidate_from_json(
 
     if entry["kind"] in KINDS_IN_SECTION:
         refuse("kind", f"{_WITHOUT_SYMMETRY}, which is not available here", "leave it out")
-    system, _ = read_system(entry, source, systems)
+    system, _ = read_system(entry, source, systems, int(entry["kind"] == DOUBLE_RESONANCE))
     kind, k = entry["kind"], entry["k"]
     once = (*ONCE, *ORBIT_KINDS, *ACROSS_KINDS)
     if (kind in once) != (k == 1):

@@ -14,7 +14,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem
+from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem, Reversor
+from orbitproof.shared.systems.three_body import AXIAL
 
 
 def hill_field(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
@@ -62,4 +63,10 @@ HILL = ReversibleSystem(
     section="eta",
     first_integral=hill_integral,
     first_integral_name="(C - (1 - mu)(3 - mu))/mu^(2/3)",
+    reversors={AXIAL: Reversor((1, -1, -1, -1, 1, 1), "the half turn about the xi axis")},
 )
+
+HILL_AXIAL = HILL.under(AXIAL)
+
+IN_HILL_UNITS = (HILL, HILL_AXIAL)
+"""The same equations with their two reversing symmetries."""

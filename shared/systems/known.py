@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from orbitproof.shared.systems.hill import HILL
+from orbitproof.shared.systems.hill import HILL, HILL_AXIAL
 from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem
 from orbitproof.shared.systems.three_body import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR
 
@@ -29,7 +29,7 @@ FALKNER_SKAN = ReversibleSystem(
 )
 
 SYSTEMS: Mapping[str, ReversibleSystem] = {
-    system.name: system for system in (CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, HILL, FALKNER_SKAN)
+    system.name: system for system in (CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, HILL, HILL_AXIAL, FALKNER_SKAN)
 }
 
 MASS_PARAMETERS: Mapping[str, Fraction] = {

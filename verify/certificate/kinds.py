@@ -15,6 +15,7 @@ from orbitproof.verify.bifurcation import BifurcationResults
 from orbitproof.verify.certificate.bifurcation_rows import BIFURCATIONS
 from orbitproof.verify.certificate.breaking_rows import BREAKINGS
 from orbitproof.verify.certificate.document import Computation
+from orbitproof.verify.certificate.double_resonance_rows import DOUBLE_RESONANCES
 from orbitproof.verify.certificate.krein_rows import COLLISIONS
 from orbitproof.verify.certificate.levels import Finding, confirmed, overlap
 from orbitproof.verify.certificate.orbit_rows import ORBITS
@@ -27,6 +28,7 @@ from orbitproof.verify.certificate.row_kind import Progress, RowKind
 from orbitproof.verify.certificate.stable_orbit_rows import STABLE_ORBITS
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
 from orbitproof.verify.certificate.tori_rows import TORI_AT_ORBITS
+from orbitproof.verify.double_resonance import ResonanceEnclosures, ResonanceResults
 from orbitproof.verify.evidence import Checklist, Outcome, Proved, Reason, Theorem, ball_from_json
 from orbitproof.verify.krein import KreinResults
 from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults
@@ -38,7 +40,7 @@ from orbitproof.verify.tori import ToriEnclosures, ToriResults
 from orbitproof.verify.twist import StableOrbitEnclosures, StableOrbitResults
 
 _ALL: tuple[RowKind[Any, Any, Any], ...] = (
-    BIFURCATIONS, ORBITS, STABLE_ORBITS, TORI_AT_ORBITS, BREAKINGS, COLLISIONS, PERIODIC_ORBITS,
+    BIFURCATIONS, ORBITS, STABLE_ORBITS, TORI_AT_ORBITS, BREAKINGS, COLLISIONS, DOUBLE_RESONANCES, PERIODIC_ORBITS,
     BIFURCATIONS_OF_PERIODIC_ORBITS, TORI_AT_PERIODIC_ORBITS,
 )  # fmt: skip
 Found = (
@@ -47,6 +49,7 @@ Found = (
     | StableOrbitEnclosures
     | ToriEnclosures
     | BreakingEnclosures
+    | ResonanceEnclosures
     | PeriodicEnclosures
     | BifurcationEnclosures
 )
@@ -57,6 +60,7 @@ Results = (
     | ToriResults
     | BreakingResults
     | KreinResults
+    | ResonanceResults
     | PeriodicResults
     | PeriodicBifurcationResults
     | TorusResults

@@ -13,6 +13,7 @@ from flint import arb
 
 from orbitproof.shared.formats import BoxClaim, Candidate, InSection, PeriodicBifurcation
 from orbitproof.verify.bifurcation import BifurcationResults, coordinates_in_box
+from orbitproof.verify.double_resonance import ResonanceResults
 from orbitproof.verify.evidence import (
     IntegrationFailure,
     NotProved,
@@ -39,6 +40,7 @@ Found = (
     | OrbitResults
     | BreakingResults
     | KreinResults
+    | ResonanceResults
     | PeriodicResults
     | PeriodicBifurcationResults
     | TorusResults
@@ -140,6 +142,14 @@ def breaking_precision(candidate: Candidate, digits: int) -> int:
     return max(LEAST_PRECISION, -(-wanted // 8) * 8)
 
 
+def resonance_precision(candidate: Candidate, digits: int) -> int:
+    """Bits to begin with where two resonances meet: an error over a width for each derivative."""
+    widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in candidate.radii)
+    a_return = 2 * _RESERVE_PER_RETURN * candidate.crossings
+    wanted = widths + max(widths, ceil(digits * _BITS_PER_DIGIT)) + 2 * _RESERVE + a_return
+    return max(LEAST_PRECISION, -(-wanted // 8) * 8)
+
+
 def steps_of_centre(candidate: Candidate, precision: int) -> int:
     """About as many steps as the centre takes to its first return, 0 in the system's own coordinates."""
     try:
@@ -170,7 +180,7 @@ def missing_digits(found: Found, digits: int) -> int:
     Stability parameters and multipliers of single orbits are derivatives, which need more bits: from `_OF_ALL` digits
     on as many are asked of them, below that three fewer for each digit less.
     """
-    if isinstance(found, (BifurcationResults, BreakingResults, KreinResults)):
+    if isinstance(found, (BifurcationResults, BreakingResults, KreinResults, ResonanceResults)):
         return digits - count_certain_digits(found.parameter)
     if isinstance(found, PeriodicResults):
         return digits - count_certain_digits(found.period)

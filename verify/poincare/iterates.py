@@ -14,7 +14,7 @@ from typing import Protocol
 
 from flint import arb
 
-from orbitproof.shared.formats import ORBIT_KINDS, Candidate
+from orbitproof.shared.formats import DOUBLE_RESONANCE, ORBIT_KINDS, Candidate
 from orbitproof.shared.stored import stored
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.claim import inverse, level_program, quadratic_coefficient
@@ -103,8 +103,10 @@ def grading_for(kind: str, k: int, dimension: int) -> Grading:
     """The weights of section 2.1: along the bifurcating branch p_0 and p_2 vary like p_1^2.
 
     For a touch-and-go bifurcation the branch has a slope in p_0, and grade 2 is enough. For an orbit all
-    coordinates count alike, and their first derivatives are enough.
+    coordinates count alike, and their first derivatives are enough; where resonances meet, those to order 3.
     """
+    if kind == DOUBLE_RESONANCE:
+        return Grading((1,) * dimension, 3)
     if kind in ORBIT_KINDS:
         return Grading((1,) * dimension, 1)
     across = (2,) * (dimension - 2)

@@ -11,6 +11,7 @@ from math import floor, log10
 from orbitproof.shared.formats import BoxClaim, Candidate, PeriodicBifurcation, PeriodicOrbit
 from orbitproof.verify.bifurcation import BifurcationTheorem, FoldTheorem
 from orbitproof.verify.claim import claim_in_words, inverse, keyed_in_words, sheet_in_words
+from orbitproof.verify.double_resonance import ResonanceResults, ResonanceTheorem
 from orbitproof.verify.evidence import (
     Theorem,
     certain_digits,
@@ -35,6 +36,7 @@ from orbitproof.verify.tori import ToriResults, ToriTheorem
 from orbitproof.verify.twist import StableOrbitResults, StableOrbitTheorem
 from orbitproof.verify.words.bifurcation import Located, bifurcation_in_words, found_in_words, kind_in_words
 from orbitproof.verify.words.breaking import breaking_found, breaking_in_words
+from orbitproof.verify.words.double_resonance import resonance_found, resonance_in_words
 from orbitproof.verify.words.formulas import setting
 from orbitproof.verify.words.krein import krein_found, krein_in_words
 from orbitproof.verify.words.orbit import orbit_found, orbit_in_words
@@ -68,6 +70,8 @@ def theorem_in_words(theorem: Theorem) -> str:
             return breaking_in_words(theorem)
         case KreinTheorem():
             return krein_in_words(theorem)
+        case ResonanceTheorem():
+            return resonance_in_words(theorem)
         case PeriodicTheorem():
             return periodic_in_words(theorem)
         case PeriodicBifurcationTheorem():
@@ -83,7 +87,7 @@ InSectionResults = PeriodicResults | PeriodicBifurcationResults | TorusResults
 def in_full(
     candidate: BoxClaim,
     theorem: Theorem,
-    found: Located | OrbitResults | BreakingResults | KreinResults | InSectionResults,
+    found: Located | OrbitResults | BreakingResults | KreinResults | ResonanceResults | InSectionResults,
 ) -> str:
     """System, box, theorem, what its words mean, and what was found, in this order.
 
@@ -118,6 +122,8 @@ def in_full(
             lines += breaking_found(candidate, found)
         elif isinstance(found, KreinResults):
             lines += krein_found(candidate, found)
+        elif isinstance(found, ResonanceResults):
+            lines += resonance_found(candidate, found)
         else:
             lines += [kind_in_words(claim), *found_in_words(found, claim, keyed_in_words(system, found.point))]
     return "\n".join(lines)
@@ -135,6 +141,8 @@ def _box(claim: Candidate, is_form: bool) -> Iterator[str]:
             f"H = {exact_text(fixed.value)}, {claim.system.level_coordinate} being {which}. Only "
             f"such points are meant in what follows:"
         )
+    elif claim.resonances_meet:
+        yield f"The box, in the coordinates ({names}): the parameter {claim.varying} and those of Fix(R):"
     elif claim.level_sign is None:
         yield f"The box, in the coordinates ({names}) of Fix(R):"
     else:

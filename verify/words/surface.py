@@ -9,14 +9,13 @@ from itertools import groupby
 from math import ceil, floor
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.shared.systems import HILL
+from orbitproof.shared.systems import IN_HILL_UNITS
 from orbitproof.verify.claim import atlas_in_words, keyed_in_words
 from orbitproof.verify.evidence import exact_text, located, range_text
 from orbitproof.verify.surface import Height, PlanarFamily, ProvedSurface, SurfaceTheorem
 
 _DIGITS = 12
 _SIDES = {"below": "less than at it", "above": "greater than at it"}
-_HILL_LEVEL = HILL.first_integral_name
 
 
 def surface_in_words(theorem: SurfaceTheorem, surface: ProvedSurface) -> str:
@@ -38,9 +37,11 @@ def surface_in_words(theorem: SurfaceTheorem, surface: ProvedSurface) -> str:
     else:
         reach = f"[{exact_text(claim.covers.start)}, {exact_text(claim.covers.end)}]"
     point = ", ".join(f"{name}({parameter}, {odd})" if name != odd else odd for name in names)
-    level = f"the value of the {system.first_integral_name}" if system is not HILL else f"the value of {_HILL_LEVEL}"
+    comma = "," if system.reversor else ""
+    level = f"the value of {'' if system in IN_HILL_UNITS else 'the '}{system.first_integral_name}"
     paragraphs = [
-        f"Consider the {system.title} and the map P to the next crossing of the section {{{system.section} = 0}}.",
+        f"Consider the {system.title}{comma} and the map P to the next crossing of the section "
+        f"{{{system.section} = 0}}.",
         f"There are smooth functions {' and '.join(even)} of {parameter} in {reach} and "
         f"|{odd}| <= {exact_text(height)}, even in {odd}, such that X({parameter}, {odd}) = ({point}) in Fix(R), in "
         f"the coordinates ({', '.join(names)}), has these properties.",
@@ -106,21 +107,29 @@ def _masses(start: Fraction, end: Fraction) -> str:
 def _meaning(atlas: Atlas, height: Fraction, family: PlanarFamily | None) -> str:
     """What a surface in Hill's units says about the CR3BP (section 17.1)."""
     covers = atlas.claim.covers
-    if atlas.system is not HILL or covers is None or covers.end <= 0 or covers.start < 0:
+    if atlas.system not in IN_HILL_UNITS or covers is None or covers.end <= 0 or covers.start < 0:
         return ""
     masses = _masses(covers.start**3, covers.end**3)
     whole, known = (False, "") if family is None else _lyapunov(family, covers.start**3, covers.end**3)
     reserve = "" if whole else " up to the identification of the family with that of Lyapunov"
     if known and not whole:
         reserve += ", where that is not said here"
+    place, born, odd = _BORN[IN_HILL_UNITS.index(atlas.system)]
     return (
-        f"In the circular restricted three-body problem with mass parameter mu = h^3 this is the point (x, z, vy) = "
-        f"(1 - mu + h xi, h zeta, h veta): for all mu in {masses} there is a symmetry breaking, and there are the "
-        f"orbits that branch off, halo orbits{reserve}, for "
-        f"|z| <= {exact_text(height)} mu^(1/3)."
+        f"In the circular restricted three-body problem with mass parameter mu = h^3 this is the point {place}: for "
+        f"all mu in {masses} there is a symmetry breaking, and there are the orbits that branch off, "
+        f"{born}{reserve}, for |{odd}| <= {exact_text(height)} mu^(1/3)."
         + (" At h = 0 the equations are those of Hill's lunar problem." if covers.start == 0 else "")
         + (f"\n{known}" if known else "")
     )
+
+
+_BORN = (
+    ("(x, z, vy) = (1 - mu + h xi, h zeta, h veta)", "halo orbits", "z"),
+    ("(x, vy, vz) = (1 - mu + h xi, h veta, h vzeta)", "axial orbits", "vz"),
+)
+"""Of `IN_HILL_UNITS`: a point of Fix(R) in the coordinates of the CR3BP, the orbits that branch off, and the coordinate
+by which is told how far they go."""
 
 
 def _decimal(value: Fraction, rounded: Callable[[Fraction], int]) -> str:

@@ -1,0 +1,298 @@
+"""Where two resonances meet: equations of known maps, false claims, the point on the halo family of L2."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from fractions import Fraction
+from itertools import product
+from math import comb, factorial, prod
+from pathlib import Path
+
+import pytest
+from flint import arb, ctx
+
+from orbitproof.shared.claims import DOUBLE_RESONANCE, Candidate
+from orbitproof.shared.errors import InputError
+from orbitproof.shared.formats import candidate_from_json, candidate_to_json, read_claims, validate_document
+from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR, FALKNER_SKAN, ReversibleSystem
+from orbitproof.verify.certificate.certificate import Certificate
+from orbitproof.verify.certificate.certifying import certify
+from orbitproof.verify.certificate.rechecking import recheck
+from orbitproof.verify.double_resonance import (
+    ResonanceEnclosures,
+    ResonanceResults,
+    ResonanceTheorem,
+    check_resonance_exactly,
+    prove_resonance,
+    theorem_of_resonance,
+)
+from orbitproof.verify.evidence import (
+    Checklist,
+    DerivativeTable,
+    NotEstablishedError,
+    NotProved,
+    Outcome,
+    Proved,
+    enclose,
+    indices_up_to,
+    symmetric,
+)
+from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.words.row_in_full import in_full
+
+CLAIM = Path(__file__).parents[1] / "data" / "double-resonance.json"
+RADIUS = Fraction(1, 2**12)
+Powers = tuple[int, ...]
+Polynomial = Mapping[Powers, Fraction]
+
+
+def unit(size: int, place: int) -> Powers:
+    return tuple(int(i == place) for i in range(size))
+
+
+def table(polynomial: Polynomial, frame: list[list[Fraction]], radii: tuple[Fraction, ...]) -> DerivativeTable:
+    """Derivatives in p of a polynomial in x = frame p, on the box and at its centre."""
+    size = len(frame)
+    in_p: dict[Powers, Fraction] = {}
+    for powers, value in polynomial.items():
+        part = {(0,) * size: Fraction(value)}
+        for row, power in zip(frame, powers, strict=True):
+            for _ in range(power):
+                more: dict[Powers, Fraction] = {}
+                for (index, c), (j, entry) in product(part.items(), enumerate(row)):
+                    key = tuple(e + (i == j) for i, e in enumerate(index))
+                    more[key] = more.get(key, Fraction(0)) + c * entry
+                part = more
+        for index, c in part.items():
+            in_p[index] = in_p.get(index, Fraction(0)) + c
+    sides = [symmetric(radius) for radius in radii]
+
+    def derivative(index: Powers, where: list[arb]) -> arb:
+        value = arb(0)
+        for powers, c in in_p.items():
+            if all(a <= b for a, b in zip(index, powers, strict=True)):
+                factor = prod(comb(b, a) * factorial(a) for a, b in zip(index, powers, strict=True))
+                term = enclose(c * factor)
+                for ball, a, b in zip(where, index, powers, strict=True):
+                    for _ in range(b - a):
+                        term = term * ball
+                value = value + term
+        return value
+
+    indices, zero = indices_up_to(size, 3), [arb(0)] * size
+    return DerivativeTable({i: derivative(i, sides) for i in indices}, {i: derivative(i, zero) for i in indices})
+
+
+SLOPE, CURVATURE = Fraction(-3), Fraction(5, 2)
+
+
+def model(
+    system: ReversibleSystem,
+    slope: Fraction = SLOPE,
+    curvature: Fraction = CURVATURE,
+    other: Fraction = Fraction(2),
+    value: Fraction = Fraction(0),
+) -> tuple[list[Polynomial], list[Polynomial]]:
+    """q of P and u of P^2 in (mu, u): the family is u_1 = .. = 0, described by y = u_0, with the stability parameters
+    value + slope mu + curvature y^2/2, and `other`.
+    """
+    size = 1 + len(system.fixed_coordinates)
+    across = range(2, size)
+    kernel: list[Polynomial] = [{unit(size, i): Fraction(1)} for i in across]
+    image: list[Polynomial] = [{unit(size, 1): Fraction(1), unit(size, 2): Fraction(7)}]
+    y, first = unit(size, 1), unit(size, 2)
+    image.append({
+        first: value,
+        tuple(a + b for a, b in zip(unit(size, 0), first, strict=True)): slope,
+        tuple(2 * a + b for a, b in zip(y, first, strict=True)): curvature / 2,
+    })  # fmt: skip
+    image += [{unit(size, i): other} for i in range(3, size)]
+    return kernel, image
+
+
+MIXED = [[1, 2, 0, 1], [0, 1, 0, 0], [1, 0, 1, 0], [0, 1, 0, 3]]
+"""A frame in which no coordinate is one of the box."""
+
+
+def claim(system: ReversibleSystem, k: int = 4, frame: list[list[Fraction]] | None = None) -> Candidate:
+    size, n = 1 + len(system.fixed_coordinates), len(system.kernel_coordinates)
+    rows = frame or [list(map(Fraction, unit(size, i))) for i in range(size)]
+    return Candidate(
+        id="model",
+        system=system,
+        parameters={},
+        kind=DOUBLE_RESONANCE,
+        k=k,
+        centre=(Fraction(1, 4), *(Fraction(1, 8),) * (size - 1)),
+        frame=tuple(map(tuple, rows)),
+        kernel_frame=tuple(tuple(map(Fraction, unit(n, i))) for i in range(n)),
+        radii=(RADIUS,) * size,
+    )
+
+
+def prove(candidate: Candidate, functions: tuple[list[Polynomial], list[Polynomial]]) -> Outcome[ResonanceResults]:
+    frame = [list(row) for row in candidate.frame]
+    kernel, image = ([table(each, frame, candidate.radii) for each in group] for group in functions)
+    one = table({(0,) * len(frame): Fraction(3, 2)}, frame, candidate.radii)
+    checklist = Checklist()
+    with ctx.workprec(120):
+        check_resonance_exactly(checklist, candidate)
+        found = ResonanceEnclosures((tuple(kernel),), tuple(image), one, one)
+        return prove_resonance(candidate, checklist, found)
+
+
+@pytest.mark.parametrize("system", [CR3BP_PLANAR, CR3BP], ids=["one pair", "two pairs"])
+@pytest.mark.parametrize("mixed", [False, True])
+def test_the_meeting_of_a_known_map_is_found(system: ReversibleSystem, mixed: bool) -> None:
+    """s = slope mu + curvature y^2/2: two resonances where mu has the sign of - curvature/slope."""
+    size = 1 + len(system.fixed_coordinates)
+    frame = [[Fraction(value) for value in row[:size]] for row in MIXED[:size]] if mixed else None
+    candidate = claim(system, frame=frame)
+    with ctx.workprec(120):
+        outcome = prove(candidate, model(system))
+    assert isinstance(outcome, Proved), outcome.reason
+    found = outcome.results
+    assert tuple(entry.name for entry in outcome.hypotheses) == ResonanceTheorem(candidate).hypotheses
+    for name, middle in zip(candidate.coordinates, candidate.centre, strict=True):
+        assert found.point[name].contains(enclose(middle))
+        assert float(found.point[name].rad()) < 1e-6
+    assert found.slope.contains(enclose(SLOPE))
+    assert found.curvature.contains(enclose(CURVATURE))
+    assert found.opening.overlaps(enclose(-CURVATURE / (2 * SLOPE)))
+    assert float(found.opening.rad()) < 1e-12
+    assert (found.side, found.extremum, found.turn, found.along) == ("above", "minimum", 1, "x")
+    assert found.period == 3
+
+
+@pytest.mark.parametrize(
+    "k, value, turn", [(2, -1.0, 1), (3, -0.5, 1), (5, 0.309016994374947, 1), (5, -0.809016994374947, 2)]
+)
+def test_which_multiple_it_is_follows_from_the_numbers(k: int, value: float, turn: int) -> None:
+    """s is within 1e-15 of cos(2 pi j/k), and passes it inside the box."""
+    outcome = prove(claim(CR3BP, k), model(CR3BP, value=Fraction(value)))
+    assert isinstance(outcome, Proved), outcome.reason
+    assert outcome.results.turn == turn
+
+
+@pytest.mark.parametrize(
+    "changes, condition",
+    [
+        ({"value": Fraction(1, 10)}, "point"), ({"slope": Fraction(0)}, "point"), ({"curvature": Fraction(0)}, "point"),
+        ({"other": Fraction(0)}, "point"),
+    ],
+    ids=["another value", "the value stays", "no extremum", "both parameters"],
+)  # fmt: skip
+def test_what_does_not_meet_is_not_proved(changes: dict[str, Fraction], condition: str) -> None:
+    outcome = prove(claim(CR3BP), model(CR3BP, **changes))
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.condition == condition
+
+
+def test_two_parameters_that_are_equal_there_are_not_proved() -> None:
+    """f = det(c - S) has a regular zero with g = 0 although c is double: s_1 and s_2 meet there and become complex."""
+    kernel, image = model(CR3BP)
+    size, second, third = 4, unit(4, 2), unit(4, 3)
+    by = lambda place, power: tuple(power * a + b for a, b in zip(unit(size, place), second, strict=True))  # noqa: E731
+    # The block [[0, 1], [a, 0]] with a = slope mu + curvature y^2/2.
+    image = [image[0], {third: Fraction(1)}, {by(0, 1): SLOPE, by(1, 2): CURVATURE / 2}]
+    outcome = prove(claim(CR3BP), (kernel, image))
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.condition == "simple"
+
+
+def test_a_family_that_is_no_curve_is_not_proved() -> None:
+    kernel, image = model(CR3BP)
+    outcome = prove(claim(CR3BP), ([kernel[0], {unit(4, 2): Fraction(2)}], image))
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.condition == "family"
+
+
+def test_a_stationary_value_out_of_the_box_is_refused_for_good() -> None:
+    outcome = prove(claim(CR3BP), model(CR3BP, value=Fraction(1, 10)))
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.excluded
+
+
+@pytest.mark.parametrize("change", [
+    lambda found: replace(found, image=found.image[:2]),
+    lambda found: replace(found, iterates=()),
+    lambda found: replace(found, half_period=DerivativeTable({}, {})),
+    lambda found: replace(found, half_period=negative(found.half_period)),
+])  # fmt: skip
+def test_incomplete_enclosures_prove_nothing(change: Callable[[ResonanceEnclosures], ResonanceEnclosures]) -> None:
+    candidate = claim(CR3BP)
+    frame = [list(row) for row in candidate.frame]
+    kernel, image = ([table(each, frame, candidate.radii) for each in group] for group in model(CR3BP))
+    one = table({(0,) * 4: Fraction(3, 2)}, frame, candidate.radii)
+    found = ResonanceEnclosures((tuple(kernel),), tuple(image), one, one)
+    for given in (change(found), None):
+        outcome = prove_resonance(candidate, Checklist(), given)
+        assert isinstance(outcome, NotProved)
+        assert outcome.reason.condition == "return-map"
+
+
+def negative(given: DerivativeTable) -> DerivativeTable:
+    box, centre = ({key: -ball for key, ball in part.items()} for part in (given.box, given.centre))
+    return DerivativeTable(box, centre)
+
+
+def test_a_box_beyond_the_values_of_the_parameter_is_refused() -> None:
+    candidate = replace(claim(CR3BP), centre=(RADIUS / 2, *(Fraction(1, 8),) * 3))
+    with pytest.raises(NotEstablishedError) as error:
+        check_resonance_exactly(Checklist(), candidate)
+    assert error.value.reason.condition == "parameter"
+    assert not isinstance(theorem_of_resonance(candidate), NotProved)
+
+
+def test_the_words_say_what_meets_and_where() -> None:
+    candidate = claim(CR3BP)
+    outcome = prove(candidate, model(CR3BP))
+    assert isinstance(outcome, Proved)
+    text = in_full(candidate, ResonanceTheorem(candidate), outcome.results)
+    assert "the parameter mu and those of Fix(R)" in text
+    assert "two 1:4 resonances meet" in text
+    assert "has a minimum along the family" in text
+    assert "exist for values of mu greater than that" in text
+
+
+@pytest.mark.parametrize(
+    "changes, field",
+    [
+        ({"k": 1}, "kind"), ({"parameters": {"mu": Fraction(1, 4)}}, "parameters"), ({"symmetry": "S"}, "kind"),
+        ({"level_sign": 1}, "kind"), ({"system": FALKNER_SKAN}, "parameters"),
+        ({"centre": (Fraction(1),) * 3}, "centre"),
+    ],
+)  # fmt: skip
+def test_a_claim_that_makes_no_sense_is_refused(changes: dict[str, object], field: str) -> None:
+    with pytest.raises(InputError, match=f"^{field}"):
+        replace(claim(CR3BP), **changes)  # type: ignore[arg-type]
+
+
+def test_a_claim_is_written_and_read() -> None:
+    (candidate,) = read_claims(CLAIM)
+    assert isinstance(candidate, Candidate)
+    entry = candidate_to_json(candidate)
+    validate_document({"format": "orbitproof-candidates", "version": 1, "candidates": [entry]}, "candidates", "here")
+    assert candidate_from_json(entry, "here") == candidate
+    assert candidate.coordinates == ("mu", "x", "z", "vy")
+    with pytest.raises(InputError, match="all but one of these"):
+        candidate_from_json({**entry, "parameters": {"mu": "1e-3"}}, "here")
+    with pytest.raises(InputError, match="give exactly these"):
+        candidate_from_json({**entry, "kind": "orbit", "k": 1}, "here")
+
+
+@pytest.mark.slow
+def test_two_resonances_of_the_halo_family_of_l2_meet_between_the_masses() -> None:
+    """Proved, read again and checked with another integration; about a minute."""
+    (candidate,) = read_claims(CLAIM)
+    proof = certify(candidate, Limits(digits=20))
+    assert proof.proved, proof.reason
+    assert isinstance(proof.results, ResonanceResults)
+    assert proof.results.parameter.overlaps(arb("0.00352111037365612532914676577419611763786 +/- 1e-38"))
+    assert proof.results.level.overlaps(arb("3.0135165200634744440114103542299713886 +/- 1e-36"))
+    assert (proof.side, proof.results.turn, proof.results.extremum) == ("above", 1, "minimum")
+    again = Certificate.from_json(proof.to_json(), "here")
+    assert recheck(again, integrate=True).stands
+    moved = replace(candidate, centre=(candidate.centre[0] + Fraction(1, 2**60), *candidate.centre[1:]))
+    assert not certify(moved, Limits(digits=20)).proved
