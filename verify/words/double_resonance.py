@@ -29,8 +29,9 @@ def resonance_in_words(theorem: ResonanceTheorem) -> str:
         f"{name} and a point x of its family at which det(c - S) is 0 together with its derivative along the family, "
         f"for k = {k} and the j below; and there c is a simple eigenvalue. The orbit of x has the time from x to "
         f"P^2(x) as its least period, and {meetings(m)}. Along the family of this {name} the stability "
-        f"parameter has a strict local extremum at x, of order 2; its extremal value along the families of neighbouring {name} passes c with a "
-        f"derivative by {name} that is not 0. So two 1:{k} resonances meet there: for {name} near that value, on one "
+        f"parameter has a strict local extremum at x, of order 2; its extremal value along the families of "
+        f"neighbouring {name} passes c with a derivative by {name} that is not 0. So two 1:{k} resonances meet there: "
+        f"for {name} near that value, on one "
         "side of it the family has exactly two orbits near x with that stability parameter equal to c, which it passes "
         "at each with a derivative other than 0, and on the other side none. What branches off there is not said."
     )
