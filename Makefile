@@ -170,7 +170,7 @@ FOLDERS = $(wildcard $(BRANCHES) $(WEBS))
 archive: $(VENV)/demo.stamp
 	@$(BIN)/python docs/archive.py $(or $(FOLDERS),$(BRANCHES)) -o $(ARCHIVE)
 
-# LIMIT: seconds for each printed command; what takes longer is stopped, and told.
+# LIMIT: seconds of processor time for each printed command; what takes longer is stopped, and told.
 LIMIT := 600
 
 release-check: $(VENV)/dev.stamp

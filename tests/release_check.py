@@ -7,7 +7,8 @@
    of its own.
 4. Every command that README and documents print is run once, those of a page in order in a folder of their own with
    the files of docs/examples. What is not run is told with the reason: its input is the reader's own, it is a pattern,
-   or it took longer than the limit.
+   or it took longer than the limit, of processor time where the system tells it, so that other work on the machine
+   stops no command.
 
 The last lines count. The exit code is 1 if anything failed.
 """
@@ -28,6 +29,7 @@ import time
 import zipfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,6 +37,9 @@ ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = ROOT / "docs" / "examples"
 README_COMMANDS = ("demo", "test")
 FOUND, REFUSED = (0, 1), 2
+_LOOK_SECONDS = 0.5
+_PATIENCE = 20
+"""A command that waits is stopped after so many times the limit."""
 
 _FENCE = re.compile(r"^```(\w*)[ ]?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _INDENTED = re.compile(r"^ {4}(orbitproof .*)$", re.MULTILINE)
@@ -96,8 +101,33 @@ def files_of(page: Path) -> dict[str, str]:
     return found | {name: code for _, name, code in blocks if re.fullmatch(r"[\w.-]+\.(py|json)", name)}
 
 
+def processor_seconds(session: int) -> float | None:
+    """What the processes of a session, and those that they have waited for, have used; `None` if nobody knows."""
+    ticks = 0
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):
+            # The name, in parentheses, may hold anything.
+            fields = path.read_text().rpartition(")")[2].split()
+            if int(fields[3]) == session:
+                ticks += sum(map(int, fields[11:15]))
+    return ticks / os.sysconf("SC_CLK_TCK") if Path("/proc/self/stat").exists() else None
+
+
+def wait(process: subprocess.Popen[str], limit: float) -> str | None:
+    """What a process says on standard error; `None` if it is not done after so much processor time."""
+    started = time.monotonic()
+    while True:
+        try:
+            return process.communicate(timeout=_LOOK_SECONDS)[1]
+        except subprocess.TimeoutExpired:
+            used = processor_seconds(process.pid)
+            passed = time.monotonic() - started
+            if (passed if used is None else max(used, passed / _PATIENCE)) >= limit:
+                return None
+
+
 def run_command(command: Command, folder: Path, python: Path, limit: float) -> Outcome:
-    """Run a command in a folder, for at most `limit` seconds."""
+    """Run a command in a folder, for at most `limit` seconds of processor time."""
     if PATTERN.search(command.text):
         return Outcome("skipped", "a pattern, with words for the reader's own")
     try:
@@ -110,16 +140,15 @@ def run_command(command: Command, folder: Path, python: Path, limit: float) -> O
         [str(python), "-m", "orbitproof", *words], cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE, text=True, start_new_session=True, env={**os.environ, "JAX_PLATFORMS": "cpu"},
     )  # fmt: skip
-    try:
-        _, errors = process.communicate(timeout=limit)
-    except subprocess.TimeoutExpired:
+    errors = wait(process, limit)
+    if errors is None:
         os.killpg(process.pid, signal.SIGTERM)
         try:
             process.communicate(timeout=30)
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
             process.communicate()
-        return Outcome("skipped", f"not done in {limit:g} s")
+        return Outcome("skipped", f"not done in {limit:g} s of processor time")
     missing = _MISSING.search(errors)
     if process.returncode == REFUSED and missing and command.code is None:
         return Outcome("skipped", f"its input {missing[1]} is the reader's own, or of a command that was not run")
@@ -228,7 +257,9 @@ def check_readme(folder: Path) -> int:
 def main() -> int:
     """Run the command line; returns the exit code."""
     parser = argparse.ArgumentParser(description="Check what a release needs.")
-    parser.add_argument("--limit", type=float, default=600.0, metavar="S", help="for each printed command")
+    parser.add_argument(
+        "--limit", type=float, default=600.0, metavar="S", help="of processor time, for each printed command"
+    )
     parser.add_argument("--only", nargs="+", choices=("packages", "readme", "printed"), help="these parts")
     parser.add_argument("--pages", nargs="+", type=Path, metavar="FILE", help="these pages only")
     options = parser.parse_args()
