@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from orbitproof.explore.catalogues.columns import ALTITUDE, LEAST
+from orbitproof.explore.names import SECONDS
 from orbitproof.shared.formats import InputError
 
 if TYPE_CHECKING:
@@ -16,8 +17,6 @@ if TYPE_CHECKING:
 
 QUANTITIES = ("period", "jacobi", "stability", "perilune", "altitude")
 """Perilune: the least distance from the centre of the smaller primary, whatever it is; altitude: from its surface."""
-
-_SECONDS = {"s": 1.0, "h": 3600.0, "d": 86400.0}
 
 
 def between(catalogue: Catalogue, quantity: str, low: str | float, high: str | float) -> Catalogue:
@@ -58,7 +57,7 @@ def _values(catalogue: Catalogue, quantity: str) -> Any:
 def _value(catalogue: Catalogue, quantity: str, given: str | float) -> float:
     text = str(given).strip().lower()
     number, unit = text, ""
-    for each in ("km", *_SECONDS):
+    for each in ("km", *SECONDS):
         if text.endswith(each) and text not in ("inf", "-inf"):
             number, unit = text[: -len(each)], each
             break
@@ -68,10 +67,10 @@ def _value(catalogue: Catalogue, quantity: str, given: str | float) -> float:
         raise InputError(f"--{quantity} {given}: no number; give one, with km, d, h or s if it is in such") from None
     if not unit or quantity == "altitude":
         return value
-    wanted = {"perilune": ("km",), "period": tuple(_SECONDS)}.get(quantity, ())
+    wanted = {"perilune": ("km",), "period": tuple(SECONDS)}.get(quantity, ())
     size = catalogue.lunit if unit == "km" else catalogue.tunit
     if unit not in wanted:
         raise InputError(f"--{quantity} {given}: is not measured in {unit}; leave the unit out")
     if size is None:
         raise InputError(f"--{quantity} {given}: the catalogue names no units; give a number in its own")
-    return value / size * (1.0 if unit == "km" else _SECONDS[unit])
+    return value / size * (1.0 if unit == "km" else SECONDS[unit])

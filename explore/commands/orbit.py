@@ -97,7 +97,8 @@ def add_parser(commands: Any) -> None:
     wanted.add_argument(
         "--period",
         metavar="P",
-        help="its period; for orbits of the Earth-Moon system synodic_month and sidereal_month may stand in it",
+        help="its period; with a mass of the catalogue also 6.5d or 12h; for orbits of the Earth-Moon system "
+        "synodic_month and sidereal_month may stand in it",
     )
     wanted.add_argument("--level", metavar="H", help="its value of the first integral")
     wanted.add_argument(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Literal
 
-from orbitproof.explore.names import MONTHS, NO_NUMBER, exact_number
+from orbitproof.explore.names import MONTHS, NO_NUMBER, exact_number, time_given
 from orbitproof.shared.formats import (
     COORDINATE,
     HALF_PERIOD,
@@ -16,7 +16,7 @@ from orbitproof.shared.formats import (
     Equation,
     InputError,
 )
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import MASS_PARAMETERS, UNITS, ReversibleSystem
 
 
 def equation_of(options: argparse.Namespace, system: ReversibleSystem, wanted: bool = True) -> Equation | None:
@@ -36,7 +36,9 @@ def equation_of(options: argparse.Namespace, system: ReversibleSystem, wanted: b
     if given[0] == "period":
         months = MONTHS if system.fixed_parameters == ("mu",) else {}
         hint = f"{NO_NUMBER}, or arithmetic with {' and '.join(months)}" if months else NO_NUMBER
-        value = exact_number("--period", text, hint, months)
+        masses = [MASS_PARAMETERS.get(name) for name in getattr(options, "mass", None) or []]
+        units = UNITS.get(masses[0]) if len(masses) == 1 and masses[0] is not None else None
+        value = time_given("--period", text, None if units is None else units.time, hint, months)
     else:
         value = exact_number("--level", text)
     if given[0] == "level":

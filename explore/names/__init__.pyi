@@ -1,7 +1,9 @@
 from .exact_numbers import MONTHS as MONTHS
 from .exact_numbers import NO_NUMBER as NO_NUMBER
+from .exact_numbers import SECONDS as SECONDS
 from .exact_numbers import exact_number as exact_number
 from .exact_numbers import mass_parameter as mass_parameter
+from .exact_numbers import time_given as time_given
 from .family_names import FAMILY_NAMES as FAMILY_NAMES
 from .family_names import POINTS as POINTS
 from .family_names import PRESETS as PRESETS

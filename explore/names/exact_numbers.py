@@ -44,6 +44,29 @@ def exact_number(
     return value
 
 
+SECONDS: Mapping[str, int] = {"s": 1, "h": 3600, "d": 86400}
+"""Units in which a time may be given: 6.5d, 12h, 540000s."""
+
+
+def time_given(
+    option: str, text: str, unit: float | None, wrong: str = NO_NUMBER, names: Mapping[str, Fraction] | None = None
+) -> Fraction:
+    """A time as `exact_number` reads one, or with d, h or s; `unit` is that of the system in seconds, if it is known.
+
+    Raises `InputError`.
+    """
+    number, size = number_in(text[:-1]), SECONDS.get(text[-1:])
+    if number is None or size is None:
+        return exact_number(option, text, wrong, names)
+    if unit is None:
+        known = "jpl-earth-moon, sun-earth, .."
+        raise InputError(
+            f"{option} {text}: the units of this system are not known; give a number in its own, or a mass of the "
+            f"catalogue ({known})"
+        )
+    return number * size / Fraction(str(unit))
+
+
 def mass_parameter(option: str, text: str, *, or_zero: bool = False) -> Fraction:
     """A mass parameter, by name or as a number in (0, 1), in [0, 1) with `or_zero`. Raises `InputError`."""
     value = MASS_PARAMETERS.get(text)

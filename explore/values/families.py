@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 
 from orbitproof.explore.catalogues import catalogue_of, write_catalogue_csv
 from orbitproof.explore.families import TracedFamily
+from orbitproof.explore.names import time_given
 from orbitproof.explore.orbits import SymmetricOrbit
 from orbitproof.explore.plots import draw_family, draw_orbits
 from orbitproof.explore.search.orbits import orbits_with
 from orbitproof.explore.trajectories import Units
 from orbitproof.explore.values.orbits import File, Orbit, orbit_value, units_named
-from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Equation, write_text
+from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Equation, InputError, write_text
 from orbitproof.shared.systems import THREE_BODY, ReversibleSystem
 from orbitproof.shared.wording import counted
 
@@ -69,8 +70,16 @@ class OrbitFamily(Sequence[Orbit]):
         """The same family with units of length and time: `explore.Units(km, s, source)`, or the name of a system."""
         return replace(self, units=units_named(units))
 
-    def by_period(self, period: float) -> list[Orbit]:
-        """The orbits of that period between those of the family, corrected; an empty list if there is none."""
+    def by_period(self, period: float | Fraction | str) -> list[Orbit]:
+        """The orbits of that period between those of the family, corrected; an empty list if there is none.
+
+        With units a text such as "6.5d" or "12h" too.
+        """
+        if isinstance(period, str):
+            try:
+                period = time_given("period", period, None if self.units is None else self.units.time)
+            except InputError as error:
+                raise ValueError(str(error)) from None
         return self._with(Equation(HALF_PERIOD, Fraction(period) / 2))
 
     def by_level(self, level: float) -> list[Orbit]:

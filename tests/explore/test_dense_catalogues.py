@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import pytest
 from orbitproof import explore
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.catalogues import Catalogue, correct_catalogue, read_catalogue
+from orbitproof.explore.names import time_given
 from orbitproof.explore.orbits import PeriodicSolution
 from orbitproof.shared import InputError
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, MASS_PARAMETERS
@@ -57,6 +59,16 @@ def test_filters_take_units(halo: Catalogue) -> None:
             halo.by_period(*wrong)
     with pytest.raises(InputError, match="no units"):
         replace(halo, system_details={}).by_period("1d", "2d")
+
+
+def test_a_time_may_have_a_unit_where_the_system_has_one() -> None:
+    assert time_given("--period", "6.5d", 382981.289129055) == Fraction(13 * 43200) / Fraction("382981.289129055")
+    assert time_given("--period", "12h", 43200.0) == 1
+    assert time_given("--period", "3/2", None) == Fraction(3, 2)
+    with pytest.raises(InputError, match="units of this system are not known"):
+        time_given("--period", "6.5d", None)
+    with pytest.raises(InputError, match="no number"):
+        time_given("--period", "d", 1.0)
 
 
 @pytest.mark.parametrize("form", ["json", "csv"])

@@ -15,16 +15,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from support import atlas_work
-from support.atlas_runs import CURVE, ROOT, go, refused, write
+from support.atlas_runs import CURVE, ROOT, InOrder, go, refused, write
 from support.chain_cases import symmetric_loop
+from support.periodic_curves import turning_atlas
 from support.stored import values
 
 from orbitproof.shared import format_exact
 from orbitproof.shared.processes import Answer, Task
 from orbitproof.verify.atlas import read_atlas_certificate
-from orbitproof.verify.run import Processes
+from orbitproof.verify.run import Display, Processes
 from orbitproof.verify.run.branch_command import main
 from orbitproof.verify.run.branch_tasks import RunLimits
+from orbitproof.verify.run.branches import AtlasRun
 from orbitproof.verify.run.splitting import Plan, covers, full_interval, halves, plan, with_closer_looks
 
 
@@ -82,6 +84,16 @@ def test_an_interval_across_a_bifurcation_is_not_split_and_not_tried_again() -> 
     assert run.plan_of("p001").failed
     assert not run.plan_of("p001").is_proved
     assert not go(CURVE, atlas_work.singular, earlier=run.results)[1].asked
+
+
+def test_what_fails_on_a_curve_without_symmetry_is_told_with_its_parameter(capsys: pytest.CaptureFixture[str]) -> None:
+    atlas = turning_atlas()
+    run, engine = AtlasRun(atlas, RunLimits({}, None, 0)), InOrder()
+    display = Display(dict.fromkeys(run.pending, 1.0), quiet=False)
+    with display.shown():
+        run.run(engine, display, lambda results: None, atlas_work.failing)
+    value = float(atlas.curve_pieces()[0].point(Fraction(0))[0])
+    assert f"not proved, near a = {value:.6g}, " in capsys.readouterr().err
 
 
 def test_more_splits_go_on_where_fewer_ended() -> None:
