@@ -19,7 +19,7 @@ from orbitproof.figures.pictures.legends import bottom_margin, legend_below
 from orbitproof.figures.pictures.marks import draw_point
 from orbitproof.figures.style import INK, label_of, level_label
 from orbitproof.shared.formats import AnyAtlas, InputError
-from orbitproof.shared.systems import AROUND, BRANCH_SYSTEMS, CR3BP, VERTICAL, ReversibleSystem, System
+from orbitproof.shared.systems import AROUND, BRANCH_SYSTEMS, CR3BP, CR3BP_PLANAR, VERTICAL, ReversibleSystem, System
 from orbitproof.verify.atlas import StoredArc, StoredVertex, WebCertificate
 from orbitproof.verify.atlas.listed import ListedInterval
 
@@ -97,8 +97,8 @@ def _between(curve: Curve, interval: ListedInterval) -> Iterator[Array]:
 def _kind_of(atlas: AnyAtlas) -> str:
     system = atlas.system
     around = _around(system)
-    if around is not None:
-        return around[0]
+    if around is not None or system == CR3BP_PLANAR:
+        return "planar" if around is None else around[0]
     return "axial" if isinstance(system, ReversibleSystem) and system.reversor is not None else "R"
 
 
@@ -180,14 +180,14 @@ def _libration_point(mu: float, name: str) -> float:
 def draw_web(web: WebCertificate, curves: Mapping[str, Curve]) -> Figure:
     """Level against x where orbits start; the surroundings of planar and vertical arcs beside."""
     arcs = drawn_arcs(web, curves)
-    near = [arc for arc in arcs if arc.kind in ("planar", "vertical")]
+    near = [arc for known, arc in zip(web.arcs, arcs, strict=True) if _around(curves[known.id].atlas.system)]
     claims = sorted({(vertex.k, vertex.kind) for vertex in web.vertices if vertex.kind != _LIBRATION_POINT})
     handles = [
         Line2D([], [], color=COLOURS[kind], linewidth=1.6, label=words)
         for kind, words in WORDS.items() if any(arc.kind == kind for arc in arcs)
     ]  # fmt: skip
     if any(arc.stable for arc in arcs):
-        handles.append(Line2D([], [], color=INK, **_STABLE, label="linearly stable"))
+        handles.append(Line2D([], [], color=INK, **_STABLE, label=f"linearly stable{in_the_plane(arcs)}"))
     if len(claims) < len(web.vertices):
         handles.append(Line2D([], [], **_POINT, label="libration point"))
     figure = plt.figure(figsize=(_WIDTH, _HEIGHT))
@@ -201,6 +201,11 @@ def draw_web(web: WebCertificate, curves: Mapping[str, Curve]) -> Figure:
     figure.text(0.1, 0.955, "\n".join(wrap(web.claim.title, _CHARACTERS)), color=INK, fontweight="bold", va="center")
     legend_below(figure, claims, [True], handles)
     return figure
+
+
+def in_the_plane(arcs: Sequence[DrawnArc]) -> str:
+    """What is to be said beside proved stability: that of planar arcs is about variations in the plane (33.5)."""
+    return ", planar ones in the plane" if any(arc.stable and arc.kind == "planar" for arc in arcs) else ""
 
 
 def _draw(axes: Axes, arcs: Sequence[DrawnArc], around: Sequence[DrawnArc]) -> None:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from orbitproof.explore.flow import FlowFailure, flow_of
 from orbitproof.figures.certified import Curve
 from orbitproof.figures.orbits import Array, OrbitNotClosed, symmetric_orbit
-from orbitproof.figures.pictures.web import COLOURS, WORDS, DrawnArc, States, drawn_arcs
+from orbitproof.figures.pictures.web import COLOURS, WORDS, DrawnArc, States, drawn_arcs, in_the_plane
 from orbitproof.figures.pictures.web_script import PAGE
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, shown
 from orbitproof.verify.atlas import StoredArc, WebCertificate
@@ -45,7 +45,9 @@ def page_of(web: WebCertificate, curves: Mapping[str, Curve]) -> str:
     theorem = "".join(f"<p>{escape(line)}</p>" for line in (web.theorem or "").split("\n"))
     # "</" would end the script.
     text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
-    stable = ", broad bands where orbits are proved to be linearly stable" if any(arc.stable for arc in drawn) else ""
+    stable = f", broad bands where orbits are proved to be linearly stable{in_the_plane(drawn)}"
+    if not any(arc.stable for arc in drawn):
+        stable = ""
     parts = {"TITLE": escape(web.claim.title), "STABLE": stable, "DATA": text, "THEOREM": theorem}
     page = PAGE
     for name, part in parts.items():

@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from flint import arb
-from support.chain_cases import certificate, circle_point, symmetric_loop
+from support.chain_cases import certificate, circle_point, line_in_plane, symmetric_loop
 from support.forgeries import atlas_certificate, forged
 
 from orbitproof.figures import draw_web as draw_files
 from orbitproof.figures.certified import Curve
 from orbitproof.figures.pictures import draw_web, web_page
-from orbitproof.figures.pictures.web import States, _between, drawn_arcs
+from orbitproof.figures.pictures.web import DrawnArc, States, _between, _kind_of, drawn_arcs, in_the_plane
 from orbitproof.figures.pictures.web_page import _list_in_words
 from orbitproof.shared.claims.web import BRANCHES, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import InputError
@@ -157,3 +157,8 @@ def test_stability_that_is_proved_of_a_planar_arc_is_told_to_be_in_the_plane() -
     assert _list_in_words(known, "planar") == "proved intervals of linear stability to variations in the plane: 0"
     assert _list_in_words(known, "R") == "proved intervals of linear stability: 0"
     assert _list_in_words(replace(known, order=None), "planar") == "its certificate has no list"
+    line = np.zeros((2, 2))
+    kinds = [_kind_of(atlas) for atlas in (line_in_plane()[0], symmetric_loop()[0])]
+    assert kinds == ["planar", "R"]
+    told = [in_the_plane([DrawnArc(kind, (line,), (), stable)]) for kind in kinds for stable in ((line,), ())]
+    assert told == [", planar ones in the plane", "", "", ""]
