@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ from support.stored import values
 
 from orbitproof.figures.__main__ import main
 from orbitproof.figures.certified import CertifiedStability, ListedPoint
+from orbitproof.figures.certified.twist import _twist
 from orbitproof.figures.pictures import draw_certified_stability
 from orbitproof.figures.pictures.certified_branches import Along
 from orbitproof.figures.style import close, use_style
@@ -201,3 +204,17 @@ def test_the_twist_is_drawn_as_it_is_proved_of_one_orbit() -> None:
     assert {line.get_gid() for line in panel.lines} >= {"twist 3", "twist 4"}
     assert not unreadable(figure)
     close(figure)
+
+
+def test_what_is_stored_of_odd_maps_has_no_factor_that_is_divided_out() -> None:
+    """(29.5) and (29.9)."""
+
+    def constant(value: int) -> SimpleNamespace:
+        return SimpleNamespace(coefficients=[Fraction(value, 10)])
+
+    stability: Any = SimpleNamespace(characteristic=[constant(-3)])
+    found = [
+        _twist(stability, cast(Any, SimpleNamespace(twist=constant(2), exchanged=constant(5), odd=odd)), np.zeros(1))
+        for odd in (True, False)
+    ]
+    assert found[0] == pytest.approx(0.4 * found[1])

@@ -22,7 +22,7 @@ from orbitproof.verify.atlas.conclusion import conclusion_of
 from orbitproof.verify.curve import PieceLimits, prove_piece
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.functions import error_of, known_part, norm_of
-from orbitproof.verify.lasting import FunctionJet, LastingResult, TwistFunctions, compose, twist_of_piece
+from orbitproof.verify.lasting import FunctionJet, LastingResult, TwistFunctions, compose, half_map, twist_of_piece
 from orbitproof.verify.lasting.half_map import _around, _elements, _jet, _on_level
 from orbitproof.verify.lasting.odd import odd_coordinate
 from orbitproof.verify.lasting.stored import require_zero
@@ -183,8 +183,13 @@ def test_at_1_3_without_a_quadratic_term_nothing_is_said_of_the_twist() -> None:
     assert len(lasting["undecided"]) == len(lasting["gaps"]) == 1
 
 
-def test_at_1_3_orbits_that_a_symmetry_fixes_are_stable_for_ever() -> None:
+def test_at_1_3_orbits_that_a_symmetry_fixes_are_stable_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
     """The same orbits, where it is known that y -> -y makes the return map odd (29.7)."""
+
+    def choose(_: Sequence[Any]) -> list[Fraction]:
+        raise AssertionError("where a symmetry fixes the orbits no direction is chosen")
+
+    monkeypatch.setattr(half_map, "_direction", choose)
     case, amplitude = CASES["known symmetry"], Fraction(303, 512)
     piece, result = along(case, amplitude)
     twist = result.twist
@@ -224,6 +229,7 @@ def test_a_symmetry_fixes_orbits_only_if_that_is_shown() -> None:
         {"polynomial": ((Fraction(1, 64), Fraction(-1, 32)),)},
         {"centre": (Fraction(1), Fraction(1, 2**60))},
         {"frame": ((Fraction(1), Fraction(1)), (Fraction(1, 2**60), Fraction(-2)))},
+        {"frame": ((Fraction(1), Fraction(1)), (Fraction(0), Fraction(0)))},
         {"kind": "symmetric"},
     ):
         assert odd_coordinate(system, replace(piece, **change)) is None
@@ -240,6 +246,8 @@ def test_a_symmetry_fixes_orbits_only_if_that_is_shown() -> None:
     assert odd_coordinate(uneven, piece) is None
     bent = replace(system, vector_field=lambda z, _: (*_field(z, _)[:3], _field(z, _)[3] + z[2] * z[2]))
     assert odd_coordinate(bent, piece) is None
+    with_functions = replace(PENDULA, symmetries={"S": (1, 1, -1, -1, 1, 1, -1, 1)})
+    assert odd_coordinate(with_functions, piece) is None
 
 
 def test_what_is_unknown_of_a_grade_is_unknown_of_its_coefficients() -> None:
