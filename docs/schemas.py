@@ -17,6 +17,7 @@ from orbitproof.shared.formats.schemas import document_schema, schema_text
 from orbitproof.shared.stored import rules
 from orbitproof.verify.atlas.catalogue import CatalogueDocument
 from orbitproof.verify.atlas.document import BranchDocument
+from orbitproof.verify.atlas.index import IndexDocument
 from orbitproof.verify.atlas.web import WebDocument
 from orbitproof.verify.certificate.document import Software
 from orbitproof.verify.certificate.entry import Entry
@@ -59,12 +60,13 @@ def schemas() -> dict[str, dict[str, Any]]:
         "them, in the units of the CR3BP.",
         "web": "Which proved curves of periodic orbits meet which certified orbits, and how, as it is claimed.",
         "web-certificate": "A graph of proved curves of periodic orbits that meet in certified ones.",
+        "index-certificate": "The Conley-Zehnder index of the orbits of a proved curve.",
         "periodic-family": "A family of periodic orbits without symmetry in a parameter, or over the levels of a first "
         "integral, from double precision, in the units of its system. Nothing is proved.",
     }
     kinds = (
         *(Candidates, Certificates, StoredAtlas, BranchDocument, CatalogueDocument),
-        *(Web, WebDocument, PeriodicFamilyRecord),
+        *(Web, WebDocument, IndexDocument, PeriodicFamilyRecord),
     )
     return {
         # The parameters of a surface stand in its pieces.

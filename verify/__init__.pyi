@@ -14,6 +14,8 @@ from .evidence.balls_as_text import certain_digits as certain_digits
 from .evidence.balls_as_text import decimal_interval as decimal_interval
 from .evidence.outcome import Hypothesis as Hypothesis
 from .evidence.outcome import Reason as Reason
+from .run.index_command import certify_index as certify_index
+from .run.index_command import recheck_index as recheck_index
 from .run.second_proofs import Comparison as Comparison
 from .scripting import InputError as InputError
 from .scripting import certify as certify

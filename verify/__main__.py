@@ -1,4 +1,4 @@
-"""Command line of the verifier: hands over to the command for rows, branches, catalogues, webs, or second proofs."""
+"""Command line of the verifier: hands over to that for rows, branches, catalogues, webs, indices, or second proofs."""
 
 from __future__ import annotations
 
@@ -24,6 +24,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from orbitproof.verify.run.web_command import main as verify_web
 
         return verify_web(words[1:])
+    if words[:1] == ["index"]:
+        from orbitproof.verify.run.index_command import main as verify_index
+
+        return verify_index(words[1:])
     if "--second-proof" in words:
         from orbitproof.verify.run.second_proofs import main as prove_again
 

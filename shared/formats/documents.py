@@ -208,6 +208,7 @@ _FORMATS = {
     "atlas-certificate": "the certificate of an atlas, to check again with: orbitproof verify atlas --recheck {}",
     "web": "a web, to prove with: orbitproof verify web {}",
     "web-certificate": "the certificate of a web, to check again with: orbitproof verify web --recheck {}",
+    "index-certificate": "the certificate of an index, to check again with: orbitproof verify index --recheck {}",
     "family": "families, to search with: orbitproof explore candidates --from-family {}",
     "branches": "branches",
     "portraits": "portraits",

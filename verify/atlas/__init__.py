@@ -18,6 +18,13 @@ from orbitproof.verify.atlas.certificate import (
     write_atlas_certificate,
 )
 from orbitproof.verify.atlas.conclusion import Watch, conclusion_of
+from orbitproof.verify.atlas.index import (
+    IndexCertificate,
+    certified_index,
+    checked_index,
+    read_index_certificate,
+    write_index_certificate,
+)
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.places import Placed, check_of_conclusion, places_on, recheck_place
 from orbitproof.verify.atlas.recheck import Means, ProvedBefore, atlas_of, order_of, recheck_atlas

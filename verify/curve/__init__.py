@@ -40,4 +40,4 @@ from orbitproof.verify.curve.proved_curve import PRECISION as CURVE_PRECISION
 from orbitproof.verify.curve.proved_curve import CurveTheorem, ProvedCurve, conclude, times_of
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
 from orbitproof.verify.curve.tube import lower_end, read_tube, upper_end
-from orbitproof.verify.curve.vertical_family import vertical_point
+from orbitproof.verify.curve.vertical_family import stiffness_at_rest, vertical_point

@@ -40,7 +40,7 @@ def check_vertical(checklist: Checklist, atlas: Atlas, chain: Chain) -> None:
         evidence.require(
             from_rest and covers is not None and covers.start <= 0 < covers.end, "the claim does not say the former"
         )
-        half = evidence.record("pi/c^(1/2)", arb.pi() / _stiffness(atlas.system, atlas.parameters).sqrt())
+        half = evidence.record("pi/c^(1/2)", arb.pi() / stiffness_at_rest(atlas.system, atlas.parameters).sqrt())
         times = [
             part.time
             for stretch in chain.stretches
@@ -53,8 +53,8 @@ def check_vertical(checklist: Checklist, atlas: Atlas, chain: Chain) -> None:
             evidence.require(is_positive(half - time), "the return at eps2 = 0 may be a later one")
 
 
-def _stiffness(system: ReversibleSystem, parameters: Mapping[str, Fraction]) -> arb:
-    """c = c_1 + c_2 of section 16.1."""
+def stiffness_at_rest(system: ReversibleSystem, parameters: Mapping[str, Fraction]) -> arb:
+    """c = c_1 + c_2 of section 16.1, at the libration point of a system in units of section 16."""
     x_l, mu = derived_parameter(system, "x_l", parameters, ctx.prec).ball, enclose(parameters["mu"])
     return (1 - mu) / abs(x_l + mu) ** 3 + mu / abs(x_l + mu - 1) ** 3
 

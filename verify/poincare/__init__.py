@@ -1,6 +1,6 @@
 """The Poincare map and its derivatives on a box: section, crossings, returns (sections 5, 6, 14)."""
 
-from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, coordinates_of
+from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, coordinates_of, physical
 from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, InTime, range_of, stays_positive, wide_parts
 from orbitproof.verify.poincare.derivatives import derivative_table, table_of
 from orbitproof.verify.poincare.early_end import EarlyEnd, HalfReturns

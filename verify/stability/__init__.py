@@ -24,6 +24,7 @@ from orbitproof.verify.stability.linear_stability import (
     Bound,
     Rule,
     StableInterval,
+    bounds_on,
     intervals_where,
     is_stable,
     orbit_between,

@@ -94,7 +94,7 @@ def intervals_where(
     Args:
         closed: as in `stable_intervals`.
     """
-    bounds = list(_bounds(chain, found, rule))
+    bounds = list(bounds_on(chain, found, rule.ends_at, rule.ends_where))
     result: list[StableInterval] = []
     unknown: list[StableInterval] = []
     for before, after in pairwise(bounds):
@@ -124,16 +124,21 @@ def _is_cut(begin: Bound, end: Bound) -> bool:
     return begin.what == (CurveEnd.BEGINNING,) and end.what == (CurveEnd.END,)
 
 
-def _bounds(chain: Chain, found: CompleteList, rule: Rule) -> Iterator[Bound]:
-    """All places at which what holds may change, disjoint, in order."""
+def bounds_on(
+    chain: Chain,
+    found: CompleteList,
+    ends_at: Callable[[Point], bool],
+    ends_where: Callable[[Subject], bool],
+) -> Iterator[Bound]:
+    """All places at which something may change, disjoint, in order: such points, such gaps, the ends of the curve."""
     places = []
     for point in found.points:
-        if rule.ends_at(point):
+        if ends_at(point):
             low, high = ends_of(point.s)
             ranges = ranges_between(found.segments, (point.stretch, low), (point.stretch, high))
             places.append(Bound(point.stretch, low, high, (point.found,), point, True, ranges))
     for gap in found.gaps:
-        if rule.ends_where(gap.subject):
+        if ends_where(gap.subject):
             places.append(Bound(gap.stretch, gap.start, gap.end, (gap.subject,), None, False))
     first, last = chain.stretches[0], chain.stretches[-1]
     places.append(Bound(0, first.enters, first.entered, (CurveEnd.BEGINNING,)))

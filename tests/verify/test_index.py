@@ -1,0 +1,463 @@
+"""The Conley-Zehnder index: flows of which it is known, another way to find it, and indices that are false."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+import random
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import acb, arb, ctx
+from support.forgeries import atlas_certificate, forged
+from support.graph_index import index_of_orbit
+from support.stored import values
+
+from orbitproof import verify
+from orbitproof.shared.claims import Atlas
+from orbitproof.shared.formats import InputError, atlas_from_json, read_atlas
+from orbitproof.shared.systems import AROUND, CR3BP_AXIAL, FALKNER_SKAN, MASS_PARAMETERS, VERTICAL
+from orbitproof.verify.__main__ import main
+from orbitproof.verify.atlas import (
+    AtlasCertificate,
+    certified_index,
+    check_of_conclusion,
+    checked_index,
+    conclusion_of,
+    make_atlas_certificate,
+    read_index_certificate,
+    write_atlas_certificate,
+    write_index_certificate,
+)
+from orbitproof.verify.atlas import index as of_indices
+from orbitproof.verify.certificate import Level, Recheck
+from orbitproof.verify.curve import ProvedCurve, conclude
+from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotProved, Proved
+from orbitproof.verify.index import (
+    CountedOrbit,
+    HalfTurns,
+    Start,
+    conclude_index,
+    followed,
+    intervals_of,
+    places_in,
+    proved_index,
+    start_at,
+)
+from orbitproof.verify.index.half_turns import Turning, index_of
+from orbitproof.verify.index.libration_value import index_of_small_orbits
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.stability import ProvedList, StabilityResult, conclude_list
+
+DATA = Path(__file__).parents[1] / "data"
+PLANAR, AXIAL, RETROGRADE, LOOP = "lyapunov", "births-of-axial-orbits", "distant-retrograde", "fold-and-doublings"
+MU = MASS_PARAMETERS["earth-moon"]
+
+
+@cache
+def case(name: str) -> tuple[Atlas, Any]:
+    """A curve, and what is proved of its pieces."""
+    if name == PLANAR:
+        return read_atlas(DATA / "atlas-lyapunov.json"), json.loads((DATA / "stability-lyapunov.json").read_text())
+    stored = json.loads((DATA / "three-body-arcs.json").read_text())[name]
+    return atlas_from_json(stored["atlas"], name), stored["results"]
+
+
+def turned(angle: float) -> acb:
+    """e^(i angle), with some uncertainty."""
+    return acb(arb(math.cos(angle), 1e-12), arb(math.sin(angle), 1e-12))
+
+
+def orthogonal(chance: random.Random, size: int) -> list[list[float]]:
+    rows: list[list[float]] = []
+    while len(rows) < size:
+        row = [chance.gauss(0, 1) for _ in range(size)]
+        for other in rows:
+            share = sum(a * b for a, b in zip(row, other, strict=True))
+            row = [a - share * b for a, b in zip(row, other, strict=True)]
+        length = math.hypot(*row)
+        rows.append([a / length for a in row])
+    return rows
+
+
+@pytest.mark.parametrize("planes", [1, 2])
+@pytest.mark.parametrize("with_flow", [False, True])
+def test_the_index_of_rotations_is_that_of_their_turns(planes: int, with_flow: bool) -> None:
+    chance = random.Random(7 * planes + with_flow)
+    for _ in range(200):
+        angles = [chance.uniform(-9, 9) for _ in range(planes)]
+        if min(abs(math.sin(2 * angle)) for angle in angles) < 1e-2:
+            continue
+        frame = orthogonal(chance, planes + with_flow)
+        along = [acb(chance.uniform(1, 2) * entry) for entry in frame[-1]]
+        rows = [[turned(angle) * entry for entry in row] for angle, row in zip(angles, frame, strict=False)]
+        if planes == 2:
+            # Another real basis of the same planes.
+            mixed = chance.uniform(-3, 3)
+            rows[1] = [a - mixed * b for a, b in zip(rows[1], rows[0], strict=True)]
+        negated = [[acb(0, 1) * entry for entry in row] for row in rows]
+        if with_flow:
+            # Vectors are known up to multiples of the field, which is i times the gradient.
+            share = acb(0, chance.uniform(-5, 5))
+            rows[0] = [a + share * b for a, b in zip(rows[0], along, strict=True)]
+        known = index_of(
+            [arb(sum(angles), 1e-9)] * 2,
+            (tuple(along),) if with_flow else (),
+            tuple(map(tuple, rows)),
+            tuple(map(tuple, negated)),
+        )
+        assert known.index == sum(2 * math.floor(angle / math.pi) + 1 for angle in angles)
+        assert known.fixed == known.negated == sum(math.floor(angle / math.pi) for angle in angles)
+
+
+@pytest.mark.parametrize("turns", [-2, 0, 1, 3])
+def test_the_index_of_a_hyperbolic_flow_that_turns_is_twice_its_turns(turns: int) -> None:
+    for rate in (-0.7, 0.3, 2.0):
+        c, s = math.cosh(rate), math.sinh(rate)
+        half = turns * math.pi
+        first, second = acb(c, s) * turned(half), acb(s, c) * turned(half)
+        angles = [arb(half + math.atan2(s, c), 1e-9), arb(half + math.atan2(c, s) - math.pi / 2, 1e-9)]
+        assert index_of(angles, (), ((first,),), ((second,),)).index == 2 * turns
+
+
+def test_an_end_between_half_turns_that_is_not_known_is_refused() -> None:
+    for angle in (arb(1, 4), arb(math.pi, 1e-3), arb("nan")):
+        with pytest.raises(IntegrationFailure, match="half turns"):
+            index_of([angle] * 2, (), ((acb(angle.cos(), angle.sin()),),), ((acb(-angle.sin(), angle.cos()),),))
+    sure = index_of([arb(1)] * 2, (), ((turned(1),),), ((turned(1 + math.pi / 2),),))
+    assert (sure.fixed, sure.negated) == (0, 0)
+    # Angles that are not those of the vectors at the end.
+    with pytest.raises(IntegrationFailure, match="half turns"):
+        index_of([arb(1.5)] * 2, (), ((turned(1),),), ((turned(1 + math.pi / 2),),))
+
+
+def test_an_argument_is_followed_within_a_half_plane_only() -> None:
+    turning = Turning(turned(0))
+    assert not turning.reaches([turned(0.5)], turned(1.6))
+    assert not turning.reaches([turned(2.8)], turned(1))
+    assert not turning.reaches([acb(arb(0, 1), arb(0, 1))], turned(1))
+    assert not turning.reaches([acb("nan")], turned(1))
+    for step in range(1, 12):
+        assert turning.reaches([turned(step - 0.5)], turned(step))
+        turning.go_on(turned(step))
+    assert turning.angle.overlaps(arb(11))
+    assert turning.angle.rad() < 1e-6
+
+
+Along = tuple[ProvedCurve, ProvedList, tuple[CountedOrbit, ...]]
+
+
+@cache
+def counted(name: str) -> Along:
+    """A curve with its list, and orbits in its intervals."""
+    with ctx.workprec(192):
+        atlas, entries = case(name)
+        results = [result for result in values(entries) if isinstance(result, StabilityResult)]
+        conclusion = conclude(atlas, results)
+        assert isinstance(conclusion.outcome, Proved)
+        listed = conclude_list(atlas, results, conclusion, 2).outcome
+        assert isinstance(listed, Proved)
+        curve, orbits = conclusion.outcome.results, []
+        for interval in intervals_of(curve, listed.results):
+            number, s = places_in(curve, interval)[0]
+            start = start_at(atlas, curve.chain.stretches[number], s)
+            assert start is not None
+            orbits.append(CountedOrbit(curve.chain.stretches[number].tube.piece.id, s, followed(start, 128, ORACLE)))
+    return curve, listed.results, tuple(orbits)
+
+
+EXPECTED = {
+    PLANAR: [(2, 2), (2, 1)], AXIAL: [(2, 3), (2, 2)], RETROGRADE: [(1, 1), (1, 2)], LOOP: [(3,), (4,)],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_the_index_along_curves_is_that_of_graphs_of_the_flow(name: str) -> None:
+    atlas, (curve, _, orbits) = case(name)[0], counted(name)
+    assert [tuple(turns.index for turns in orbit.turns) for orbit in orbits] == EXPECTED[name]
+    stretches = {stretch.tube.piece.id: stretch for stretch in curve.chain.stretches}
+    for orbit, expected in zip(orbits, EXPECTED[name], strict=True):
+        start = start_at(atlas, stretches[orbit.piece], orbit.s)
+        assert start is not None
+        assert index_of_orbit([float(x) for x in start.state], float(start.mu), start.crossings) == expected
+        assert orbit.index == sum(expected)
+
+
+VERTICAL_ORBIT = (0.8448880879238473, 0.0, 0.0, 0.0, 0.016717296437398197, 0.22414688882138184)
+AXIAL_ORBIT = (0.7999931275688026, 0.0, 0.0, 0.0, 0.3702779560097634, 0.23447847332955463)
+
+
+@pytest.mark.parametrize(("state", "crossings", "index"), [(VERTICAL_ORBIT, 2, 5), (AXIAL_ORBIT, 1, 4)])
+def test_orbits_under_the_half_turn_about_the_axis(state: tuple[float, ...], crossings: int, index: int) -> None:
+    start = Start(CR3BP_AXIAL, tuple(arb(x, 1e-13 if x else 0) for x in state), MU, crossings, False)
+    (turns,) = followed(start, 128, ORACLE)
+    assert turns.index == index
+    assert index_of_orbit(state, float(MU), crossings) == (index,)
+
+
+def outcome(name: str, orbits: Any, **changes: Any) -> Any:
+    curve, found, _ = counted(name)
+    return conclude_index(case(name)[0], curve, changes.get("found", found), orbits, changes.get("problem", ""))
+
+
+def refusal(name: str, orbits: Any, **changes: Any) -> str:
+    found = outcome(name, orbits, **changes)
+    assert isinstance(found, NotProved)
+    assert found.hypotheses[-1].holds is False
+    return found.reason.condition
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_half_turns_that_are_others_are_refused(name: str) -> None:
+    _, _, orbits = counted(name)
+    assert isinstance(outcome(name, orbits), Proved)
+    for place, orbit in enumerate(orbits):
+        for block, turns in enumerate(orbit.turns):
+            for fixed, negated in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (2, 0), (0, -2)):
+                wrong = replace(turns, fixed=turns.fixed + fixed, negated=turns.negated + negated)
+                others = (*orbit.turns[:block], wrong, *orbit.turns[block + 1 :])
+                changed = (*orbits[:place], replace(orbit, turns=others), *orbits[place + 1 :])
+                if turns.planes == 1 or (fixed + negated) % 2:
+                    assert refusal(name, changed) in ("counts", "parity")
+                if (fixed + negated) % 2:
+                    # With the angles to it, too. Of even changes another integration tells.
+                    moved = (turns.angles[0] + fixed, turns.angles[1] + negated)
+                    others = (*orbit.turns[:block], replace(wrong, angles=moved), *orbit.turns[block + 1 :])
+                    changed = (*orbits[:place], replace(orbit, turns=others), *orbits[place + 1 :])
+                    assert refusal(name, changed) == "parity"
+
+
+def test_orbits_stand_in_their_intervals() -> None:
+    first, second = counted(PLANAR)[2]
+    assert refusal(PLANAR, (second, first)) == "counts"
+    assert refusal(PLANAR, (first,)) == "counts"
+    assert refusal(PLANAR, (first, second, second)) == "counts"
+    assert refusal(PLANAR, ()) == "counts"
+    assert refusal(PLANAR, (first, replace(second, piece="elsewhere"))) == "counts"
+    assert refusal(PLANAR, (first, replace(second, s=Fraction(3, 2)))) == "counts"
+    assert refusal(PLANAR, (first, replace(second, turns=second.turns[:1]))) == "counts"
+    assert refusal(PLANAR, (first, second), problem="it was not brought to an end") == "counts"
+    assert refusal(PLANAR, (first, second), found=replace(counted(PLANAR)[1], across=None)) == "counts"
+    nothing = conclude_index(case(PLANAR)[0], None, None, (first, second))
+    assert isinstance(nothing, NotProved)
+    assert nothing.reason.condition == "curve"
+
+
+def test_without_a_list_the_index_of_single_orbits_is_known() -> None:
+    _, _, orbits = counted(LOOP)
+    found = conclude_index(case(LOOP)[0], counted(LOOP)[0], None, orbits[:1])
+    assert isinstance(found, Proved)
+    assert (found.results.intervals, found.results.small) == ((), ())
+    assert [each.name for each in found.hypotheses] == ["curve", "counts"]
+
+
+def test_the_neighbour_changes_by_one_in_its_own_plane(monkeypatch: pytest.MonkeyPatch) -> None:
+    first, second = counted(RETROGRADE)[2]
+    monkeypatch.setattr(proved_index, "_check_parity", lambda *_: None)
+    plane, across = second.turns
+    for changed in (
+        replace(
+            second,
+            turns=(plane, replace(across, fixed=across.fixed - 1, angles=(across.angles[0] - 1, across.angles[1]))),
+        ),
+        replace(second, turns=(replace(plane, fixed=1, angles=(plane.angles[0] + 1, plane.angles[1])), across)),
+    ):
+        assert refusal(RETROGRADE, (first, changed)) == "neighbours"
+
+
+def small(system: Any, mu: Fraction) -> tuple[int, ...]:
+    checklist = Checklist()
+    with checklist.hypothesis("libration-point", "34.5", "it is known", "") as evidence:
+        return index_of_small_orbits(evidence, system, {"mu": mu})
+
+
+@pytest.mark.parametrize("mass", ["earth-moon", "sun-jupiter"])
+def test_small_orbits_have_the_index_of_the_linear_flow(mass: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    mu = MASS_PARAMETERS[mass]
+    for system in AROUND.values():
+        assert small(system, mu) == (2, 1)
+    for system in VERTICAL.values():
+        assert small(system, mu) == (5,)
+    with pytest.raises(ValueError, match="not about small orbits"):
+        small(FALKNER_SKAN, mu)
+    _, _, orbits = counted(PLANAR)
+    for wrong in ((2, 3), (1, 1), (2, 2)):
+        monkeypatch.setattr(proved_index, "index_of_small_orbits", lambda *_, found=wrong: found)
+        assert refusal(PLANAR, orbits) == "libration-point"
+
+
+def test_the_libration_point_itself_is_no_orbit_to_follow() -> None:
+    atlas, (curve, _, _) = case(PLANAR)[0], counted(PLANAR)
+    (piece,) = atlas.curve_pieces()
+    rest = -piece.centre[0] / (piece.frame[0][0] * piece.half_width)
+    (stretch,) = curve.chain.stretches
+    assert start_at(atlas, stretch, rest) is None
+    for s in (rest - Fraction(1, 2**20), rest + Fraction(1, 2**20)):
+        start = start_at(atlas, stretch, s)
+        assert start is not None
+        assert not start.state[4].contains(0)
+
+
+@cache
+def curve_certificate() -> AtlasCertificate:
+    """With its list."""
+    atlas, entries = case(RETROGRADE)
+    results = values(entries)
+    conclusion = conclusion_of(atlas, results, (), lambda _: (), 2)
+    return AtlasCertificate(atlas, make_atlas_certificate(atlas, results, conclusion))
+
+
+@cache
+def document() -> Any:
+    return certified_index(curve_certificate())
+
+
+@cache
+def examined() -> Recheck:
+    return check_of_conclusion(curve_certificate().document)
+
+
+def check(entry: Any, level: Level = Level.CONCLUSION) -> Recheck:
+    return checked_index(entry, curve_certificate(), replace(examined(), level=level, precision=128))
+
+
+def test_the_certificate_stands_as_far_as_its_curve_was_checked() -> None:
+    assert document()["verdict"] == "proved"
+    for level in (Level.FORM, Level.CONCLUSION, Level.INTEGRATION):
+        found = check(document(), level)
+        assert (found.stands, found.level) == (True, level), found.why
+    fallen = checked_index(document(), curve_certificate(), replace(examined(), obstacle="it hangs"))
+    assert not fallen.stands
+    with pytest.raises(ValueError, match="is the check of"):
+        checked_index(document(), curve_certificate(), replace(examined(), digest="sha256:" + "0" * 64))
+
+
+def _orbit(number: int, **changes: Any) -> Callable[[Any], None]:
+    return lambda entry: entry["orbits"][number].update(changes)
+
+
+def _turns(number: int, block: int, **changes: Any) -> Callable[[Any], None]:
+    return lambda entry: entry["orbits"][number]["turns"][block].update(changes)
+
+
+FORGERIES: dict[str, Callable[[Any], Any]] = {
+    "another index": _orbit(0, index=3),
+    "one half turn more": _turns(0, 0, fixed=1),
+    "one half turn less": _turns(1, 1, fixed=0),
+    "another dimension": _turns(0, 1, planes=2),
+    "another orbit": _orbit(0, s="0x1p-3"),
+    "an orbit of another interval": lambda entry: entry["orbits"][0].update(s=entry["orbits"][1]["s"]),
+    "orbits exchanged": lambda entry: entry["orbits"].reverse(),
+    "an orbit left out": lambda entry: entry["orbits"].pop(),
+    "another end": lambda entry: entry["orbits"][0]["end"].update(interval=["0x0", "0x1"]),
+    "another place": lambda entry: entry["orbits"][0]["end"].update(what=["fold"]),
+    "no interval": lambda entry: [entry["orbits"][0].pop(key) for key in ("begin", "end")],
+    "small orbits": lambda entry: entry.update(small=[2, 1]),
+    "another curve": lambda entry: entry["rests_on"].update(digest="sha256:" + "0" * 64),
+    "another name": lambda entry: entry.update(id="other"),
+    "a hypothesis less": lambda entry: entry["hypotheses"].pop(),
+    "another enclosure": lambda entry: entry["hypotheses"][1]["enclosures"].popitem(),
+    "another system": lambda entry: entry["statement"].update(system="double pendulum"),
+}
+
+
+@pytest.mark.parametrize("what", FORGERIES)
+def test_forged_certificates_do_not_stand(what: str) -> None:
+    assert not check(forged(document(), FORGERIES[what])).stands
+
+
+def test_other_words_are_told_anew() -> None:
+    found = check(forged(document(), lambda entry: entry["statement"].update(theorem="The index is 7.")))
+    assert found.stands
+    assert found.word == "stands, worded otherwise"
+
+
+def test_another_integration_finds_other_angles_than_forged_ones() -> None:
+    """Angles that are those of no integration pass all that follows from them; numbers of turns too."""
+    orbits = of_indices._stored(document())
+    first = orbits[0]
+    plane, across = first.turns
+    moved = replace(plane, angles=(plane.angles[0] - arb("0.01"), plane.angles[1]))
+    entry = of_indices._document(
+        curve_certificate(),
+        of_indices._known(curve_certificate()),
+        (replace(first, turns=(moved, across)), *orbits[1:]),
+    )
+    assert check(entry).stands
+    found = check(entry, Level.INTEGRATION)
+    assert not found.stands
+    assert "other angles" in found.why
+    assert of_indices._agree(first.turns, first.turns)
+    assert not of_indices._agree(first.turns, (plane,))
+    assert not of_indices._agree(first.turns, (HalfTurns(plane.fixed, plane.negated + 1, 1, plane.angles), across))
+
+
+def test_what_is_not_proved_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(*_: Any) -> Any:
+        raise IntegrationFailure("half turns", "it is dark", "light", needs_precision=True)
+
+    monkeypatch.setattr(of_indices, "followed", never)
+    entry = certified_index(curve_certificate())
+    assert entry["verdict"] == "not proved"
+    assert entry["reason"]["condition"] == "counts"
+    assert "it is dark" in entry["reason"]["message"]
+    assert entry["orbits"] == []
+    assert "theorem" not in entry["statement"]
+    assert check(entry).stands
+    assert not check(forged(entry, lambda entry: entry.update(verdict="proved", reason=None))).stands
+
+
+def test_curves_of_other_systems_or_without_proof_have_no_index() -> None:
+    from support.chain_cases import symmetric_loop
+
+    circle, results = symmetric_loop()
+    other = AtlasCertificate(circle, atlas_certificate(circle, results))
+    with pytest.raises(InputError, match="is of no curve of symmetric orbits in"):
+        certified_index(replace(other, atlas=replace(circle, system=FALKNER_SKAN)))
+    entry = copy.deepcopy(dict(curve_certificate().document))
+    entry["verdict"] = "not proved"
+    with pytest.raises(InputError, match="proves no curve"):
+        certified_index(AtlasCertificate(curve_certificate().atlas, entry))
+
+
+def test_the_command_and_python_say_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    curve, output = tmp_path / "curve.json", tmp_path / "index.json"
+    write_atlas_certificate(curve, curve_certificate().document)
+    assert main(["index", "--curve", str(curve), "-o", str(output), "--quiet"]) == 0
+    said = capsys.readouterr().out
+    assert "in the plane 1 and across it 2" in said
+    assert main(["index", "--recheck", str(output), "--curve", str(curve), "--quiet"]) == 0
+    assert "2 conclusion" in capsys.readouterr().out
+    known = read_index_certificate(output)
+    assert [orbit.index for orbit in known.orbits] == [2, 3]
+    assert known.theorem is not None
+    assert known.theorem in said
+    assert verify.recheck_index(output, verify.read_atlas(curve), quiet=True).stands
+    write_index_certificate(output, forged(known.document, FORGERIES["another index"]))
+    assert main(["index", "--recheck", str(output), "--curve", str(curve), "--quiet"]) == 1
+    output.write_text(output.read_text().replace('"index": 3', '"index": 5'))
+    with pytest.raises(InputError, match="digest"):
+        read_index_certificate(output)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--integrate"], "give it together with --recheck"),
+        (["--recheck"], "FILE: missing"),
+        (["x.json"], "is taken with --recheck only"),
+        (["--recheck", "x.json", "-o", "x.json"], "leave it out"),
+        ([], "none.json"),
+    ],
+)
+def test_wrong_options_are_told(capsys: pytest.CaptureFixture[str], words: list[str], said: str) -> None:
+    assert main(["index", "--curve", "none.json", *words]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert "Traceback" not in error

@@ -1,0 +1,399 @@
+"""Certificates of the index of the orbits of a proved curve (section 34.7)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
+
+from orbitproof.shared.claims.fields import Id, PieceId, Short, Title
+from orbitproof.shared.formats import Atlas, InputError, json_text, read_document, write_text
+from orbitproof.shared.formats import validate_document as validated
+from orbitproof.shared.stored import rules
+from orbitproof.shared.systems import shown
+from orbitproof.verify.atlas.certificate import AtlasCertificate
+from orbitproof.verify.atlas.conclusion_as_json import shortened
+from orbitproof.verify.certificate import (
+    UNCHECKED_REASON,
+    CannotBeCheckedError,
+    Examination,
+    Finding,
+    Level,
+    Recheck,
+    climb,
+    differences,
+    digest,
+    digest_findings,
+    other_hypotheses,
+    unknown_reason,
+)
+from orbitproof.verify.certificate.document import Digest, Software, Verdict
+from orbitproof.verify.certificate.stored_balls import from_json, to_json
+from orbitproof.verify.curve import ProvedCurve, conclude, vertical_point
+from orbitproof.verify.evidence import Hypothesis, IntegrationFailure, Outcome, Proved, Reason, software
+from orbitproof.verify.index import (
+    SYSTEMS,
+    CountedOrbit,
+    HalfTurns,
+    IndexTheorem,
+    Interval,
+    ProvedIndex,
+    conclude_index,
+    followed,
+    intervals_of,
+    places_in,
+    start_at,
+    stretch_of,
+)
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.stability import Bound, ProvedList, StabilityResult, conclude_list, name_of
+from orbitproof.verify.words import index_in_words
+
+SCHEMA = "index-certificate"
+
+_BITS = (128, 192, 288)
+"""Bits with which an orbit is followed, one after the other; another integration has 32 more than the last."""
+_ORDER = 2
+"""Of the list: points with k = 1 are all that is wanted."""
+_MOST_ORBITS = 6
+"""So many orbits of an interval are tried."""
+
+
+@dataclass(frozen=True)
+class ListedPlace:
+    """An end of an interval of the curve: what is there, on which piece, between which s."""
+
+    what: tuple[Short, ...]
+    piece: PieceId
+    interval: tuple[Fraction, Fraction]
+
+
+@dataclass(frozen=True)
+class IndexedOrbit:
+    """An orbit whose index was counted, and between which places of the curve all orbits have the same.
+
+    Attributes:
+        piece, s: its place.
+        turns: half turns; of a planar orbit in the plane, then across it.
+        index: the Conley-Zehnder index: of a planar orbit the sum of both.
+        begin, end: of the interval; absent for a curve without a list.
+    """
+
+    piece: PieceId
+    s: Fraction
+    turns: Annotated[tuple[HalfTurns, ...], rules(minItems=1, maxItems=2)]
+    index: int
+    begin: ListedPlace | None = None
+    end: ListedPlace | None = None
+
+
+@dataclass(frozen=True)
+class IndexedCurve:
+    """The certificate of the curve that it rests on."""
+
+    id: Id
+    digest: Digest
+
+
+@dataclass(frozen=True, kw_only=True)
+class IndexStatement:
+    """What is proved, in words; absent if that is nothing."""
+
+    system: Title
+    theorem: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class IndexDocument:
+    """The Conley-Zehnder index of the orbits of a proved curve.
+
+    Attributes:
+        id: that of the curve.
+        reason: why it is not proved. Failure to verify is not a proof that the claim is false.
+        rests_on: the certificate of the curve.
+        orbits: in order along the curve.
+        small: the index of small orbits of a family around a libration point; of planar ones in the plane and across.
+        software: names and versions of what made this certificate, with a digest of the sources.
+        digest: SHA-256 of the certificate without this key, as JSON with sorted keys and no spaces.
+    """
+
+    id: Id
+    verdict: Verdict
+    reason: Reason | None
+    statement: IndexStatement
+    rests_on: IndexedCurve
+    hypotheses: tuple[Hypothesis, ...]
+    orbits: Annotated[tuple[IndexedOrbit, ...], rules(maxItems=100000)] = ()
+    small: Annotated[tuple[int, ...], rules(maxItems=2)] = ()
+    software: Software
+    digest: Digest
+
+    stored_rules: ClassVar[Mapping[str, Any]] = {}
+
+
+@dataclass(frozen=True, repr=False)
+class IndexCertificate:
+    """The certificate of the index along a curve. It says what its maker wrote; whether that follows checks decide.
+
+    Attributes:
+        document: fits the schema and its digest.
+    """
+
+    document: Mapping[str, Any]
+
+    def __repr__(self) -> str:
+        found = ", ".join(str(orbit.index) for orbit in self.orbits)
+        return f"<IndexCertificate {self.document['id']!r}: {self.verdict}{f', {found}' if found else ''}>"
+
+    @property
+    def verdict(self) -> str:
+        """ "proved" or "not proved", which never means "shown to be false"."""
+        return str(self.document["verdict"])
+
+    @property
+    def is_proved(self) -> bool:
+        """Whether it says "proved"."""
+        return self.verdict == "proved"
+
+    @property
+    def theorem(self) -> str | None:
+        """What its maker says is proved, in the maker's words; `None` if nothing is."""
+        theorem: str | None = self.document["statement"].get("theorem")
+        return theorem
+
+    @property
+    def reason(self) -> Reason | None:
+        """Why it is not proved, in words of the run that made it; `None` if it is."""
+        reason = self.document["reason"]
+        return None if reason is None else Reason(reason["condition"], reason["message"], reason["remedy"])
+
+    @property
+    def orbits(self) -> tuple[IndexedOrbit, ...]:
+        """The orbits at which the index was counted, with their intervals, in order along the curve."""
+        return from_json(tuple[IndexedOrbit, ...], self.document["orbits"], "orbits")
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What the certificate of a curve proves, as far as it stands."""
+
+    atlas: Atlas
+    curve: ProvedCurve
+    found: ProvedList | None
+
+    @property
+    def intervals(self) -> tuple[Interval, ...]:
+        return () if self.found is None else intervals_of(self.curve, self.found)
+
+
+def _known(certificate: AtlasCertificate) -> _Known:
+    """Raises `InputError` for curves whose orbits have no index here, or that are not proved."""
+    atlas, name = certificate.atlas, shown(certificate.id)
+    if not isinstance(atlas, Atlas) or atlas.system not in SYSTEMS:
+        systems = ", ".join(system.name for system in SYSTEMS)
+        raise InputError(f"the certificate {name}: is of no curve of symmetric orbits in {systems}; give one of these")
+    conclusion = conclude(atlas, certificate.results)
+    if not (certificate.is_proved and isinstance(conclusion.outcome, Proved)):
+        raise InputError(f"the certificate {name}: proves no curve; prove it first")
+    found = None
+    if vertical_point(atlas.system) is None and (certificate.document["conclusion"] or {}).get("complete") is not None:
+        results = [result for result in certificate.results if isinstance(result, StabilityResult)]
+        listed = conclude_list(atlas, results, conclusion, _ORDER)
+        found = listed.outcome.results if isinstance(listed.outcome, Proved) else None
+    return _Known(atlas, conclusion.outcome.results, found)
+
+
+def certified_index(certificate: AtlasCertificate, progress: Callable[[float], None] | None = None) -> dict[str, Any]:
+    """The certificate of the index along a curve, as JSON; that the curve's certificate stands is presupposed.
+
+    `progress` is called with the share of the orbits that were followed. Raises `InputError` for other curves.
+    """
+    known = _known(certificate)
+    wanted: Sequence[Interval | None] = known.intervals or (None,)
+    orbits: list[CountedOrbit] = []
+    for number, interval in enumerate(wanted):
+        counted = _counted(known, interval)
+        if isinstance(counted, str):
+            return _document(certificate, known, orbits, counted)
+        orbits.append(counted)
+        if progress is not None:
+            progress((number + 1) / len(wanted))
+    return _document(certificate, known, orbits)
+
+
+def _counted(known: _Known, interval: Interval | None) -> CountedOrbit | str:
+    """An orbit in an interval with its half turns, or why there is none."""
+    why = "there is no orbit to follow"
+    tried = 0
+    for number, s in places_in(known.curve, interval):
+        stretch = known.curve.chain.stretches[number]
+        piece = stretch.tube.piece.id
+        start = start_at(known.atlas, stretch, s)
+        if start is None or tried == _MOST_ORBITS:
+            continue
+        tried += 1
+        for bits in _BITS:
+            try:
+                return CountedOrbit(piece, s, followed(start, bits, ORACLE))
+            except IntegrationFailure as failure:
+                why = f"{shown(piece)}, s = {float(s):.6g}: {failure.reason.message}"
+                if not failure.reason.needs_precision:
+                    break
+    return why
+
+
+def _document(
+    certificate: AtlasCertificate, known: _Known, orbits: Sequence[CountedOrbit], problem: str = ""
+) -> dict[str, Any]:
+    outcome = conclude_index(known.atlas, known.curve, known.found, orbits, problem)
+    reason = None if isinstance(outcome, Proved) else outcome.reason
+    rests_on = IndexedCurve(certificate.id, digest(certificate.document))
+    more, words = _told(outcome, known, rests_on)
+    document = IndexDocument(
+        id=certificate.id, verdict="not proved" if reason else "proved", reason=reason,
+        statement=IndexStatement(system=known.atlas.system.title, theorem=words), rests_on=rests_on,
+        hypotheses=outcome.hypotheses, **more, software=software(), digest="",
+    )  # fmt: skip
+    made = {"format": f"orbitproof-{SCHEMA}", "version": 1, "orbits": [], **to_json(document)}
+    return {**made, "digest": digest(made)}
+
+
+def _told(outcome: Outcome[ProvedIndex], known: _Known, rests_on: IndexedCurve) -> tuple[dict[str, Any], str | None]:
+    """What is stored of a theorem, and its words."""
+    if not isinstance(outcome, Proved):
+        return {}, None
+    assert isinstance(outcome.theorem, IndexTheorem)
+    found = outcome.results
+    ends: list[tuple[ListedPlace | None, ListedPlace | None]] = [
+        (_listed(known, each.begin), _listed(known, each.end)) for each in found.intervals
+    ] or [(None, None)] * len(found.orbits)
+    orbits = tuple(
+        IndexedOrbit(orbit.piece, orbit.s, orbit.turns, orbit.index, *both)
+        for orbit, both in zip(found.orbits, ends, strict=True)
+    )
+    words = index_in_words(outcome.theorem, found, known.curve, rests_on.id, rests_on.digest)
+    return {"orbits": orbits, "small": found.small}, words
+
+
+def _listed(known: _Known, bound: Bound) -> ListedPlace:
+    piece = known.curve.chain.stretches[bound.stretch].tube.piece.id
+    return ListedPlace(
+        tuple(name_of(what) for what in bound.what), piece, (shortened(bound.lower, -1), shortened(bound.upper, 1))
+    )
+
+
+def checked_index(document: Mapping[str, Any], curve: AtlasCertificate, examined: Recheck) -> Recheck:
+    """Check the certificate of an index that fits the schema again, as far as that of its curve was checked.
+
+    `examined` is what checking the curve has shown. Raises `ValueError` if it is the check of another certificate.
+    """
+    if examined.digest != digest(curve.document):
+        raise ValueError(f"examined: is the check of {examined.id!r}, and not of the curve {curve.id!r}")
+    steps = [partial(_form, document, curve)]
+    if examined.level >= Level.CONCLUSION or not examined.stands:
+        steps.append(partial(_conclusion, document, curve, examined))
+    if examined.level is Level.INTEGRATION:
+        steps.append(partial(_integration, document, curve, examined))
+    return climb(document, steps)
+
+
+def _form(document: Mapping[str, Any], curve: AtlasCertificate, examination: Examination) -> Iterator[Finding]:
+    yield from digest_findings(document)
+    validated(document, SCHEMA, "the certificate")
+    given = {"id": curve.id, "digest": digest(curve.document)}
+    if document["rests_on"] != given or document["id"] != curve.id:
+        stored = document["rests_on"]
+        words = (
+            f"rests on the curve {shown(stored['id'])} ({stored['digest']}); given is {shown(curve.id)} "
+            f"({given['digest']})"
+        )
+        yield Finding("rests_on", words)
+    if document["verdict"] != "proved":
+        yield from unknown_reason(document["reason"] or {"condition": ""}, _HYPOTHESES)
+        examination.notes += (UNCHECKED_REASON,)
+
+
+_HYPOTHESES = ("curve", "counts", "parity", "neighbours", "libration-point")
+
+
+def _conclusion(
+    document: Mapping[str, Any], curve: AtlasCertificate, examined: Recheck, examination: Examination
+) -> Iterator[Finding]:
+    if not examined.stands:
+        raise CannotBeCheckedError(f"the certificate {shown(curve.id)} of the curve does not stand: {examined.why}")
+    if document["verdict"] != "proved":
+        return
+    known = _known(curve)
+    expected = IndexTheorem(known.atlas, known.found is not None).hypotheses
+    yield from other_hypotheses([each["name"] for each in document["hypotheses"]], expected, document)
+    fresh = _document(curve, known, _stored(document))
+    examination.hypotheses = len(fresh["hypotheses"])
+    apart = ("software", "digest")
+    old, new = ({key: value for key, value in entry.items() if key not in apart} for entry in (document, fresh))
+    yield from examination.in_data(differences(old, new, ""), {**new, **{key: document[key] for key in apart}})
+
+
+def _stored(document: Mapping[str, Any]) -> tuple[CountedOrbit, ...]:
+    orbits = from_json(tuple[IndexedOrbit, ...], document["orbits"], "orbits")
+    return tuple(CountedOrbit(orbit.piece, orbit.s, orbit.turns) for orbit in orbits)
+
+
+def _integration(
+    document: Mapping[str, Any], curve: AtlasCertificate, examined: Recheck, examination: Examination
+) -> Iterator[Finding]:
+    """The curve was integrated again; the orbits are followed again."""
+    examination.precision = examined.precision
+    if document["verdict"] != "proved":
+        return
+    known = _known(curve)
+    for number, orbit in enumerate(_stored(document)):
+        place = f"orbits[{number}]"
+        stretch = stretch_of(known.curve, orbit.piece, orbit.s)
+        start = None if stretch is None else start_at(known.atlas, known.curve.chain.stretches[stretch], orbit.s)
+        if start is None:
+            yield Finding(place, "is no orbit of the curve that can be followed")
+            continue
+        again = _again(start, orbit)
+        if isinstance(again, str):
+            raise CannotBeCheckedError(f"{place}: {again}")
+        if not _agree(orbit.turns, again):
+            yield Finding(place, "another integration finds other half turns, or other angles")
+
+
+def _again(start: Any, orbit: CountedOrbit) -> tuple[HalfTurns, ...] | str:
+    why = ""
+    for bits in _BITS:
+        try:
+            return followed(start, bits + 32, ORACLE)
+        except IntegrationFailure as failure:
+            why = failure.reason.message
+    return why
+
+
+def _agree(stored: Sequence[HalfTurns], again: Sequence[HalfTurns]) -> bool:
+    """Whether the half turns are the same, and each pair of angles has a common value."""
+    same = [(each.fixed, each.negated, each.planes) for each in stored] == [
+        (each.fixed, each.negated, each.planes) for each in again
+    ]
+    return same and all(
+        bool(one.overlaps(other))
+        for a, b in zip(stored, again, strict=True)
+        for one, other in zip(a.angles, b.angles, strict=True)
+    )
+
+
+def write_index_certificate(path: Path, document: Mapping[str, Any]) -> None:
+    """Write a certificate, whole or not at all. Raises `InputError` if it cannot be written."""
+    validated(document, SCHEMA, f"{SCHEMA} to be written")
+    write_text(path, json_text(document, (("orbits",),)) + "\n")
+
+
+def read_index_certificate(path: Path) -> IndexCertificate:
+    """Read a certificate. Raises `InputError` if it is none, or was changed after it was written."""
+    document = read_document(path, SCHEMA)
+    if document["digest"] != digest(document):
+        raise InputError(f"{path}: field digest: does not fit the content, which was changed; write it again")
+    return IndexCertificate(document)

@@ -1,0 +1,131 @@
+"""Between which orbits of a curve the index is constant, and the orbits at which it is counted (section 34.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import pairwise
+from math import ceil, log2
+
+from flint import arb, ctx
+
+from orbitproof.shared.formats import Atlas
+from orbitproof.shared.numbers import round_dyadic
+from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, VERTICAL, ReversibleSystem
+from orbitproof.verify.curve import ProvedCurve, Stretch, derived_parameter, point_name, vertical_point
+from orbitproof.verify.evidence import is_positive
+from orbitproof.verify.index.following import Start
+from orbitproof.verify.stability import Bound, Matter, Point, ProvedList, Resonance, Subject, bounds_on
+
+PRECISION = 192
+"""Bits of the ball arithmetic."""
+
+SYSTEMS: tuple[ReversibleSystem, ...] = (
+    *(CR3BP, CR3BP_AXIAL, CR3BP_PLANAR),
+    *AROUND.values(),
+    *VERTICAL.values(),
+)
+"""Whose orbits are orbits of the CR3BP."""
+
+_SHARES = tuple(Fraction(part, 16) for part in (8, 4, 12, 6, 10, 2, 14, 1, 15))
+"""Where in an interval orbits are looked for, one after the other."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """Between two places of the curve the index is constant.
+
+    Attributes:
+        begin, end: the two places, themselves not included.
+    """
+
+    begin: Bound
+    end: Bound
+
+    def holds(self, stretch: int, s: Fraction) -> bool:
+        """Whether it certainly contains a point of a stretch."""
+        return (self.begin.stretch, self.begin.upper) < (stretch, s) < (self.end.stretch, self.end.lower)
+
+
+def is_planar(system: ReversibleSystem) -> bool:
+    """Whether the orbits are planar, so that the index is a sum of two."""
+    return system is CR3BP_PLANAR or point_name(system) is not None
+
+
+def intervals_of(curve: ProvedCurve, found: ProvedList) -> tuple[Interval, ...]:
+    """Those on which no stability parameter is 1, in the plane or across it (Lemma 34.4)."""
+    whole = found.found
+    if found.across is not None:
+        across = found.across.found
+        whole = replace(whole, points=(*whole.points, *across.points), gaps=(*whole.gaps, *across.gaps))
+    with ctx.workprec(PRECISION):
+        bounds = list(bounds_on(curve.chain, whole, _is_degenerate, _may_be_degenerate))
+    return tuple(Interval(before, after) for before, after in pairwise(bounds))
+
+
+def _is_degenerate(point: Point) -> bool:
+    return point.k == 1
+
+
+def _may_be_degenerate(subject: Subject) -> bool:
+    return subject.k == 1 if isinstance(subject, Resonance) else subject is Matter.EVERYTHING
+
+
+def places_in(curve: ProvedCurve, interval: Interval | None) -> list[tuple[int, Fraction]]:
+    """Orbits inside an interval, or of the whole curve, by stretch and s; the first one is the first to be tried."""
+    parts = []
+    for number, stretch in enumerate(curve.chain.stretches):
+        low, high = stretch.entered, stretch.leaves
+        if interval is not None:
+            if not interval.begin.stretch <= number <= interval.end.stretch:
+                continue
+            low = interval.begin.upper if number == interval.begin.stretch else low
+            high = interval.end.lower if number == interval.end.stretch else high
+        if low < high:
+            parts.append((number, low, high))
+    parts.sort(key=lambda part: part[1] - part[2])
+    return [(number, _few_bits(low, high, share)) for share in _SHARES for number, low, high in parts[:3]]
+
+
+def _few_bits(low: Fraction, high: Fraction, share: Fraction) -> Fraction:
+    """A number near a part of the way."""
+    bits = 8 + max(0, ceil(-log2(high - low)))
+    return round_dyadic(low + share * (high - low), bits)
+
+
+def start_at(atlas: Atlas, stretch: Stretch, s: Fraction) -> Start | None:
+    """The orbit at s as one of the CR3BP; `None` if none is shown to be there: at a libration point."""
+    with ctx.workprec(PRECISION):
+        names = atlas.system.centre_coordinates
+        point = dict(zip(names, stretch.tube.point(stretch.run, s), strict=True))
+        return _start(atlas, point)
+
+
+def _start(atlas: Atlas, point: Mapping[str, arb]) -> Start | None:
+    system, mu, crossings = atlas.system, atlas.parameters["mu"], atlas.claim.crossings
+    zero = arb(0)
+    if point_name(system) is None and vertical_point(system) is None:
+        spatial = CR3BP if system is CR3BP_PLANAR else system
+        state = tuple(point.get(name, zero) for name in spatial.state)
+        return Start(spatial, state, mu, crossings, is_planar(system))
+    x_l = derived_parameter(system, "x_l", atlas.parameters, ctx.prec).ball
+    if point_name(system) is not None:
+        eps = point["eps"]
+        if not (is_positive(eps) or is_positive(-eps)):
+            return None
+        return Start(CR3BP, (x_l + eps, zero, zero, zero, eps * point["vy"], zero), mu, crossings, True)
+    size = point["eps2"]
+    if not is_positive(size):
+        return None
+    # By Theorem 16.6 its quarter ends in Fix(R): the half orbit meets the section twice as often.
+    state = (x_l + size * point["x"], zero, zero, zero, size * point["vy"], size.sqrt())
+    return Start(CR3BP_AXIAL, state, mu, 2 * crossings, False)
+
+
+def stretch_of(curve: ProvedCurve, piece: str, s: Fraction) -> int | None:
+    """The number of the stretch that a place is certainly on; `None` if there is none."""
+    for number, stretch in enumerate(curve.chain.stretches):
+        if stretch.tube.piece.id == piece and stretch.entered <= s <= stretch.leaves:
+            return number
+    return None

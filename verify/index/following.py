@@ -1,0 +1,286 @@
+"""One orbit of the CR3BP followed over half of its period, with the planes that turn along it (section 34.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import acb, arb, arb_poly
+
+from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.verify.algebra import Arithmetic, Grading, Series
+from orbitproof.verify.evidence import IntegrationFailure, enclose, exact_value, guarded, is_below, power
+from orbitproof.verify.flow import advance
+from orbitproof.verify.index.half_turns import HalfTurns, Turning, Vectors, determinant, index_of
+from orbitproof.verify.poincare import Oracle, Orbits, default_order, physical
+
+_SPEED, _SECTION = 4, 1
+"""vy, which is not 0 where the section {y = 0} is crossed, and y, among the coordinates of the CR3BP."""
+_UNIT_BITS = 20
+_UNIT = Fraction(1, 2**_UNIT_BITS)
+"""Size of the variations that are followed; what is wanted is linear in them."""
+_CELLS = 4
+_DEPTH = 12
+_BEYOND = tuple(Fraction(1, 2**bits) for bits in (48, 40, 32, 24, 16, 12))
+
+
+@dataclass(frozen=True)
+class Start:
+    """A point of Fix(R) of the CR3BP.
+
+    Attributes:
+        system: the CR3BP, with the reversing symmetry R that is meant.
+        state: encloses the six coordinates; those that R negates are 0 exactly.
+        mu: the mass parameter.
+        crossings: of the section by a half orbit, its end included.
+        is_planar: whether z = vz = 0; then variations in the plane and across it are separate.
+    """
+
+    system: ReversibleSystem
+    state: tuple[arb, ...]
+    mu: Fraction
+    crossings: int
+    is_planar: bool
+
+
+@dataclass(frozen=True)
+class Block:
+    """Variations that belong together.
+
+    Attributes:
+        axes: of the configuration space.
+        fixed, negated: numbers of the variables whose coefficients are vectors of each kind.
+        with_flow: whether the direction of the orbit is among them.
+    """
+
+    axes: tuple[int, ...]
+    fixed: tuple[int, ...]
+    negated: tuple[int, ...]
+    with_flow: bool
+
+
+@dataclass(frozen=True)
+class Values:
+    """A state and variations of it, enclosed."""
+
+    state: tuple[arb, ...]
+    variations: tuple[tuple[arb, ...], ...]
+
+
+def followed(
+    start: Start, precision: int, oracle: Oracle, progress: Callable[[int], None] | None = None
+) -> tuple[HalfTurns, ...]:
+    """The half turns along the half orbit; of a planar one in the plane and across it.
+
+    Raises `IntegrationFailure` if something could not be enclosed.
+    """
+    with guarded(precision):
+        return _HalfOrbit(start, precision, oracle).run(progress)
+
+
+class _HalfOrbit:
+    def __init__(self, start: Start, precision: int, oracle: Oracle) -> None:
+        self.start, self.oracle = start, oracle
+        signs, size = start.system.reversing_symmetry, len(start.state)
+        fixed = [index for index in range(size) if signs[index] == 1 and index != _SPEED]
+        negated = [index for index in range(size) if signs[index] == -1 and index != _SECTION]
+        self.directions = [*fixed, *negated]
+        self.blocks = self._blocks(len(fixed))
+        grading = Grading((1,) * len(self.directions), 1)
+        self.arithmetic = Arithmetic(grading, precision, _UNIT_BITS, default_order(precision))
+        self.mu = self.arithmetic.constant(start.mu)
+        begun = Values(start.state, tuple(map(tuple, self._first_variations())))
+        self.turning = [[Turning(value) for value in self._determinants(block, begun)] for block in self.blocks]
+        self.orbits = Orbits(physical(start.system), self.arithmetic, self._begin(begun), [self.mu], oracle)
+
+    def _blocks(self, count: int) -> list[Block]:
+        """Those of a planar orbit are two: of the axes x and y, and of z."""
+        numbers = range(len(self.directions))
+        if not self.start.is_planar:
+            return [Block((0, 1, 2), tuple(numbers[:count]), tuple(numbers[count:]), True)]
+        found = []
+        for axes in ((0, 1), (2,)):
+            own = [number for number in numbers if self.directions[number] % 3 in axes]
+            fixed, negated = (tuple(n for n in own if (n < count) == kind) for kind in (True, False))
+            found.append(Block(axes, fixed, negated, len(axes) > 1))
+        return found
+
+    def _first_variations(self) -> list[list[arb]]:
+        """On the level, and in Fix(R) or in what R negates, at the start."""
+        gradient = self._gradient(self.start.state)
+        rows = []
+        for direction in self.directions:
+            row = [arb(0)] * len(self.start.state)
+            row[direction] = arb(1)
+            if self.start.system.reversing_symmetry[direction] == 1:
+                row[_SPEED] = -gradient[direction] / gradient[_SPEED]
+            rows.append(row)
+        return rows
+
+    def _field(self, state: Sequence[arb]) -> list[arb]:
+        values = self.start.system.program.evaluate([*state, enclose(self.start.mu)], enclose, power)
+        return [arb(value) for value in values]
+
+    def _gradient(self, state: Sequence[arb]) -> list[arb]:
+        """Of the energy (vx^2 + vy^2 + vz^2)/2 - Omega, by the vector field."""
+        field, (vx, vy, vz) = self._field(state), state[3:]
+        return [2 * vy - field[3], -2 * vx - field[4], -field[5], vx, vy, vz]
+
+    def _begin(self, begun: Values) -> list[Series]:
+        """The state with its variations: the coefficient of variable j is `_UNIT` times variation j."""
+        count = len(self.directions)
+        units = [tuple(int(i == j) for i in range(count)) for j in range(count)]
+        variables = [self.arithmetic.polynomial({unit: _UNIT}) for unit in units]
+        state = []
+        for index, ball in enumerate(begun.state):
+            element = _constant(self.arithmetic, ball)
+            for variable, row in zip(variables, begun.variations, strict=True):
+                if not row[index].is_zero():
+                    element = element + _constant(self.arithmetic, row[index]) * variable
+            state.append(element)
+        return state
+
+    def _canonical(self, vector: Sequence[arb], block: Block) -> tuple[acb, ...]:
+        """q - i p on the axes of a block, turned so that Fix(R) is R^N and R negates i R^N (section 34.2)."""
+        x, y, z, vx, vy, vz = vector
+        pairs = ((x, vx - y), (y, vy + x), (z, vz))
+        signs = self.start.system.reversing_symmetry
+        return tuple(
+            acb(q, -p) / (acb(1) if signs[k] == 1 else acb(0, 1)) for k, (q, p) in enumerate(pairs) if k in block.axes
+        )
+
+    def _vectors(self, block: Block, values: Values) -> tuple[Vectors, Vectors, Vectors]:
+        """The field divided by i, if it belongs to the block, and the vectors of both kinds."""
+        along: Vectors = ()
+        if block.with_flow:
+            along = (tuple(entry / acb(0, 1) for entry in self._canonical(self._field(values.state), block)),)
+        kinds = (
+            tuple(self._canonical(values.variations[number], block) for number in numbers)
+            for numbers in (block.fixed, block.negated)
+        )
+        fixed, negated = kinds
+        return along, fixed, negated
+
+    def _determinants(self, block: Block, values: Values) -> tuple[acb, acb]:
+        along, fixed, negated = self._vectors(block, values)
+        return determinant((*along, *fixed)), determinant((*along, *negated))
+
+    def run(self, progress: Callable[[int], None] | None) -> tuple[HalfTurns, ...]:
+        def after_step(steps: int) -> None:
+            assert self.orbits.step_taken is not None
+            self._cover(_Known(self.orbits.step_taken[0].solution))
+            if progress is not None:
+                progress(steps)
+
+        for _ in range(self.start.crossings):
+            image, _ = self.orbits.next_crossing(after_step)
+        end = _Known(image).values(arb(0))
+        self._to_the_section(end)
+        return tuple(
+            index_of([each.angle for each in turning], *self._vectors(block, end))
+            for block, turning in zip(self.blocks, self.turning, strict=True)
+        )
+
+    def _cover(self, known: _Known) -> None:
+        """One step, or what is beyond the last one."""
+        for cell in range(_CELLS):
+            self._cell(known, Fraction(cell, _CELLS), Fraction(cell + 1, _CELLS), 0)
+
+    def _cell(self, known: _Known, left: Fraction, right: Fraction, depth: int) -> None:
+        low, high = enclose(left), enclose(right)
+        if self._go_on([known.values(low.union(high))], known.values(high)):
+            return
+        if depth == _DEPTH:
+            raise _lost("the vectors are not enclosed well enough along the orbit")
+        middle = (left + right) / 2
+        self._cell(known, left, middle, depth + 1)
+        self._cell(known, middle, right, depth + 1)
+
+    def _go_on(self, over: Sequence[Values], end: Values) -> bool:
+        """Follow all arguments, over the values on the way and to those at the end, if all of them are known there."""
+        ways = [
+            [
+                (turning, [self._determinants(block, values)[kind] for values in over], determinants[kind])
+                for kind, turning in enumerate(both)
+            ]
+            for block, both in zip(self.blocks, self.turning, strict=True)
+            for determinants in [self._determinants(block, end)]
+        ]
+        flat = [way for both in ways for way in both]
+        if not all(turning.reaches(values, value) for turning, values, value in flat):
+            return False
+        for turning, _, value in flat:
+            turning.go_on(value)
+        return True
+
+    def _to_the_section(self, end: Values) -> None:
+        """From the end of the last step, forwards or backwards, to where the orbit meets the section (34.2)."""
+        orbits = self.orbits
+        assert orbits.step_taken is not None
+        flow, _, length = orbits.step_taken
+        delay = _Known([orbits.delay]).values(arb(0)).state[0]
+        expansion = orbits.oracle.expand(orbits.program, self.arithmetic, orbits.state, orbits.fixed)
+        for further in _BEYOND:
+            if further <= length and is_below(abs(delay), enclose(further)):
+                beyond = advance(orbits.program, orbits.state, orbits.fixed, expansion, further)
+                back = enclose(1 - further / length).union(arb(1))
+                over = [_Known(flow.solution).values(back), _Known(beyond.solution).values(arb(0).union(arb(1)))]
+                if self._go_on(over, end):
+                    return
+        raise _lost("the end of the half orbit is not enclosed well enough")
+
+
+class _Known:
+    """A step as polynomials in theta, with bounds of what is unknown."""
+
+    def __init__(self, solution: Sequence[Series]) -> None:
+        first = solution[0].arithmetic
+        scales = [arb(2) ** -scale for scale in first.scales]
+        self.rows = [
+            [
+                arb_poly([arb(value) * scale for value in polynomial.coeffs()])
+                for polynomial, scale in zip(element.coefs, scales, strict=True)
+            ]
+            for element in solution
+        ]
+        self.errors = [(symmetric_float(element.errors[0]), symmetric_float(element.errors[1])) for element in solution]
+        grading = first.grading
+        count = len(grading.weights)
+        self.places = [grading.index[tuple(int(i == j) for i in range(count))] for j in range(count)]
+        self.constant = grading.index[(0,) * count]
+
+    def values(self, theta: arb) -> Values:
+        """All over a ball of theta."""
+        unit = enclose(_UNIT)
+        state = tuple(
+            _over(row[self.constant], theta) + error for row, (error, _) in zip(self.rows, self.errors, strict=True)
+        )
+        variations = tuple(
+            tuple(
+                (_over(row[place], theta) + error) / unit
+                for row, (_, error) in zip(self.rows, self.errors, strict=True)
+            )
+            for place in self.places
+        )
+        return Values(state, variations)
+
+
+def _over(polynomial: arb_poly, theta: arb) -> arb:
+    """By the mean value theorem."""
+    middle = theta.mid()
+    return polynomial(middle) + polynomial.derivative()(theta) * (theta - middle)
+
+
+def symmetric_float(bound: float) -> arb:
+    """The numbers of at most this size."""
+    return arb(0, bound)
+
+
+def _constant(arithmetic: Arithmetic, ball: arb) -> Series:
+    """An unknown number in a ball."""
+    return arithmetic.constant(exact_value(ball.mid())).widened(exact_value(ball.rad()))
+
+
+def _lost(why: str) -> IntegrationFailure:
+    return IntegrationFailure("half turns", why, "take another orbit, or more precision", needs_precision=True)

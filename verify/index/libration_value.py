@@ -1,0 +1,40 @@
+"""The index of small orbits around a libration point, by its frequencies (section 34.5)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from flint import arb
+
+from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.verify.curve import point_name, stiffness_at_rest, vertical_point
+from orbitproof.verify.evidence import Evidence
+
+
+def index_of_small_orbits(
+    evidence: Evidence, system: ReversibleSystem, parameters: Mapping[str, Fraction]
+) -> tuple[int, ...]:
+    """Of planar orbits in the plane and across it, of vertical ones the index (Lemma 34.6).
+
+    Raises `ValueError` for other systems; a requirement of `evidence` fails where it is not known.
+    """
+    if point_name(system) is None and vertical_point(system) is None:
+        raise ValueError(f"{system.name}: is not about small orbits around a libration point")
+    stiffness = stiffness_at_rest(system, parameters)
+    across = evidence.record("frequency out of the plane", stiffness.sqrt())
+    squared = (2 - stiffness + (9 * stiffness * stiffness - 8 * stiffness).sqrt()) / 2
+    plane = evidence.record("frequency in the plane", squared.sqrt())
+    ratio = plane / across if point_name(system) is None else across / plane
+    whole = _whole(evidence.record("their ratio", ratio))
+    evidence.require(whole is not None, "their ratio may be a whole number", needs_precision=True)
+    if whole is None:
+        return ()
+    turning = 2 * whole + 1
+    return (2 + turning,) if point_name(system) is None else (2, turning)
+
+
+def _whole(ratio: arb) -> int | None:
+    """The whole number below a ball that contains none."""
+    number = ratio.floor().unique_fmpz()
+    return None if number is None or ratio.contains(arb(number)) else int(number)

@@ -1,0 +1,196 @@
+"""Command line for the index along a curve: ``orbitproof verify index --curve curve.json -o index.json``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from orbitproof.shared.formats import InputError, as_options, check_writable, refused
+from orbitproof.shared.interrupts import INTERRUPTED, run_command
+from orbitproof.shared.systems import shown
+from orbitproof.verify.atlas import (
+    AtlasCertificate,
+    IndexCertificate,
+    certified_index,
+    checked_index,
+    read_atlas_certificate,
+    read_index_certificate,
+    write_index_certificate,
+)
+from orbitproof.verify.certificate import Recheck, not_checked
+from orbitproof.verify.run import (
+    GIBIBYTE,
+    LONG_CHECK_SECONDS,
+    ArgumentParser,
+    CheckLimits,
+    Display,
+    Failure,
+    Workplace,
+    apart,
+    positive_seconds,
+    whole_number,
+)
+from orbitproof.verify.run.branch_checks import examined
+from orbitproof.verify.run.row_tables import recheck_table
+
+_EXAMPLES = """\
+examples:
+  orbitproof verify index --curve curve.json -o index.json
+      the Conley-Zehnder index of all orbits between the points of the curve's list at which it changes
+  orbitproof verify index --recheck index.json --curve curve.json
+      check that all it states follows from the certificate of the curve and the half turns that were counted
+  orbitproof verify index --recheck --integrate index.json --curve curve.json --jobs 2
+      and prove the curve again and count the half turns again, in another way
+
+The curve has a list if it was proved with one: orbitproof verify atlas ATLAS -o curve.json --complete 2. Without one
+the index of one of its orbits is found, and nothing is said of the others.
+exit codes: 0 the index is proved, or the certificate stands; 1 not; 2 bad input; 130 interrupted
+"""
+
+
+def _parser() -> ArgumentParser:
+    words = "The Conley-Zehnder index of the orbits of a curve of the three-body problem that is proved."
+    parser = ArgumentParser("orbitproof verify index", words, _EXAMPLES)
+    words = "with --recheck: the certificate of an index"
+    parser.add_argument("file", type=Path, nargs="?", help=words)
+    parser.add_argument("--curve", type=Path, required=True, metavar="FILE", help="certificate of the curve")
+    parser.add_argument("-o", "--output", type=Path, help="certificate of the index")
+    parser.add_argument("--recheck", action="store_true", help="check the certificate of an index again")
+    words = "with --recheck: prove the curve again, and count again, in another way"
+    parser.add_argument("--integrate", action="store_true", help=words)
+    parser.number("--jobs", "N", "pieces of the curve side by side (default: 1)", whole_number(1), 1)
+    words = f"give a check up after this time (default: {LONG_CHECK_SECONDS:g})"
+    parser.number("--timeout", "SECONDS", words, positive_seconds, None)
+    parser.memory_option("each check")
+    parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    workplace = Workplace(options.jobs, None, options.timeout, options.memory, options.quiet)
+    try:
+        return _recheck(options, workplace) if options.recheck else _run(options, workplace)
+    except InputError as error:
+        return refused(error)
+    except KeyboardInterrupt:
+        print("interrupted: nothing is known yet", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _run(options: argparse.Namespace, workplace: Workplace) -> int:
+    if options.integrate:
+        raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
+    if options.file is not None:
+        raise InputError("FILE: is taken with --recheck only; the curve is given with --curve")
+    if options.output is not None:
+        check_writable(options.output)
+    certificate = certify_the_index(read_atlas_certificate(options.curve), workplace)
+    if options.output is not None:
+        write_index_certificate(options.output, certificate.document)
+    reason = certificate.reason
+    if reason is None:
+        print(f"PROVED\n\n{certificate.theorem}", flush=True)
+        return 0
+    print(f"NOT PROVED: {reason.condition}: {reason.message}; {as_options(reason.remedy)}", flush=True)
+    return 1
+
+
+def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
+    if options.output is not None:
+        raise InputError("--output: --recheck writes no file; leave it out")
+    if options.file is None:
+        raise InputError("FILE: missing; give the certificate of an index")
+    certificate = read_index_certificate(options.file)
+    found = check_index_again(certificate, read_atlas_certificate(options.curve), options.integrate, workplace)
+    print(recheck_table([found.id], {found.id: found}), flush=True)
+    for finding in found.findings[:1]:
+        print(f"FAILED {shown(found.id)}: {finding.place}: {finding.message}", file=sys.stderr)
+    return 0 if found.stands else 1
+
+
+def check_index_again(
+    certificate: IndexCertificate, curve: AtlasCertificate, integrate: bool, workplace: Workplace
+) -> Recheck:
+    """The certificate of an index checked again, up to its conclusion, or with `integrate` to the end."""
+    check = examined(curve.document, (), integrate, workplace)
+    limits = CheckLimits(workplace.timeout, workplace.memory, LONG_CHECK_SECONDS)
+    found = apart(checked_index, curve.id, (certificate.document, curve, check), limits)
+    if isinstance(found, Failure):
+        return not_checked(str(certificate.document["id"]), certificate.verdict, found)
+    return found
+
+
+def certify_the_index(curve: AtlasCertificate, workplace: Workplace) -> IndexCertificate:
+    """The certificate of the index along a curve, whose certificate is checked up to its conclusion first.
+
+    Raises `InputError` if that does not stand, is of no such curve, or the work is not brought to an end.
+    """
+    display = Display({"curve": 1.0, "index": 1.0}, workplace.quiet)
+    with display.shown():
+        check = examined(curve.document, (), False, workplace)
+        if not check.stands:
+            raise InputError(f"the certificate {shown(curve.id)} of the curve does not stand: {check.why}")
+        display.finish("curve", "stands")
+        limits = CheckLimits(workplace.timeout, workplace.memory, LONG_CHECK_SECONDS)
+        found = apart(certified_index, curve.id, (curve,), limits)
+        if isinstance(found, Failure):
+            raise InputError(f"the index was not found: {found.message}")
+        display.finish("index", str(found["verdict"]))
+    return IndexCertificate(found)
+
+
+def certify_index(
+    curve: AtlasCertificate,
+    *,
+    output: str | Path | None = None,
+    timeout: float | None = None,
+    memory: float = CheckLimits.memory / GIBIBYTE,
+    quiet: bool = False,
+) -> IndexCertificate:
+    """The Conley-Zehnder index of the orbits of a proved curve of the CR3BP, between the points of its list.
+
+    Arguments:
+        curve: with a list (`certify_atlas(.., complete=2)`), or else the index of one of its orbits is found; its
+            certificate is checked up to its conclusion first.
+        output: a file for the certificate.
+        timeout: seconds for each of both; without one, an hour.
+        memory: GiB for each.
+        quiet: nothing on standard error.
+
+    Returns the certificate, whatever is proved; `orbits` are the orbits with their intervals. Raises `InputError` for
+    a curve that is of no such system, or does not stand.
+    """
+    if output is not None:
+        check_writable(Path(output))
+    certificate = certify_the_index(curve, Workplace(1, None, timeout, int(memory * GIBIBYTE), quiet))
+    if output is not None:
+        write_index_certificate(Path(output), certificate.document)
+    return certificate
+
+
+def recheck_index(
+    certificate: IndexCertificate | str | Path,
+    curve: AtlasCertificate,
+    *,
+    integrate: bool = False,
+    jobs: int = 1,
+    timeout: float | None = None,
+    memory: float = CheckLimits.memory / GIBIBYTE,
+    quiet: bool = False,
+) -> Recheck:
+    """Check the certificate of an index again, or a file with one, by that of its curve.
+
+    With `integrate` the curve is proved again, and the half turns are counted again. Arguments as for `recheck`;
+    returns a `Recheck`.
+    """
+    workplace = Workplace(jobs, None, timeout, int(memory * GIBIBYTE), quiet)
+    known = certificate if isinstance(certificate, IndexCertificate) else read_index_certificate(Path(certificate))
+    return check_index_again(known, curve, integrate, workplace)
+
+
+if __name__ == "__main__":
+    sys.exit(run_command(main))
