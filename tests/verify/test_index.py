@@ -37,12 +37,13 @@ from orbitproof.verify.atlas import (
 )
 from orbitproof.verify.atlas import index as of_indices
 from orbitproof.verify.certificate import Level, Recheck
-from orbitproof.verify.curve import ProvedCurve, conclude
+from orbitproof.verify.curve import ProvedCurve, conclude, derived_parameter
 from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotProved, Proved
 from orbitproof.verify.index import (
     CountedOrbit,
     HalfTurns,
     Start,
+    along_curve,
     conclude_index,
     followed,
     intervals_of,
@@ -53,7 +54,7 @@ from orbitproof.verify.index import (
 from orbitproof.verify.index.half_turns import Turning, index_of
 from orbitproof.verify.index.libration_value import index_of_small_orbits
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import ProvedList, StabilityResult, conclude_list
+from orbitproof.verify.stability import Gap, Matter, ProvedList, Resonance, StabilityResult, conclude_list
 
 DATA = Path(__file__).parents[1] / "data"
 PLANAR, AXIAL, RETROGRADE, LOOP = "lyapunov", "births-of-axial-orbits", "distant-retrograde", "fold-and-doublings"
@@ -247,6 +248,35 @@ def test_orbits_stand_in_their_intervals() -> None:
     nothing = conclude_index(case(PLANAR)[0], None, None, (first, second))
     assert isinstance(nothing, NotProved)
     assert nothing.reason.condition == "curve"
+
+
+def test_what_the_list_leaves_open_ends_an_interval() -> None:
+    curve, found, _ = counted(RETROGRADE)
+    assert len(intervals_of(curve, found)) == 2
+    (stretch,) = curve.chain.stretches
+    for subject, more in ((Matter.EVERYTHING, 1), (Resonance(1, 0), 1), (Resonance(2, 1), 0), (Matter.EXTREMA, 0)):
+        low = (stretch.entered + stretch.leaves) / 2
+        gap = Gap(0, stretch.tube.piece.id, low, low + Fraction(1, 2**20), subject, "it is dark")
+        for changed in (
+            replace(found, found=replace(found.found, gaps=(gap,))),
+            replace(found, across=replace(found.across, found=replace(found.across.found, gaps=(gap,)))),  # type: ignore[type-var, union-attr]
+        ):
+            assert len(intervals_of(curve, changed)) == 2 + more
+
+
+def test_vertical_orbits_are_followed_over_half_of_their_period() -> None:
+    atlas = read_atlas(DATA / "atlas-vertical.json")
+    x_l, size = derived_parameter(atlas.system, "x_l", atlas.parameters, 100).ball, arb("0.01")
+    start = along_curve._start(atlas, {"eps2": size, "x": arb(3), "vy": arb(2)})
+    assert start is not None
+    assert (start.system, start.crossings, start.is_planar) == (CR3BP_AXIAL, 2, False)
+    assert all(
+        one.overlaps(other)
+        for one, other in zip(
+            start.state, (x_l + arb("0.03"), arb(0), arb(0), arb(0), arb("0.02"), arb("0.1")), strict=True
+        )
+    )
+    assert along_curve._start(atlas, {"eps2": arb(0), "x": arb(3), "vy": arb(2)}) is None
 
 
 def test_without_a_list_the_index_of_single_orbits_is_known() -> None:

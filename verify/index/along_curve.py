@@ -13,7 +13,7 @@ from flint import arb, ctx
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, VERTICAL, ReversibleSystem
-from orbitproof.verify.curve import ProvedCurve, Stretch, derived_parameter, point_name, vertical_point
+from orbitproof.verify.curve import ProvedCurve, Stretch, derived_parameter, is_planar, point_name, vertical_point
 from orbitproof.verify.evidence import is_positive
 from orbitproof.verify.index.following import Start
 from orbitproof.verify.stability import Bound, Matter, Point, ProvedList, Resonance, Subject, bounds_on
@@ -46,11 +46,6 @@ class Interval:
     def holds(self, stretch: int, s: Fraction) -> bool:
         """Whether it certainly contains a point of a stretch."""
         return (self.begin.stretch, self.begin.upper) < (stretch, s) < (self.end.stretch, self.end.lower)
-
-
-def is_planar(system: ReversibleSystem) -> bool:
-    """Whether the orbits are planar, so that the index is a sum of two."""
-    return system is CR3BP_PLANAR or point_name(system) is not None
 
 
 def intervals_of(curve: ProvedCurve, found: ProvedList) -> tuple[Interval, ...]:

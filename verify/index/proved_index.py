@@ -12,7 +12,7 @@ from flint import arb, ctx
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import shown
 from orbitproof.shared.wording import counted
-from orbitproof.verify.curve import ProvedCurve, point_name, vertical_point
+from orbitproof.verify.curve import ProvedCurve, is_planar, point_name, vertical_point
 from orbitproof.verify.evidence import (
     Checklist,
     NotEstablishedError,
@@ -27,7 +27,6 @@ from orbitproof.verify.index.along_curve import (
     PRECISION,
     Interval,
     intervals_of,
-    is_planar,
     start_at,
     stretch_of,
 )
