@@ -265,7 +265,7 @@ def test_what_the_list_leaves_open_ends_an_interval() -> None:
 
 
 def test_vertical_orbits_are_followed_over_half_of_their_period() -> None:
-    atlas = read_atlas(DATA / "atlas-vertical.json")
+    atlas = replace(case(PLANAR)[0], system=VERTICAL["L1"])
     x_l, size = derived_parameter(atlas.system, "x_l", atlas.parameters, 100).ball, arb("0.01")
     start = along_curve._start(atlas, {"eps2": size, "x": arb(3), "vy": arb(2)})
     assert start is not None
