@@ -1,4 +1,4 @@
-"""Certificates of the index of the orbits of a proved curve (section 34.7)."""
+"""Certificates of the index of the orbits of a proved curve (section 35.7)."""
 
 from __future__ import annotations
 

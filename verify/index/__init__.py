@@ -1,4 +1,4 @@
-"""The Conley-Zehnder index along proved curves of the CR3BP (section 34)."""
+"""The Conley-Zehnder index along proved curves of the CR3BP (section 35)."""
 
 from orbitproof.verify.index.along_curve import SYSTEMS, Interval, intervals_of, places_in, start_at, stretch_of
 from orbitproof.verify.index.following import Start, followed

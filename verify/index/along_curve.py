@@ -1,4 +1,4 @@
-"""Between which orbits of a curve the index is constant, and the orbits at which it is counted (section 34.4)."""
+"""Between which orbits of a curve the index is constant, and the orbits at which it is counted (section 35.4)."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Interval:
 
 
 def intervals_of(curve: ProvedCurve, found: ProvedList) -> tuple[Interval, ...]:
-    """Those on which no stability parameter is 1, in the plane or across it (Lemma 34.4)."""
+    """Those on which no stability parameter is 1, in the plane or across it (Lemma 35.4)."""
     whole = found.found
     if found.across is not None:
         across = found.across.found

@@ -1,4 +1,4 @@
-"""One orbit of the CR3BP followed over half of its period, with the planes that turn along it (section 34.2)."""
+"""One orbit of the CR3BP followed over half of its period, with the planes that turn along it (section 35.2)."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ class _HalfOrbit:
         return state
 
     def _canonical(self, vector: Sequence[arb], block: Block) -> tuple[acb, ...]:
-        """q - i p on the axes of a block, turned so that Fix(R) is R^N and R negates i R^N (section 34.2)."""
+        """q - i p on the axes of a block, turned so that Fix(R) is R^N and R negates i R^N (section 35.2)."""
         x, y, z, vx, vy, vz = vector
         pairs = ((x, vx - y), (y, vy + x), (z, vz))
         signs = self.start.system.reversing_symmetry
@@ -215,7 +215,7 @@ class _HalfOrbit:
         return True
 
     def _to_the_section(self, end: Values) -> None:
-        """From the end of the last step, forwards or backwards, to where the orbit meets the section (34.2)."""
+        """From the end of the last step, forwards or backwards, to where the orbit meets the section (35.2)."""
         orbits = self.orbits
         assert orbits.step_taken is not None
         flow, _, length = orbits.step_taken

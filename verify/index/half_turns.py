@@ -1,4 +1,4 @@
-"""How often the Lagrangian planes of a half orbit turn, and the index of the orbit (sections 34.2 and 34.3)."""
+"""How often the Lagrangian planes of a half orbit turn, and the index of the orbit (sections 35.2 and 35.3)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Vectors = tuple[tuple[acb, ...], ...]
 
 @dataclass(frozen=True)
 class HalfTurns:
-    """Whole half turns of two Lagrangian planes along a half orbit, and what the index is by them (Lemma 34.3).
+    """Whole half turns of two Lagrangian planes along a half orbit, and what the index is by them (Lemma 35.3).
 
     Attributes:
         fixed, negated: m_+ and m_-, those of the plane that R fixes at first, and of the one that it negates.
@@ -55,7 +55,7 @@ class Turning:
     def reaches(self, over: Sequence[acb], end: acb) -> bool:
         """Whether the argument is followed to a new value, by values all over the way.
 
-        All of them lie in one half plane without 0 in its boundary, so the argument changes by less than pi (34.2).
+        All of them lie in one half plane without 0 in its boundary, so the argument changes by less than pi (35.2).
         """
         towards = acb(end.real.mid(), end.imag.mid()).conjugate()
         return all(is_positive((value * towards).real) for value in (*over, self.at, end))
@@ -73,7 +73,7 @@ def _argument(value: acb) -> arb:
 
 
 def half_turns(angle: arb, end: acb, across: arb, planes: int) -> tuple[int, arb]:
-    """The number m of whole half turns in a sum of n angles, and that sum in half turns (section 34.3).
+    """The number m of whole half turns in a sum of n angles, and that sum in half turns (section 35.3).
 
     Args:
         angle: by which the argument of det(A + i C) has changed.

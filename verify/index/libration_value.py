@@ -1,4 +1,4 @@
-"""The index of small orbits around a libration point, by its frequencies (section 34.5)."""
+"""The index of small orbits around a libration point, by its frequencies (section 35.5)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from orbitproof.verify.evidence import Evidence
 def index_of_small_orbits(
     evidence: Evidence, system: ReversibleSystem, parameters: Mapping[str, Fraction]
 ) -> tuple[int, ...]:
-    """Of planar orbits in the plane and across it, of vertical ones the index (Lemma 34.6).
+    """Of planar orbits in the plane and across it, of vertical ones the index (Lemma 35.6).
 
     Raises `ValueError` for other systems; a requirement of `evidence` fails where it is not known.
     """

@@ -1,4 +1,4 @@
-"""The theorem about the index along a curve (section 34.6)."""
+"""The theorem about the index along a curve (section 35.6)."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from orbitproof.verify.stability import Bound, Kind, ProvedList, Segment
 
 @dataclass(frozen=True)
 class CountedOrbit:
-    """An orbit of the curve, and the half turns that were counted along it (sections 34.2 and 34.3).
+    """An orbit of the curve, and the half turns that were counted along it (sections 35.2 and 35.3).
 
     Attributes:
         piece, s: its place.
@@ -56,7 +56,7 @@ class CountedOrbit:
 
 @dataclass(frozen=True)
 class IndexTheorem:
-    """The index of the orbits of a proved curve (Theorem 34.7).
+    """The index of the orbits of a proved curve (Theorem 35.7).
 
     Attributes:
         atlas: the claim about the curve.
@@ -119,7 +119,7 @@ def conclude_index(
 
 def _check_curve(checklist: Checklist, curve: ProvedCurve | None, problem: str) -> ProvedCurve:
     statement = "the curve is a proved one of symmetric periodic orbits of the CR3BP"
-    with checklist.hypothesis("curve", "34.4", statement, "prove the curve first") as evidence:
+    with checklist.hypothesis("curve", "35.4", statement, "prove the curve first") as evidence:
         evidence.require(curve is not None, problem or "it is not proved")
     assert curve is not None
     return curve
@@ -137,7 +137,7 @@ def _check_counts(
     statement = "the half turns are counted along an orbit of the curve" + (
         "" if found is None else " in each of the intervals on which no stability parameter is 1"
     )
-    with checklist.hypothesis("counts", "34.3", statement, "give more precision, or another orbit") as evidence:
+    with checklist.hypothesis("counts", "35.3", statement, "give more precision, or another orbit") as evidence:
         evidence.require(bool(orbits) and not problem, problem or "there are none")
         if found is not None:
             evidence.require(len(orbits) == len(intervals), f"of {len(intervals)} intervals {len(orbits)} have one")
@@ -170,7 +170,7 @@ def _segment(found: Sequence[Segment], stretch: int, s: Fraction) -> Segment | N
 def _check_parity(checklist: Checklist, curve: ProvedCurve, found: ProvedList, orbits: Sequence[CountedOrbit]) -> None:
     statement = "index and dimension differ by an even number where det(1 - Sigma) > 0, else by an odd one"
     lists = [found.found.segments, *([] if found.across is None else [found.across.found.segments])]
-    with checklist.hypothesis("parity", "34.4", statement, "report this") as evidence:
+    with checklist.hypothesis("parity", "35.4", statement, "report this") as evidence:
         for orbit in orbits:
             where = f"{shown(orbit.piece)}, s = {float(orbit.s):.6g}"
             number = stretch_of(curve, orbit.piece, orbit.s)
@@ -188,7 +188,7 @@ def _check_neighbours(
     checklist: Checklist, found: ProvedList, intervals: Sequence[Interval], orbits: Sequence[CountedOrbit]
 ) -> None:
     statement = "the index changes by one where one stability parameter passes 1, in the plane or across it"
-    with checklist.hypothesis("neighbours", "34.4", statement, "report this") as evidence:
+    with checklist.hypothesis("neighbours", "35.4", statement, "report this") as evidence:
         evidence.require(True, "")
         for (before, first), (after, second) in pairwise(zip(intervals, orbits, strict=True)):
             assert before.end is after.begin
@@ -218,7 +218,7 @@ def _check_libration_point(
     statement = (
         "the index of small orbits follows from the frequencies at the libration point, and is that counted there"
     )
-    with checklist.hypothesis("libration-point", "34.5", statement, "report this") as evidence:
+    with checklist.hypothesis("libration-point", "35.5", statement, "report this") as evidence:
         small = index_of_small_orbits(evidence, atlas.system, atlas.parameters)
         for interval, orbit in zip(intervals, orbits, strict=False):
             if _holds_rest(atlas, curve, interval):

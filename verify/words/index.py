@@ -1,4 +1,4 @@
-"""The index of the orbits of a curve, in words (section 34.6)."""
+"""The index of the orbits of a curve, in words (section 35.6)."""
 
 from __future__ import annotations
 
