@@ -108,6 +108,10 @@ branches: $(VENV)/demo.stamp
 	  echo; step env $(VERIFY) atlas $(BRANCHES)/$$1.json -o $(BRANCHES)/$$1-certificate.json --jobs $(JOBS) \
 	    $(if $(BIFURCATIONS),--bifurcations $(BIFURCATIONS) --only "$$2") $$3; \
 	}; \
+	surface() { \
+	  name=$$1; shift; cover $$name atlas-mass "$$@"; \
+	  echo; step env $(VERIFY) atlas $(BRANCHES)/$$name.json -o $(BRANCHES)/$$name-certificate.json --jobs $(JOBS); \
+	}; \
 	for name in $(CURVES); do \
 	  cover $$name atlas --preset $$name; \
 	  case $$name in \
@@ -121,9 +125,9 @@ branches: $(VENV)/demo.stamp
 	  cover lyapunov-$$mass atlas-libration --point L1 --mass $$mass; prove lyapunov-$$mass "$$mass-L1-*k1-1" "--complete 12"; \
 	done; \
 	for point in $(SURFACES); do \
-	  case $$point in L1) planar=--lyapunov;; *) planar=;; esac; cover mass-$$point atlas-mass --point $$point $$planar; \
-	  echo; step env $(VERIFY) atlas $(BRANCHES)/mass-$$point.json -o $(BRANCHES)/mass-$$point-certificate.json --jobs $(JOBS); \
+	  case $$point in L1) planar=--lyapunov;; *) planar=;; esac; surface mass-$$point --point $$point $$planar; \
 	done; \
+	for point in L1 L2; do surface axial-mass-$$point --point $$point --family axial; done; \
 	step $(FIGURES) atlas $(BRANCHES)/*-certificate.json -o $(BRANCHES)/figures; \
 	exit $$failed
 
