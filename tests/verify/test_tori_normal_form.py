@@ -141,7 +141,8 @@ def test_a_torsion_that_may_degenerate_is_refused() -> None:
 
 def test_maps_that_are_not_elliptic_are_refused() -> None:
     jets = turning([arb(1), arb("2.2")], ONE)
-    for pair in ((arb("1.5"), arb("0.5")), (arb("-1.5"), arb("0.5")), (arb("1.5"), arb("1.6"))):
+    for first, second in (("1.5", "0.5"), ("-1.5", "0.5"), ("1.5", "1.6"), ("-1.5", "-1.6")):
+        pair = (arb(first), arb(second))
         bent = []
         for j, jet in enumerate(jets):
             column = j % 2
@@ -153,6 +154,10 @@ def test_maps_that_are_not_elliptic_are_refused() -> None:
         assert refused(tuple(bent)) == "elliptic"
         trace, _ = trace_and_determinant(bent)
         assert trace.overlaps(pair[0] + pair[1])
+
+
+def test_cosines_that_may_be_equal_are_refused() -> None:
+    assert refused(turning([arb(1), arb(1)], ONE)) == "elliptic"
 
 
 def test_complex_cosines_are_refused() -> None:
