@@ -134,28 +134,52 @@ branches: $(VENV)/demo.stamp
 # Who proves: processes here, or those of a dask scheduler (SCHEDULER=tcp://..).
 WORKERS = $(if $(SCHEDULER),--scheduler $(SCHEDULER),--jobs $(JOBS))
 
-# Planar, halo, axial and vertical families of L1 and L2 as graphs (docs/webs). What exists is kept, what was interrupted goes on.
+# Planar, halo, axial and vertical families of L1 and L2, planar ones of L3 and distant retrograde orbits as graphs (docs/webs).
+# What exists is kept, what was interrupted goes on. ARCS="vertical-L1 ..": only these. LISTS=4: with the lists of resonances up to
+# 1:4, and where arcs are stable.
+WEB := lyapunov-L1 l1-circle axial-l1 vertical-L1 lyapunov-L2 l2-arc axial-l2 vertical-L2 lyapunov-L3 dro
+ARCS := $(WEB)
+LISTS :=
+
 web: $(VENV)/demo.stamp
 	@$(BOUND) mkdir -p $(WEBS); failed=0; rows=$(WEBS)/candidates.json; \
 	step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
-	cover() { file=$(WEBS)/$$1.json; shift; [ -e $$file ] || step $(BIN)/orbitproof explore "$$@" -o $$file; }; \
-	step $(EXPLORE) --preset tables -k 1 --append -o $$rows; step $(EXPLORE) --preset axial-births --append -o $$rows; \
+	cover() { [ -e $$atlas ] || step $(BIN)/orbitproof explore "$$@" -o $$atlas; }; \
+	is_proved() { head -n 5 $$1 2>/dev/null | grep -q '"verdict": "proved"'; }; \
+	plan() { \
+	  missing=; given=; \
+	  for each in $(WEB); do \
+	    file=$(WEBS)/$$each-$$mass-certificate.json; given="$$given $$file"; is_proved $$file || missing="$$missing $$each"; \
+	  done; \
+	  echo; echo "$$mass: $${missing:+not proved yet:$$missing, }the graph"; \
+	}; \
+	search() { \
+	  done=$(WEBS)/$$1.searched; shift; \
+	  [ -e $$done ] || { step $(EXPLORE) "$$@" -k 1 --jobs $(JOBS) --append -o $$rows; : >$$done; }; \
+	}; \
+	search halo --preset tables; search axial --preset axial-births; \
+	for mass in $(MASSES); do \
+	  search l3-$$mass --family L3-halo --mass $$mass --z-max 0.1; \
+	  search dro-$$mass --system cr3bp --family dro --mass $$mass --jacobi-min 2.3; \
+	done; \
 	step env $(VERIFY) $$rows -o $(WEBS)/certificates.json $(WORKERS); \
 	step env $(VERIFY) docs/webs/vertical-births.json -o $(WEBS)/vertical-births.json $(WORKERS); \
 	for mass in $(MASSES); do \
-	  for point in L1 L2; do \
-	    cover lyapunov-$$point-$$mass atlas-libration --point $$point --mass $$mass --through axial; \
-	    cover vertical-$$point-$$mass atlas-libration --vertical --point $$point --mass $$mass; \
+	  for name in $(ARCS); do \
+	    plan; atlas=$(WEBS)/$$name-$$mass.json; list="$(if $(LISTS),--complete $(LISTS))"; at="--point $${name#*-} --mass $$mass"; \
+	    case $$name in \
+	      lyapunov-L3) cover atlas-libration $$at;; \
+	      lyapunov-*) cover atlas-libration $$at --through axial;; \
+	      vertical-*) cover atlas-libration $$at --vertical; list=;; \
+	      *) cover atlas --preset $$name-$$mass;; \
+	    esac; \
+	    [ ! -e $$atlas ] || step env $(VERIFY) atlas $$atlas -o $(WEBS)/$$name-$$mass-certificate.json $$list $(WORKERS); \
 	  done; \
-	  for name in l1-circle l2-arc axial-l1 axial-l2; do cover $$name-$$mass atlas --preset $$name-$$mass; done; \
-	  given=; arcs="lyapunov-L1 l1-circle axial-l1 vertical-L1 lyapunov-L2 l2-arc axial-l2 vertical-L2"; \
-	  for name in $$arcs; do \
-	    file=$(WEBS)/$$name-$$mass-certificate.json; given="$$given $$file"; echo; \
-	    echo "$$mass: $$name, then $${arcs#*$$name}"; \
-	    step env $(VERIFY) atlas $(WEBS)/$$name-$$mass.json -o $$file $(WORKERS); \
-	  done; \
-	  echo; step env $(VERIFY) web docs/webs/$$mass.json --certificates $$given $(WEBS)/certificates.json $(WEBS)/vertical-births.json \
+	  plan; \
+	  if [ -n "$$missing" ]; then failed=1; continue; fi; \
+	  step env $(VERIFY) web docs/webs/$$mass.json --certificates $$given $(WEBS)/certificates.json $(WEBS)/vertical-births.json \
 	    -o $(WEBS)/$$mass.json --jobs $(JOBS); \
+	  step $(FIGURES) web $(WEBS)/$$mass.json --certificates $$given -o $(WEBS) --page $(WEBS)/$$mass.html; \
 	done; \
 	exit $$failed
 

@@ -21,6 +21,9 @@ sys.path.insert(0, str(HERE))
 from formulas import with_formulas  # noqa: E402
 from reference import PAGES  # noqa: E402
 
+PAGES_AS_THEY_ARE = "pages"
+"""The folder of `html_extra_path` (conf.py)."""
+
 
 def documents() -> Iterator[Path]:
     """Everything that is shown or linked to, below the root."""
@@ -46,6 +49,11 @@ def stage(folder: Path) -> None:
             shutil.copy(path, target)
     for name in ("conf.py", "index.md"):
         shutil.copy(HERE / name, folder)
+    # Pages that a browser shows as they are, beside the documents that link to them.
+    pages = folder / PAGES_AS_THEY_ARE / "docs" / "webs"
+    pages.mkdir(parents=True)
+    for path in (ROOT / "docs" / "webs").glob("*.html"):
+        shutil.copy(path, pages)
     (folder / "_static").mkdir()
     shutil.copy(HERE / "site.css", folder / "_static")
     (folder / "reference").mkdir()

@@ -21,6 +21,7 @@ html_math_renderer = "mathml"
 html_copy_source = False
 html_show_sourcelink = False
 html_static_path = ["_static"]
+html_extra_path = ["pages"]
 html_css_files = ["site.css"]
 exclude_patterns = ["_build"]
 default_role = "code"

@@ -32,7 +32,7 @@ WORDS = {
 }
 _WIDTH, _HEIGHT = 7.2, 4.4
 _CHARACTERS = 95
-_NEAR = "(b)  around libration points"
+_NEAR = "(b)  around L1 and L2"
 _LIBRATION_POINT = "libration_point"
 _STABLE: Mapping[str, Any] = {"linewidth": 6.0, "alpha": 0.3, "solid_capstyle": "butt"}
 _POINT: Mapping[str, Any] = {"color": INK, "marker": "d", "linestyle": "none", "markersize": 6.0}
@@ -61,6 +61,11 @@ def drawn_arcs(web: WebCertificate, curves: Mapping[str, Curve]) -> tuple[DrawnA
         raise InputError(f"the web {web.id}: its certificate says {web.verdict!r}; there is nothing to draw")
     vertices = {vertex.id: vertex for vertex in web.vertices}
     return tuple(_drawn(arc, curves[arc.id], vertices) for arc in web.arcs)
+
+
+def is_around_smaller_primary(arc: StoredArc) -> bool:
+    """Whether it ends at L1 or L2, beside which other arcs are large."""
+    return any(meeting.vertex in ("L1", "L2") for meeting in arc.meets)
 
 
 def _drawn(arc: StoredArc, curve: Curve, vertices: Mapping[str, StoredVertex]) -> DrawnArc:
@@ -180,7 +185,7 @@ def _libration_point(mu: float, name: str) -> float:
 def draw_web(web: WebCertificate, curves: Mapping[str, Curve]) -> Figure:
     """Level against x where orbits start; the surroundings of planar and vertical arcs beside."""
     arcs = drawn_arcs(web, curves)
-    near = [arc for known, arc in zip(web.arcs, arcs, strict=True) if _around(curves[known.id].atlas.system)]
+    near = [arc for known, arc in zip(web.arcs, arcs, strict=True) if is_around_smaller_primary(known)]
     claims = sorted({(vertex.k, vertex.kind) for vertex in web.vertices if vertex.kind != _LIBRATION_POINT})
     handles = [
         Line2D([], [], color=COLOURS[kind], linewidth=1.6, label=words)

@@ -18,14 +18,22 @@ from numpy.typing import NDArray
 from orbitproof.explore.flow import FlowFailure, flow_of
 from orbitproof.figures.certified import Curve
 from orbitproof.figures.orbits import Array, OrbitNotClosed, symmetric_orbit
-from orbitproof.figures.pictures.web import COLOURS, WORDS, DrawnArc, States, drawn_arcs, in_the_plane
+from orbitproof.figures.pictures.web import (
+    COLOURS,
+    WORDS,
+    DrawnArc,
+    States,
+    drawn_arcs,
+    in_the_plane,
+    is_around_smaller_primary,
+)
 from orbitproof.figures.pictures.web_script import PAGE
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, shown
 from orbitproof.verify.atlas import StoredArc, WebCertificate
 from orbitproof.verify.atlas.listed import ListedEnd
 from orbitproof.verify.evidence import range_text
 
-ORBITS, PLACES, LINE = 32, 100, 50
+ORBITS, PLACES, LINE = 28, 84, 40
 """Orbits of an arc, points of each, and points of a line of the diagram, at most."""
 
 _SAID = {"vertical": "vertical, symmetric under R and under the half turn"}
@@ -35,7 +43,10 @@ _SAID = {"vertical": "vertical, symmetric under R and under the half turn"}
 def page_of(web: WebCertificate, curves: Mapping[str, Curve]) -> str:
     """The page of a proved web, from the certificates of its arcs by id. Raises `InputError`."""
     drawn = drawn_arcs(web, curves)
-    arcs = [_arc(known, arc, curves[known.id]) for known, arc in zip(web.arcs, drawn, strict=True)]
+    arcs = [
+        {**_arc(known, arc, curves[known.id]), "beside": beside}
+        for known, arc, beside in zip(web.arcs, drawn, _beside(web), strict=True)
+    ]
     vertices = {
         vertex.id: {"id": vertex.id, "kind": vertex.kind.replace("_", " "), "level": level, "x": x}
         for arc in drawn for vertex, level, x in arc.marks
@@ -53,6 +64,14 @@ def page_of(web: WebCertificate, curves: Mapping[str, Curve]) -> str:
     for name, part in parts.items():
         page = page.replace(f"@{name}@", part)
     return page
+
+
+def _beside(web: WebCertificate) -> list[list[int]]:
+    """For each arc which arcs the diagram is about when it is chosen: those around L1 and L2, or those of its part."""
+    near = {arc.id for arc in web.arcs if is_around_smaller_primary(arc)}
+    part_of = {name: set(part) for part in web.document["parts"] for name in part}
+    wanted = [near if near & part_of[arc.id] else part_of[arc.id] for arc in web.arcs]
+    return [[number for number, arc in enumerate(web.arcs) if arc.id in names] for names in wanted]
 
 
 def _arc(known: StoredArc, arc: DrawnArc, curve: Curve) -> dict[str, Any]:

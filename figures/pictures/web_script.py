@@ -31,7 +31,7 @@ dd { margin: 0; } .small { color: #666; font-size: .85rem; } summary { cursor: p
 <div class="panels">
 <div><canvas id="diagram"></canvas><p class="small">Jacobi constant to the right, x where orbits start upwards; vertices
 filled, libration points as diamonds@STABLE@. Click an arc.
-<label><input id="whole" type="checkbox"> whole arcs</label></p></div>
+<label><input id="whole" type="checkbox"> all arcs</label></p></div>
 <div><canvas id="space"></canvas><p class="small">The orbit in space; drag to turn it. Dots: the two primaries, if near.
 </p></div>
 </div>
@@ -48,11 +48,9 @@ const data = JSON.parse(document.getElementById("data").textContent);
 const byId = name => document.getElementById(name);
 const diagram = byId("diagram"), space = byId("space"), along = byId("along");
 let chosen = 0, turn = [-0.7, 0.5];
-// Near the libration points: where the arcs are that end at them.
-const ending = data.arcs.filter(arc => arc.meets.some(words => words.startsWith("ends at")));
 let span, rise;
 function frame() {
-  const arcs = byId("whole").checked || !ending.length ? data.arcs : ending;
+  const arcs = byId("whole").checked ? data.arcs : data.arcs[chosen].beside.map(number => data.arcs[number]);
   const ends = index => {
     const values = arcs.flatMap(arc => arc.line.map(p => p[index]));
     const low = Math.min(...values), high = Math.max(...values);

@@ -100,6 +100,8 @@ def test_the_site_builds_and_a_broken_link_fails(site: dict[str, ModuleType], tm
     notebook = (tmp_path / "site" / "docs" / "certificates.html").read_text("utf-8")
     assert "stands INTEGRATION" in notebook
     assert "evaluated again it is" in notebook
+    assert 'href="webs/earth-moon.html"' in (tmp_path / "site" / "docs" / "gallery.html").read_text("utf-8")
+    assert (tmp_path / "site" / "docs" / "webs" / "earth-moon.html").exists()
     assert "http" not in "".join(
         line for line in (tmp_path / "site" / "index.html").read_text("utf-8").splitlines() if "<script src" in line
     )

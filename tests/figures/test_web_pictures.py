@@ -107,6 +107,7 @@ def test_the_page_has_arcs_with_orbits_vertices_and_the_theorem(monkeypatch: pyt
     assert all(escape(line) in page for line in (known.theorem or "no theorem").split("\n"))
     data = json.loads(page.partition('type="application/json">')[2].partition("</script>")[0])
     (arc,) = data["arcs"]
+    assert arc["beside"] == [0]
     assert arc["meets"] == ["branches off at one", "passes through inside"]
     assert {vertex["id"] for vertex in data["vertices"]} == {"one", "inside"}
     for orbit in arc["orbits"]:
