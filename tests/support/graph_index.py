@@ -85,6 +85,8 @@ def closed_frame(gradient: Any) -> Any:
     for number in range(count):
         undone = vectors @ np.diag(np.exp(-values * share[number])) @ np.linalg.inv(vectors)
         frames[number, :, 1:] = frames[number, :, 1:] @ undone
+    # Frames and phases have to be followed in small steps.
+    assert np.abs(np.diff(np.unwrap(np.angle(np.linalg.det(frames))))).max() < 0.5
     degree = round(float(np.unwrap(np.angle(np.linalg.det(frames)))[[0, -1]] @ [-1, 1]) / (2 * np.pi))
     frames[:, :, 1] *= np.exp(-2j * np.pi * degree * share)[:, None]
     return frames

@@ -10,11 +10,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
-from flint import acb, arb, ctx
+from flint import acb, arb, ctx, fmpz_poly
 from support.forgeries import atlas_certificate, forged
 from support.graph_index import index_of_orbit
 from support.stored import values
@@ -24,6 +25,7 @@ from orbitproof.shared.claims import Atlas
 from orbitproof.shared.formats import InputError, atlas_from_json, read_atlas
 from orbitproof.shared.systems import AROUND, CR3BP_AXIAL, FALKNER_SKAN, MASS_PARAMETERS, VERTICAL
 from orbitproof.verify.__main__ import main
+from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.atlas import (
     AtlasCertificate,
     certified_index,
@@ -46,6 +48,7 @@ from orbitproof.verify.index import (
     along_curve,
     conclude_index,
     followed,
+    following,
     intervals_of,
     places_in,
     proved_index,
@@ -59,6 +62,10 @@ from orbitproof.verify.stability import Gap, Matter, ProvedList, Resonance, Stab
 DATA = Path(__file__).parents[1] / "data"
 PLANAR, AXIAL, RETROGRADE, LOOP = "lyapunov", "births-of-axial-orbits", "distant-retrograde", "fold-and-doublings"
 MU = MASS_PARAMETERS["earth-moon"]
+
+
+VERTICAL_ORBIT = (0.8448880879238473, 0.0, 0.0, 0.0, 0.016717296437398197, 0.22414688882138184)
+AXIAL_ORBIT = (0.7999931275688026, 0.0, 0.0, 0.0, 0.3702779560097634, 0.23447847332955463)
 
 
 @cache
@@ -151,6 +158,58 @@ def test_an_argument_is_followed_within_a_half_plane_only() -> None:
     assert turning.angle.rad() < 1e-6
 
 
+def test_the_angles_over_a_ball_of_starts_contain_those_of_its_points() -> None:
+    state, radius = AXIAL_ORBIT, 2.0**-36
+    (wide,) = followed(Start(CR3BP_AXIAL, tuple(arb(x, radius if x else 0) for x in state), MU, 1, False), 128, ORACLE)
+    for sign in (-1, 1):
+        point = tuple(arb(x + sign * radius * (0.9 if x else 0)) for x in state)
+        (sharp,) = followed(Start(CR3BP_AXIAL, point, MU, 1, False), 128, ORACLE)
+        assert wide.index == sharp.index
+        for one, other in zip(wide.angles, sharp.angles, strict=True):
+            assert one.contains(other)
+            assert other.rad() < one.rad() / 1000
+
+
+def test_every_part_of_a_step_is_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+    covered: list[tuple[Fraction, Fraction]] = []
+
+    class Cells:
+        def values(self, theta: arb) -> arb:
+            return theta
+
+    def short_ones(_: Any, over: Any, end: arb) -> bool:
+        # Cells of different lengths, those on the right the shortest.
+        (cell,) = over
+        if cell.rad() > (1.1 - end) / 8:
+            return False
+        covered.append((Fraction(float(cell.lower())), Fraction(float(end))))
+        return True
+
+    monkeypatch.setattr(following._HalfOrbit, "_go_on", short_ones)
+    following._HalfOrbit._cover(object.__new__(following._HalfOrbit), Cells())  # type: ignore[arg-type]
+    assert covered[0][0] <= 0
+    assert covered[-1][1] == 1
+    assert all(before[1] >= after[0] >= before[0] for before, after in pairwise(covered))
+    monkeypatch.setattr(following._HalfOrbit, "_go_on", lambda *_: False)
+    with pytest.raises(IntegrationFailure, match="not enclosed well enough"):
+        following._HalfOrbit._cover(object.__new__(following._HalfOrbit), Cells())  # type: ignore[arg-type]
+
+
+def test_what_is_known_of_a_step_has_the_errors_of_its_grades() -> None:
+    arithmetic = Arithmetic(Grading((1,), 1), 64, 20, 2)
+    unit = following._UNIT
+    polynomial = arithmetic.polynomial({(0,): Fraction(2), (1,): 3 * unit})
+    values_at = following._Known([polynomial.with_errors([0.25, 0.125 * float(unit), 9.0])]).values(arb(0, 1))
+    assert values_at.state[0].contains(arb(2, 0.25))
+    assert values_at.variations[0][0].contains(arb(3, 0.125))
+    assert values_at.variations[0][0].rad() < 0.2
+    # Twice a polynomial in time, over an interval of it.
+    moving = Series(arithmetic, [fmpz_poly([0, 0, 1 << 64]), fmpz_poly([])], arithmetic.zero_errors())
+    (square,) = following._Known([moving]).values(arb(0.5, 0.5)).state
+    assert square.contains(arb(0))
+    assert square.contains(arb(1))
+
+
 Along = tuple[ProvedCurve, ProvedList, tuple[CountedOrbit, ...]]
 
 
@@ -190,13 +249,10 @@ def test_the_index_along_curves_is_that_of_graphs_of_the_flow(name: str) -> None
         assert orbit.index == sum(expected)
 
 
-VERTICAL_ORBIT = (0.8448880879238473, 0.0, 0.0, 0.0, 0.016717296437398197, 0.22414688882138184)
-AXIAL_ORBIT = (0.7999931275688026, 0.0, 0.0, 0.0, 0.3702779560097634, 0.23447847332955463)
-
-
 @pytest.mark.parametrize(("state", "crossings", "index"), [(VERTICAL_ORBIT, 2, 5), (AXIAL_ORBIT, 1, 4)])
 def test_orbits_under_the_half_turn_about_the_axis(state: tuple[float, ...], crossings: int, index: int) -> None:
-    start = Start(CR3BP_AXIAL, tuple(arb(x, 1e-13 if x else 0) for x in state), MU, crossings, False)
+    # From an exact start the numbers of half turns are whole to many digits.
+    start = Start(CR3BP_AXIAL, tuple(arb(x) for x in state), MU, crossings, False)
     (turns,) = followed(start, 128, ORACLE)
     assert turns.index == index
     assert index_of_orbit(state, float(MU), crossings) == (index,)
