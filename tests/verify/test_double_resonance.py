@@ -8,6 +8,8 @@ from fractions import Fraction
 from itertools import product
 from math import comb, factorial, prod
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 from flint import arb, ctx
@@ -15,7 +17,7 @@ from flint import arb, ctx
 from orbitproof.shared.claims import DOUBLE_RESONANCE, Candidate
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import candidate_from_json, candidate_to_json, read_claims, validate_document
-from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR, FALKNER_SKAN, ReversibleSystem
+from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR, FALKNER_SKAN, ReversibleSystem
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certifying import certify
 from orbitproof.verify.certificate.rechecking import recheck
@@ -23,10 +25,12 @@ from orbitproof.verify.double_resonance import (
     ResonanceEnclosures,
     ResonanceResults,
     ResonanceTheorem,
+    Unfolding,
     check_resonance_exactly,
     prove_resonance,
     theorem_of_resonance,
 )
+from orbitproof.verify.double_resonance.proved_double_resonance import _check_unfolding
 from orbitproof.verify.evidence import (
     Checklist,
     DerivativeTable,
@@ -34,6 +38,7 @@ from orbitproof.verify.evidence import (
     NotProved,
     Outcome,
     Proved,
+    Reason,
     enclose,
     indices_up_to,
     symmetric,
@@ -93,19 +98,22 @@ def model(
     curvature: Fraction = CURVATURE,
     other: Fraction = Fraction(2),
     value: Fraction = Fraction(0),
+    beside: Fraction = Fraction(0),
 ) -> tuple[list[Polynomial], list[Polynomial]]:
-    """q of P and u of P^2 in (mu, u): the family is u_1 = .. = 0, described by y = u_0, with the stability parameters
-    value + slope mu + curvature y^2/2, and `other`.
+    """q of P and u of P^2 in (mu, u): the family is u_1 + 3 mu = 0, u_2 = 0, described by y = u_0, with the stability
+    parameters value + slope mu + curvature y^2/2 + beside u_1, and `other`.
     """
     size = 1 + len(system.fixed_coordinates)
     across = range(2, size)
-    kernel: list[Polynomial] = [{unit(size, i): Fraction(1)} for i in across]
+    kernel: list[Polynomial] = [{unit(size, i): Fraction(2)} for i in across]
+    kernel[0] = {**kernel[0], unit(size, 0): Fraction(6)}
     image: list[Polynomial] = [{unit(size, 1): Fraction(1), unit(size, 2): Fraction(7)}]
     y, first = unit(size, 1), unit(size, 2)
     image.append({
         first: value,
         tuple(a + b for a, b in zip(unit(size, 0), first, strict=True)): slope,
         tuple(2 * a + b for a, b in zip(y, first, strict=True)): curvature / 2,
+        tuple(2 * a for a in first): beside / 2,
     })  # fmt: skip
     image += [{unit(size, i): other} for i in range(3, size)]
     return kernel, image
@@ -149,8 +157,9 @@ def test_the_meeting_of_a_known_map_is_found(system: ReversibleSystem, mixed: bo
     size = 1 + len(system.fixed_coordinates)
     frame = [[Fraction(value) for value in row[:size]] for row in MIXED[:size]] if mixed else None
     candidate = claim(system, frame=frame)
+    beside = Fraction(1, 3)
     with ctx.workprec(120):
-        outcome = prove(candidate, model(system))
+        outcome = prove(candidate, model(system, SLOPE + 3 * beside, beside=beside))
     assert isinstance(outcome, Proved), outcome.reason
     found = outcome.results
     assert tuple(entry.name for entry in outcome.hypotheses) == ResonanceTheorem(candidate).hypotheses
@@ -173,6 +182,8 @@ def test_which_multiple_it_is_follows_from_the_numbers(k: int, value: float, tur
     outcome = prove(claim(CR3BP, k), model(CR3BP, value=Fraction(value)))
     assert isinstance(outcome, Proved), outcome.reason
     assert outcome.results.turn == turn
+    # 1:3 is not taken for 2:6.
+    assert isinstance(prove(claim(CR3BP, 6), model(CR3BP, value=Fraction(-1, 2))), NotProved)
 
 
 @pytest.mark.parametrize(
@@ -219,6 +230,9 @@ def test_a_stationary_value_out_of_the_box_is_refused_for_good() -> None:
     lambda found: replace(found, iterates=()),
     lambda found: replace(found, half_period=DerivativeTable({}, {})),
     lambda found: replace(found, half_period=negative(found.half_period)),
+    lambda found: replace(found, first_integral=with_ball(found.first_integral, arb("nan"))),
+    lambda found: replace(found, first_integral=with_ball(found.first_integral, arb(2))),
+    lambda found: replace(found, iterates=(found.iterates[0][:1],)),
 ])  # fmt: skip
 def test_incomplete_enclosures_prove_nothing(change: Callable[[ResonanceEnclosures], ResonanceEnclosures]) -> None:
     candidate = claim(CR3BP)
@@ -232,6 +246,31 @@ def test_incomplete_enclosures_prove_nothing(change: Callable[[ResonanceEnclosur
         assert outcome.reason.condition == "return-map"
 
 
+def with_ball(given: DerivativeTable, ball: arb) -> DerivativeTable:
+    return replace(given, centre={**given.centre, next(iter(given.centre)): ball})
+
+
+def test_half_orbits_that_may_be_shorter_are_not_proved() -> None:
+    candidate = replace(claim(CR3BP), crossings=2)
+    frame = [list(row) for row in candidate.frame]
+    kernel, image = (tuple(table(each, frame, candidate.radii) for each in group) for group in model(CR3BP))
+    one = table({(0,) * 4: Fraction(3, 2)}, frame, candidate.radii)
+    for first, proved in ((kernel, False), ((one, kernel[1]), True)):
+        with ctx.workprec(120):
+            checklist = Checklist()
+            check_resonance_exactly(checklist, candidate)
+            outcome = prove_resonance(candidate, checklist, ResonanceEnclosures((first, kernel), image, one, one))
+        assert isinstance(outcome, Proved) is proved
+        assert proved or (isinstance(outcome, NotProved) and outcome.reason.condition == "half-orbit")
+
+
+@pytest.mark.parametrize("slope, curvature", [(arb(1, 2), arb(1)), (arb(1), arb(1, 2)), (arb(1), arb("nan"))])
+def test_coefficients_that_may_be_0_show_no_unfolding(slope: arb, curvature: arb) -> None:
+    with pytest.raises(NotEstablishedError) as error:
+        _check_unfolding(Checklist(), Unfolding(slope, curvature, arb(1)))
+    assert error.value.reason.condition == "unfolding"
+
+
 def negative(given: DerivativeTable) -> DerivativeTable:
     box, centre = ({key: -ball for key, ball in part.items()} for part in (given.box, given.centre))
     return DerivativeTable(box, centre)
@@ -243,6 +282,13 @@ def test_a_box_beyond_the_values_of_the_parameter_is_refused() -> None:
         check_resonance_exactly(Checklist(), candidate)
     assert error.value.reason.condition == "parameter"
     assert not isinstance(theorem_of_resonance(candidate), NotProved)
+
+
+def test_systems_in_units_of_their_own_have_no_such_theorem() -> None:
+    for system in (*AROUND.values(), FALKNER_SKAN):
+        assert isinstance(
+            theorem_of_resonance(cast(Any, SimpleNamespace(kind=DOUBLE_RESONANCE, system=system))), Reason
+        )
 
 
 def test_the_words_say_what_meets_and_where() -> None:

@@ -22,9 +22,10 @@ def resonance_in_words(theorem: ResonanceTheorem) -> str:
     power = "Poincare map" if m == 1 else f"power {m} of the Poincare map"
     return (
         f"P is the {power} of the {where}, and {name} varies. For each {name} the points x of the box with P(x) in "
-        "Fix(R), if there are any, are a smooth curve, the family; their orbits are symmetric under R. A stability "
-        "parameter of the orbit of x is an eigenvalue, but for the 1 that belongs to the tangent of the family, of the "
-        "derivative S at x of the coordinates of P^2 on Fix(R) by themselves; if it is c = cos(2 pi j/k), the orbit "
+        "Fix(R), if there are any, are one or more smooth curves, the family; their orbits are symmetric under R. A "
+        "stability parameter of the orbit of x is an eigenvalue, but for the 1 that belongs to the tangent of the "
+        "family, of the derivative S at x of the coordinates of P^2 on Fix(R) by themselves; if it is "
+        "c = cos(2 pi j/k), the orbit "
         "has the multipliers exp(2 pi i j/k) and exp(-2 pi i j/k). In the box there is exactly one pair of a value of "
         f"{name} and a point x of its family at which det(c - S) is 0 together with its derivative along the family, "
         f"for k = {k} and the j below; and there c is a simple eigenvalue. The orbit of x has the time from x to "
