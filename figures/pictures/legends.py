@@ -80,7 +80,13 @@ def bottom_margin(
 def _legend_rows(
     claims: Iterable[tuple[int, str]], certified: Sequence[bool], curves: Sequence[Line2D]
 ) -> list[list[Line2D]]:
-    """The rows from the lowest one up; more than four multiplicities take two."""
+    """The rows from the lowest one up; more than four multiplicities, or five curves, take two."""
     handles = legend_handles(claims)
-    half = len(handles) if len(handles) <= 4 else (len(handles) + 1) // 2
-    return [row for row in (verdict_handles(certified), handles[half:], handles[:half], list(curves)) if row]
+    rows = (verdict_handles(certified), *_in_rows(handles, 4), *_in_rows(list(curves), 5))
+    return [row for row in rows if row]
+
+
+def _in_rows(handles: list[Line2D], most: int) -> tuple[list[Line2D], list[Line2D]]:
+    """The second row, empty if there is room in one, and the first."""
+    half = len(handles) if len(handles) <= most else (len(handles) + 1) // 2
+    return handles[half:], handles[:half]

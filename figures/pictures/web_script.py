@@ -38,7 +38,8 @@ filled, libration points as diamonds@STABLE@. Click an arc.
 <div class="along"><button id="move" type="button" aria-pressed="false">move along</button>
 <input id="along" type="range" min="0" value="0" aria-label="along the arc"></div>
 <dl id="facts"></dl>
-<p class="small">Ranges of level and period, meetings and the theorem are those that the certificate says are proved.
+<p class="small">Ranges of level and period, meetings, indices and the theorem are those that certificates say are
+proved.
 Single orbits, their levels, periods and multipliers are computed in double precision, and not proved.</p>
 <details open><summary>The theorem</summary><div id="theorem">@THEOREM@</div></details>
 <script id="data" type="application/json">@DATA@</script>
@@ -153,6 +154,8 @@ function tell() {
     ["Jacobi constant", "all in " + arc.level + (orbit ? "; this orbit about " + orbit.c : "")],
     ["period", "all in " + arc.period + (orbit ? "; this orbit about " + orbit.t : "")],
     ["stability", [stable, arc.list].filter(Boolean).join("; ")]];
+  if (arc.index) facts.push(["index", orbit && orbit.i !== null ? "Conley-Zehnder index of orbits about here " + orbit.i
+    : "not counted here"]);
   list.replaceChildren(...facts.flatMap(([name, text]) => ["dt", "dd"].map((kind, i) => {
     const element = document.createElement(kind);
     element.textContent = i ? text : name;

@@ -20,10 +20,11 @@ from orbitproof.figures import draw_web as draw_files
 from orbitproof.figures.certified import Curve
 from orbitproof.figures.pictures import draw_web, web_page
 from orbitproof.figures.pictures.web import DrawnArc, States, _between, _kind_of, drawn_arcs, in_the_plane
-from orbitproof.figures.pictures.web_page import _list_in_words
+from orbitproof.figures.pictures.web_page import _index_at, _list_in_words
 from orbitproof.shared.claims.web import BRANCHES, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import InputError
 from orbitproof.verify.atlas import AtlasCertificate, WebCertificate, certified_web
+from orbitproof.verify.atlas.index import IndexedOrbit, ListedPlace
 from orbitproof.verify.atlas.listed import ListedEnd, ListedInterval
 from orbitproof.verify.atlas.web import StoredArc
 from orbitproof.verify.certificate import Level, Recheck
@@ -99,7 +100,7 @@ def test_the_page_has_arcs_with_orbits_vertices_and_the_theorem(monkeypatch: pyt
     monkeypatch.setattr(web_page, "ORBITS", 2)
     known, curve = web()
     changed = forged(known.document, lambda d: d["statement"]["claim"].update(title="</script><b>a & b"))
-    page = web_page.page_of(WebCertificate(changed), {"circle": Curve.of(curve)})
+    page = web_page.page_of(WebCertificate(changed), {"circle": Curve.of(curve)}, {})
     assert page.count("</script>") == 2
     assert "&lt;/script&gt;&lt;b&gt;a &amp; b" in page
     assert "http" not in page
@@ -136,6 +137,24 @@ def test_points_in_units_of_orbits_are_states_of_the_three_body_problem(around: 
     kinetic = wanted[4] ** 2 + wanted[5] ** 2
     assert found == pytest.approx(wanted[0] ** 2 + 2 * ((1 - MU) / larger + MU / smaller) - kinetic, rel=1e-14)
     assert at == wanted[0]
+
+
+def test_the_index_is_told_of_the_intervals_for_which_it_is_proved() -> None:
+    curve = Curve.of(web()[1])
+    pieces = [stretch.piece for stretch in curve.stretches]
+
+    def counted(index: int, begin: tuple[int, int], end: tuple[int, int]) -> IndexedOrbit:
+        first, last = (
+            ListedPlace(("an end",), pieces[number], (Fraction(s, 8), Fraction(s, 8))) for number, s in (begin, end)
+        )
+        return IndexedOrbit(pieces[1], Fraction(0), (), index, first, last)
+
+    orbits = [counted(2, (0, 0), (1, 2)), counted(3, (1, 3), (5, 0))]
+    wanted = {(0, 0.5): 2, (1, 0.25): None, (1, 0.2): 2, (1, 0.3): None, (1, 0.4): 3, (4, -1.0): 3, (5, 0.0): None}
+    assert {place: _index_at(place, orbits, curve) for place in wanted} == wanted
+    round_the_beginning = [counted(4, (4, 0), (1, 0))]
+    assert [_index_at((number, 0.5), round_the_beginning, curve) for number in range(6)] == [4, None, None, None, 4, 4]
+    assert _index_at((0, 0.5), [replace(orbits[0], begin=None)], curve) is None
 
 
 def test_what_is_not_proved_is_not_drawn(tmp_path: Path) -> None:
