@@ -157,12 +157,12 @@ class _Place:
         """The j whose cos(2 pi j/k) is nearest to an eigenvalue of S."""
         _, image = self.jets(point, 1)
         turns = [j for j in range(1, self.k // 2 + 1) if gcd(j, self.k) == 1]
-        return min(turns, key=lambda j: float(abs(self._defect(image, j).coefficients[0])))
+        return min(turns, key=lambda j: float(abs(self.defect(image, j).coefficients[0])))
 
     def evaluate(self, point: Sequence[Fraction], turn: int) -> _Evaluation:
         """The equations, and their derivatives but those of g."""
         kernel, image = self.jets(point, 2)
-        f = self._defect(image, turn)
+        f = self.defect(image, turn)
         places = range(1, len(point))
         g = _determinant([[_derivative(jet, i) for i in places] for jet in (*kernel, f)])
         basis = f.basis
@@ -178,7 +178,7 @@ class _Place:
         moved = [[p + step * (i == j) for i, p in enumerate(point)] for j in range(len(point))]
         return [(self.evaluate(other, turn).values[-1] - value) * 2**bits for other in moved]
 
-    def _defect(self, image: Sequence[Jet], turn: int) -> Jet:
+    def defect(self, image: Sequence[Jet], turn: int) -> Jet:
         """det(c - S), a jet of one order less than those of the image."""
         c = self.context.cos(2 * self.context.pi * turn / self.k) if self.k != 4 else self.context.mpf(0)
         rows = [[-_derivative(jet, i) for i in range(1, len(image) + 1)] for jet in image]

@@ -78,7 +78,7 @@ class CertifiedCurves:
         candidate = candidate_from_json(stated, f"{where}.statement.candidate", known)
         if candidate.is_of_orbit:
             raise InputError(f"{where}: orbit: no curve is certified there; choose another certificate")
-        if candidate.looks_across:
+        if candidate.looks_across or candidate.resonances_meet:
             raise InputError(f"{where}: {candidate.kind}: no curve is enclosed there; choose another certificate")
         claim = level_form(candidate) if "level_form" in certificate["statement"] else candidate
         try:

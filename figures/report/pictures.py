@@ -11,6 +11,7 @@ from orbitproof.figures.files import file_name
 from orbitproof.figures.orbits import OrbitNotClosed
 from orbitproof.figures.pictures import (
     draw_curves,
+    draw_double_resonance,
     draw_orbit,
     draw_periodic_bifurcation,
     draw_periodic_orbit,
@@ -29,6 +30,7 @@ from orbitproof.figures.style import close, use_style
 from orbitproof.shared.formats import Candidate, InputError, PeriodicBifurcation, PeriodicOrbit
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import AtlasCertificate
+from orbitproof.verify.double_resonance import ResonanceResults
 from orbitproof.verify.orbit import OrbitResults
 from orbitproof.verify.periodic import PeriodicResults
 from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults, TorusResults
@@ -96,6 +98,14 @@ def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
         )
         figure = draw_reversor_breaking(entry.candidate, entry.certificate.results)
         return (_picture(f"birth-{file_name(name)}", caption, figure),)
+    if isinstance(entry.certificate.results, ResonanceResults):
+        caption = (
+            f"{shown(name)}: (a) the stability parameter along the families of three values of the parameter, and (b) "
+            "where it is that of the resonance, to leading order from the middle of the enclosed coefficients; how far "
+            "from the point this holds is not said"
+        )
+        figure = draw_double_resonance(entry.candidate, entry.certificate.results)
+        return (_picture(f"meeting-{file_name(name)}", caption, figure),)
     if entry.candidate.looks_across:
         return ()
     figure = draw_certified(CertifiedCurves.of(entry.certificate.to_json(), f"certificate {name!r}"), None)

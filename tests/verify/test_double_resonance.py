@@ -14,6 +14,9 @@ from typing import Any, cast
 import pytest
 from flint import arb, ctx
 
+from orbitproof.explore.points import refine_at
+from orbitproof.explore.refinement import working_context
+from orbitproof.explore.refinement.double_resonance import _Place
 from orbitproof.shared.claims import DOUBLE_RESONANCE, Candidate
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import candidate_from_json, candidate_to_json, read_claims, validate_document
@@ -46,6 +49,7 @@ from orbitproof.verify.evidence import (
 from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.words.row_in_full import in_full
 
+NAMES = ("mu", "x", "z", "vy")
 CLAIM = Path(__file__).parents[1] / "data" / "double-resonance.json"
 RADIUS = Fraction(1, 2**12)
 Powers = tuple[int, ...]
@@ -321,11 +325,37 @@ def test_a_claim_is_written_and_read() -> None:
     entry = candidate_to_json(candidate)
     validate_document({"format": "orbitproof-candidates", "version": 1, "candidates": [entry]}, "candidates", "here")
     assert candidate_from_json(entry, "here") == candidate
-    assert candidate.coordinates == ("mu", "x", "z", "vy")
+    assert candidate.coordinates == NAMES
     with pytest.raises(InputError, match="all but one of these"):
         candidate_from_json({**entry, "parameters": {"mu": "1e-3"}}, "here")
     with pytest.raises(InputError, match="give exactly these"):
         candidate_from_json({**entry, "kind": "orbit", "k": 1}, "here")
+
+
+def test_the_equations_of_the_search_vanish_at_the_certified_point() -> None:
+    (candidate,) = read_claims(CLAIM)
+    assert isinstance(candidate, Candidate)
+    place = _Place(CR3BP, {}, 4, 1, working_context(80))
+    kernel, image = place.jets(candidate.centre, 1)
+    values = [*(jet.coefficients[0] for jet in kernel), place.defect(image, 1).coefficients[0]]
+    assert max(map(abs, values)) < 1e-15
+    assert place.nearest_turn(candidate.centre) == 1
+
+
+@pytest.mark.slow
+def test_a_point_known_to_five_digits_is_refined_to_the_claim() -> None:
+    """The command is that of `orbitproof explore refine --help`; half a minute."""
+    (candidate,) = read_claims(CLAIM)
+    point = {name: float(f"{float(value):.6g}") for name, value in zip(NAMES, candidate.centre, strict=True)}
+    found = refine_at(CR3BP, point, 4, kind=DOUBLE_RESONANCE, digits=30, quiet=True)
+    assert max(abs(a - b) for a, b in zip(found.centre, candidate.centre, strict=True)) < Fraction(1, 10**30)
+
+
+@pytest.mark.parametrize("changes", [{"k": 1}, {"point": dict.fromkeys("xyz", 0.1)}, {"symmetry": "S"}])
+def test_what_cannot_be_refined_is_said(changes: dict[str, object]) -> None:
+    given = {"system": CR3BP, "point": dict.fromkeys(NAMES, 0.1), "k": 4, **changes}
+    with pytest.raises(ValueError, match="needs k > 1, no symmetry, a system with a first integral"):
+        refine_at(kind=DOUBLE_RESONANCE, quiet=True, **given)  # type: ignore[arg-type]
 
 
 @pytest.mark.slow
