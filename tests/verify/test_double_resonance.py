@@ -51,7 +51,7 @@ from orbitproof.verify.words.row_in_full import in_full
 
 NAMES = ("mu", "x", "z", "vy")
 CLAIM = Path(__file__).parents[1] / "data" / "double-resonance.json"
-RADIUS = Fraction(1, 2**12)
+RADIUS = Fraction(1, 2**16)
 Powers = tuple[int, ...]
 Polynomial = Mapping[Powers, Fraction]
 
@@ -60,13 +60,13 @@ def unit(size: int, place: int) -> Powers:
     return tuple(int(i == place) for i in range(size))
 
 
-def table(polynomial: Polynomial, frame: list[list[Fraction]], radii: tuple[Fraction, ...]) -> DerivativeTable:
-    """Derivatives in p of a polynomial in x = frame p, on the box and at its centre."""
-    size = len(frame)
-    in_p: dict[Powers, Fraction] = {}
+def substituted(polynomial: Polynomial, rows: list[list[Fraction]]) -> Polynomial:
+    """The polynomial of `rows` times the variables."""
+    size = len(rows)
+    result: dict[Powers, Fraction] = {}
     for powers, value in polynomial.items():
         part = {(0,) * size: Fraction(value)}
-        for row, power in zip(frame, powers, strict=True):
+        for row, power in zip(rows, powers, strict=True):
             for _ in range(power):
                 more: dict[Powers, Fraction] = {}
                 for (index, c), (j, entry) in product(part.items(), enumerate(row)):
@@ -74,7 +74,13 @@ def table(polynomial: Polynomial, frame: list[list[Fraction]], radii: tuple[Frac
                     more[key] = more.get(key, Fraction(0)) + c * entry
                 part = more
         for index, c in part.items():
-            in_p[index] = in_p.get(index, Fraction(0)) + c
+            result[index] = result.get(index, Fraction(0)) + c
+    return result
+
+
+def table(polynomial: Polynomial, frame: list[list[Fraction]], radii: tuple[Fraction, ...]) -> DerivativeTable:
+    """Derivatives in p of a polynomial in x = frame p, on the box and at its centre."""
+    size, in_p = len(frame), substituted(polynomial, frame)
     sides = [symmetric(radius) for radius in radii]
 
     def derivative(index: Powers, where: list[arb]) -> arb:
@@ -127,6 +133,28 @@ MIXED = [[1, 2, 0, 1], [0, 1, 0, 0], [1, 0, 1, 0], [0, 1, 0, 3]]
 """A frame in which no coordinate is one of the box."""
 
 
+TILT, SHIFT, BESIDE = Fraction(1, 2), Fraction(5), Fraction(1, 3)
+
+
+def shifted(system: ReversibleSystem) -> tuple[list[Polynomial], list[Polynomial]]:
+    """The model where S depends on u_1 too, which is - 3 mu on the family."""
+    return model(system, SLOPE + 3 * BESIDE, beside=BESIDE)
+
+
+def tilted(system: ReversibleSystem) -> tuple[list[Polynomial], list[Polynomial]]:
+    """The same with u_1 - TILT y - SHIFT mu in place of u_1: a family with y as one of two coordinates that change."""
+    kernel, image = shifted(system)
+    size = 1 + len(system.fixed_coordinates)
+    rows = [[Fraction(int(i == j)) for j in range(size)] for i in range(size)]
+    rows[2][0], rows[2][1] = -SHIFT, -TILT
+    kernel, image = ([substituted(each, rows) for each in group] for group in (kernel, image))
+    moved = {
+        key: image[1].get(key, Fraction(0)) + TILT * image[0].get(key, Fraction(0)) for key in {*image[0], *image[1]}
+    }
+    moved[unit(size, 0)] = moved.get(unit(size, 0), Fraction(0)) + SHIFT
+    return kernel, [image[0], moved, *image[2:]]
+
+
 def claim(system: ReversibleSystem, k: int = 4, frame: list[list[Fraction]] | None = None) -> Candidate:
     size, n = 1 + len(system.fixed_coordinates), len(system.kernel_coordinates)
     rows = frame or [list(map(Fraction, unit(size, i))) for i in range(size)]
@@ -155,15 +183,19 @@ def prove(candidate: Candidate, functions: tuple[list[Polynomial], list[Polynomi
 
 
 @pytest.mark.parametrize("system", [CR3BP_PLANAR, CR3BP], ids=["one pair", "two pairs"])
+@pytest.mark.parametrize("functions", [shifted, tilted])
 @pytest.mark.parametrize("mixed", [False, True])
-def test_the_meeting_of_a_known_map_is_found(system: ReversibleSystem, mixed: bool) -> None:
+def test_the_meeting_of_a_known_map_is_found(
+    system: ReversibleSystem,
+    mixed: bool,
+    functions: Callable[[ReversibleSystem], tuple[list[Polynomial], list[Polynomial]]],
+) -> None:
     """s = slope mu + curvature y^2/2: two resonances where mu has the sign of - curvature/slope."""
     size = 1 + len(system.fixed_coordinates)
     frame = [[Fraction(value) for value in row[:size]] for row in MIXED[:size]] if mixed else None
     candidate = claim(system, frame=frame)
-    beside = Fraction(1, 3)
     with ctx.workprec(120):
-        outcome = prove(candidate, model(system, SLOPE + 3 * beside, beside=beside))
+        outcome = prove(candidate, functions(system))
     assert isinstance(outcome, Proved), outcome.reason
     found = outcome.results
     assert tuple(entry.name for entry in outcome.hypotheses) == ResonanceTheorem(candidate).hypotheses
