@@ -78,12 +78,18 @@ def test_a_piece_is_given_up_at_the_first_interval_that_may_not_be_split(splits:
     assert run.pending == []
 
 
-def test_an_interval_across_a_bifurcation_is_not_split_and_not_tried_again() -> None:
+def test_an_interval_across_a_bifurcation_is_not_split_and_not_tried_again(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     run, engine = go(CURVE, atlas_work.singular)
     assert [name for name, _ in engine.asked].count("p001") == 1
     assert run.plan_of("p001").failed
     assert not run.plan_of("p001").is_proved
     assert not go(CURVE, atlas_work.singular, earlier=run.results)[1].asked
+    again = AtlasRun(CURVE, RunLimits({}))
+    with (display := Display(dict.fromkeys(again.pending, 1.0), quiet=False)).shown():
+        again.run(InOrder(), display, lambda results: None, atlas_work.singular)
+    assert "a bifurcation is there; end the curve before it" in capsys.readouterr().err
 
 
 def test_what_fails_on_a_curve_without_symmetry_is_told_with_its_parameter(capsys: pytest.CaptureFixture[str]) -> None:

@@ -32,7 +32,7 @@ from orbitproof.verify.atlas import (
 from orbitproof.verify.atlas.certificate import results_for
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate
-from orbitproof.verify.curve import Interval
+from orbitproof.verify.curve import SINGULAR, Interval
 from orbitproof.verify.evidence import exact_interval_text
 from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, exceptions_to_sharpen, is_known_of, twist_open_on
 from orbitproof.verify.oracle import steps_about
@@ -193,8 +193,11 @@ class AtlasRun:
             seconds = sum(entry.computation.seconds for entry in results)
             number = sum(entry.is_proved for entry in results)
             inside = f" in {number} intervals" if number > 1 else ""
-            message = "" if result.reason is None else result.reason.message
-            place = "" if result.reason is None else self._place(name, result.interval)
+            message, place = "", ""
+            if result.reason is not None:
+                message, place = result.reason.message, self._place(name, result.interval)
+                if result.reason.condition == SINGULAR:
+                    message += f"; {result.reason.remedy}"
             verdict = f"proved{inside}" if state.is_proved else f"not proved{place}: {message}"
             display.finish(name, f"{verdict}, {seconds:.1f} s")
             return
