@@ -55,9 +55,10 @@ from orbitproof.verify.index import (
     start_at,
 )
 from orbitproof.verify.index.half_turns import Turning, index_of
-from orbitproof.verify.index.libration_value import index_of_small_orbits
+from orbitproof.verify.index.libration_value import index_of_small_orbits, reaches_rest
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import Gap, Matter, ProvedList, Resonance, StabilityResult, conclude_list
+from orbitproof.verify.words import index_in_words
 
 DATA = Path(__file__).parents[1] / "data"
 PLANAR, AXIAL, RETROGRADE, LOOP = "lyapunov", "births-of-axial-orbits", "distant-retrograde", "fold-and-doublings"
@@ -372,7 +373,25 @@ def test_small_orbits_have_the_index_of_the_linear_flow(mass: str, monkeypatch: 
         assert small(system, mu) == (5,)
     with pytest.raises(ValueError, match="not about small orbits"):
         small(FALKNER_SKAN, mu)
-    _, _, orbits = counted(PLANAR)
+    curve, found, orbits = counted(PLANAR)
+    # Of a curve that does not reach the point nothing is said of small orbits.
+    atlas, covers = case(PLANAR)[0], case(PLANAR)[0].claim.covers
+    assert covers is not None
+    for claim in (
+        replace(atlas.claim, increasing=()),
+        replace(atlas.claim, covers=None),
+        replace(atlas.claim, covers=replace(covers, start=Fraction(1, 2**40))),
+        replace(atlas.claim, covers=replace(covers, coordinate="vy")),
+    ):
+        assert not reaches_rest(replace(atlas, claim=claim))
+        known = conclude_index(replace(atlas, claim=claim), curve, found, orbits)
+        assert isinstance(known, Proved)
+        assert known.results.small == ()
+    assert reaches_rest(atlas)
+    reached = conclude_index(atlas, curve, found, orbits)
+    assert isinstance(reached, Proved)
+    words = index_in_words(reached.theorem, reached.results, curve, "a", "b")  # type: ignore[arg-type]
+    assert "Those of its planar orbits around L1 that are small enough: 3, in the plane 2 and across it 1." in words
     for wrong in ((2, 3), (1, 1), (2, 2)):
         monkeypatch.setattr(proved_index, "index_of_small_orbits", lambda *_, found=wrong: found)
         assert refusal(PLANAR, orbits) == "libration-point"

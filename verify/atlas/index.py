@@ -115,7 +115,7 @@ class IndexDocument:
         reason: why it is not proved. Failure to verify is not a proof that the claim is false.
         rests_on: the certificate of the curve.
         orbits: in order along the curve.
-        small: the index of small orbits of a family around a libration point; of planar ones in the plane and across.
+        small: the index of small orbits of a curve that reaches a libration point; of planar ones in the plane, across.
         software: names and versions of what made this certificate, with a digest of the sources.
         digest: SHA-256 of the certificate without this key, as JSON with sorted keys and no spaces.
     """

@@ -7,9 +7,23 @@ from fractions import Fraction
 
 from flint import arb
 
+from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.curve import point_name, stiffness_at_rest, vertical_point
 from orbitproof.verify.evidence import Evidence
+
+
+def reaches_rest(atlas: Atlas) -> bool:
+    """Whether the claim about a curve says that its orbits shrink to a libration point (Theorems 16.3, 16.6)."""
+    claim, covers = atlas.claim, atlas.claim.covers
+    size = "eps" if point_name(atlas.system) is not None else "eps2"
+    return (
+        (point_name(atlas.system) is not None or vertical_point(atlas.system) is not None)
+        and covers is not None
+        and covers.coordinate == size
+        and size in claim.increasing
+        and covers.start <= 0 <= covers.end
+    )
 
 
 def index_of_small_orbits(

@@ -12,7 +12,7 @@ from flint import arb, ctx
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import shown
 from orbitproof.shared.wording import counted
-from orbitproof.verify.curve import ProvedCurve, is_planar, point_name, vertical_point
+from orbitproof.verify.curve import ProvedCurve, is_planar
 from orbitproof.verify.evidence import (
     Checklist,
     NotEstablishedError,
@@ -31,7 +31,7 @@ from orbitproof.verify.index.along_curve import (
     stretch_of,
 )
 from orbitproof.verify.index.half_turns import HalfTurns
-from orbitproof.verify.index.libration_value import index_of_small_orbits
+from orbitproof.verify.index.libration_value import index_of_small_orbits, reaches_rest
 from orbitproof.verify.stability import Bound, Kind, ProvedList, Segment
 
 
@@ -70,8 +70,7 @@ class IndexTheorem:
     def hypotheses(self) -> tuple[str, ...]:
         """As in `evidence.Theorem`."""
         listed = ("parity", "neighbours") if self.with_list else ()
-        around = (point_name(self.atlas.system), vertical_point(self.atlas.system))
-        return ("curve", "counts", *listed, *(("libration-point",) if any(around) else ()))
+        return ("curve", "counts", *listed, *(("libration-point",) if reaches_rest(self.atlas) else ()))
 
 
 @dataclass(frozen=True)
@@ -81,7 +80,7 @@ class ProvedIndex:
     Attributes:
         orbits: at which it was counted, in order along the curve.
         intervals: with the orbits in their places, the intervals that these are in; none without a list.
-        small: the index of small orbits of a family around a libration point; nothing for others.
+        small: the index of small orbits of a curve that reaches a libration point; nothing for others.
     """
 
     orbits: tuple[CountedOrbit, ...]

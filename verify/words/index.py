@@ -26,8 +26,9 @@ def index_in_words(theorem: IndexTheorem, found: ProvedIndex, curve: ProvedCurve
         f"{atlas.system.title} with {values}. The Conley-Zehnder index of its orbits is as follows. {_CONVENTION}"
     ]
     if found.small:
-        around = point_name(atlas.system) or vertical_point(atlas.system)
-        lines.append(f"Small orbits around {around}: {_sum(found.small)}.")
+        point = point_name(atlas.system)
+        which = f"planar orbits around {point}" if point else f"vertical orbits around {vertical_point(atlas.system)}"
+        lines.append(f"Those of its {which} that are small enough: {_sum(found.small)}.")
     if theorem.with_list:
         entries = [
             f"{_between(interval, curve)}: {_index(orbit)}"
