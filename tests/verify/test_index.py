@@ -171,6 +171,32 @@ def test_the_angles_over_a_ball_of_starts_contain_those_of_its_points() -> None:
             assert other.rad() < one.rad() / 1000
 
 
+def test_the_symplectic_form_of_variations_is_the_same_at_both_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    ends: list[Any] = []
+    to_the_section = following._HalfOrbit._to_the_section
+
+    def noted(orbit: Any, end: Any) -> None:
+        ends.append((orbit, end))
+        to_the_section(orbit, end)
+
+    monkeypatch.setattr(following._HalfOrbit, "_to_the_section", noted)
+    followed(Start(CR3BP_AXIAL, tuple(map(arb, AXIAL_ORBIT)), MU, 1, False), 128, ORACLE)
+    ((orbit, end),) = ends
+    start = following.Values(orbit.start.state, tuple(map(tuple, orbit._first_variations())))
+
+    def form(state: Any) -> list[arb]:
+        vectors = [orbit._canonical(each, orbit.blocks[0]) for each in state.variations]
+        return [
+            sum(((a.conjugate() * b).imag for a, b in zip(one, other, strict=True)), arb(0))
+            for one in vectors
+            for other in vectors
+        ]
+
+    for before, after in zip(form(start), form(end), strict=True):
+        assert before.overlaps(after)
+        assert after.rad() < 1e-9
+
+
 def test_every_part_of_a_step_is_followed(monkeypatch: pytest.MonkeyPatch) -> None:
     covered: list[tuple[Fraction, Fraction]] = []
 
@@ -336,6 +362,13 @@ def test_vertical_orbits_are_followed_over_half_of_their_period() -> None:
     assert along_curve._start(atlas, {"eps2": arb(0), "x": arb(3), "vy": arb(2)}) is None
 
 
+def test_every_angle_stands_among_the_enclosures_of_its_hypothesis() -> None:
+    for name, blocks in ((RETROGRADE, 2), (LOOP, 1)):
+        found = {each.name: each.enclosures for each in outcome(name, counted(name)[2]).hypotheses}
+        assert len(found["counts"]) == 2 * 2 * blocks
+        assert len(found["parity"]) == 2 * blocks
+
+
 def test_without_a_list_the_index_of_single_orbits_is_known() -> None:
     _, _, orbits = counted(LOOP)
     found = conclude_index(case(LOOP)[0], counted(LOOP)[0], None, orbits[:1])
@@ -348,14 +381,10 @@ def test_the_neighbour_changes_by_one_in_its_own_plane(monkeypatch: pytest.Monke
     first, second = counted(RETROGRADE)[2]
     monkeypatch.setattr(proved_index, "_check_parity", lambda *_: None)
     plane, across = second.turns
-    for changed in (
-        replace(
-            second,
-            turns=(plane, replace(across, fixed=across.fixed - 1, angles=(across.angles[0] - 1, across.angles[1]))),
-        ),
-        replace(second, turns=(replace(plane, fixed=1, angles=(plane.angles[0] + 1, plane.angles[1])), across)),
-    ):
-        assert refusal(RETROGRADE, (first, changed)) == "neighbours"
+    less = replace(across, fixed=across.fixed - 1, angles=(across.angles[0] - 1, across.angles[1]))
+    more = replace(plane, fixed=plane.fixed + 1, angles=(plane.angles[0] + 1, plane.angles[1]))
+    for turns in ((plane, less), (more, across), (more, less)):
+        assert refusal(RETROGRADE, (first, replace(second, turns=turns))) == "neighbours"
 
 
 def small(system: Any, mu: Fraction) -> tuple[int, ...]:
@@ -475,6 +504,10 @@ FORGERIES: dict[str, Callable[[Any], Any]] = {
 @pytest.mark.parametrize("what", FORGERIES)
 def test_forged_certificates_do_not_stand(what: str) -> None:
     assert not check(forged(document(), FORGERIES[what])).stands
+    # What it rests on is told before anything is looked at.
+    assert check(forged(document(), FORGERIES[what]), Level.FORM).stands is not (
+        what in ("another curve", "another name")
+    )
 
 
 def test_other_words_are_told_anew() -> None:

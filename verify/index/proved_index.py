@@ -153,13 +153,18 @@ def _check_counts(
                 evidence.require(intervals[number].holds(stretch, orbit.s), f"{where}: is not in its interval")
             planes = tuple(turns.planes for turns in orbit.turns)
             evidence.require(planes == kinds, f"{where}: {planes} dimensions are not {kinds}")
-            for turns in orbit.turns:
+            for block, turns in zip(_blocks(orbit), orbit.turns, strict=True):
                 for name, number_of, angle in zip(
-                    ("fixed", "negated"), (turns.fixed, turns.negated), turns.angles, strict=True
+                    ("fixes", "negates"), (turns.fixed, turns.negated), turns.angles, strict=True
                 ):
-                    between = evidence.record(f"{where}: {name}, {turns.planes}", angle)
+                    between = evidence.record(f"{where}{block}: angle of what R {name}", angle)
                     inside = is_positive(between - number_of) and is_positive(number_of + turns.planes - between)
                     evidence.require(inside, f"{where}: {counted(number_of, 'half turn')} are not those of the angle")
+
+
+def _blocks(orbit: CountedOrbit) -> tuple[str, ...]:
+    """What the half turns of an orbit are about, in words."""
+    return (", in the plane", ", across it") if len(orbit.turns) > 1 else ("",)
 
 
 def _segment(found: Sequence[Segment], stretch: int, s: Fraction) -> Segment | None:
@@ -173,12 +178,12 @@ def _check_parity(checklist: Checklist, curve: ProvedCurve, found: ProvedList, o
         for orbit in orbits:
             where = f"{shown(orbit.piece)}, s = {float(orbit.s):.6g}"
             number = stretch_of(curve, orbit.piece, orbit.s)
-            for segments, turns in zip(lists, orbit.turns, strict=True):
+            for segments, block, turns in zip(lists, _blocks(orbit), orbit.turns, strict=True):
                 segment = None if number is None else _segment(segments, number, orbit.s)
                 evidence.require(segment is not None, f"{where}: nothing is known of its stability")
                 if segment is not None:
                     value = segment.at(arb(1)).value(enclose(segment.tau(orbit.s)))
-                    evidence.record(f"{where}: det(1 - Sigma), {turns.planes}", value)
+                    evidence.record(f"{where}{block}: det(1 - Sigma)", value)
                     wanted = -1 if (turns.index - turns.planes) % 2 else 1
                     evidence.require(sign(value) == wanted, f"{where}: the index {turns.index} has not its parity")
 
