@@ -66,6 +66,14 @@ def typeset_once() -> Iterator[None]:
     make = _backend_pdf_ps.get_glyphs_subset
     made: dict[str, tuple[set[Any], Any]] = {}
 
+    parse = MathTextParser._parse_cached.__wrapped__
+    parsers = {"vector": MathTextParser("path"), "raster": MathTextParser("agg")}
+
+    @cache
+    def parsed(kind: str, *text: Any) -> Any:
+        """Each picture has parsers of its own, with the same results."""
+        return parse(parsers[kind], *text)
+
     def subset(font: Any, characters: Any) -> AbstractContextManager[Any]:
         known, found = made.get(str(font), (set(), None))
         if not known.issuperset(characters):
@@ -76,7 +84,7 @@ def typeset_once() -> Iterator[None]:
 
     with ExitStack() as opened, pytest.MonkeyPatch.context() as patch:
         patch.setattr(_backend_pdf_ps, "get_glyphs_subset", subset)
-        patch.setattr(MathTextParser, "_parse_cached", cache(MathTextParser._parse_cached.__wrapped__))
+        patch.setattr(MathTextParser, "_parse_cached", lambda parser, *text: parsed(parser._output_type, *text))
         yield
 
 

@@ -155,7 +155,7 @@ def _side_by_side(system: ReversibleSystem, values: Array, states: Array, times:
     """States along each of N orbits, each with steps of its own; arrays have the orbit as last axis."""
 
     def field(selection: NDArray[np.intp]) -> Callable[[Array], Array]:
-        return lambda x: np.stack(np.broadcast_arrays(*system.vector_field(list(x), list(values[:, selection]))))
+        return lambda x: np.stack(np.broadcast_arrays(*system.program.evaluate([*x, *values[:, selection]])))
 
     count = len(times)
     rows: list[list[Array]] = [[states[:, i]] for i in range(count)]

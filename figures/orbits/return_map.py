@@ -59,7 +59,7 @@ class ReturnMap:
             values[list(self.claim.system.parameters).index(str(self.claim.parameter))] = varied
 
         def field(x: Array) -> Array:
-            components = self.claim.system.vector_field(list(x), values)
+            components = self.claim.system.program.evaluate([*x, *values])
             return np.array([np.broadcast_to(each, (count,)) for each in components], dtype=float)
 
         def flat(_time: float, rows: Array) -> Array:

@@ -53,7 +53,7 @@ def returning_orbit(
     normal, offset = np.array([float(value) for value in claim.normal]), float(claim.offset)
 
     def field(_time: float, state: Array) -> Array:
-        return np.array(claim.system.vector_field(state.tolist(), values), dtype=float)
+        return np.array(claim.system.program.evaluate([*state.tolist(), *values]), dtype=float)
 
     def height(state: Array) -> float:
         return claim.direction * float(normal @ state - offset)
@@ -99,7 +99,7 @@ def orbit_over(
     """
 
     def field(_time: float, state: Array) -> Array:
-        return np.array(claim.system.vector_field(state.tolist(), list(values)), dtype=float)
+        return np.array(claim.system.program.evaluate([*state.tolist(), *values]), dtype=float)
 
     times = np.linspace(0.0, time, rows)
     try:

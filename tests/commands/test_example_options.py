@@ -105,7 +105,8 @@ def test_a_point_is_refined_for_its_own_resonance_alone(name: str, tmp_path: Pat
     output, example = tmp_path / "candidate.json", SYSTEMS[name]
     assert run("refine", name, "-k", "5", "--point", *example.point, "-o", str(output)) == 1
     assert not output.exists() or not read_candidates(output)
-    assert run("refine", name, "-k", str(example.k), "--point", *example.point, "-o", str(output)) == 0
+    refine = ["refine", name, "-k", str(example.k), "--digits", "25"]
+    assert run(*refine, "--point", *example.point, "-o", str(output)) == 0
     (candidate,) = read_candidates(output)
     given = [float(word.partition("=")[2]) for word in example.point]
     assert [float(each) for each in candidate.centre] == pytest.approx(given, abs=1e-5)

@@ -40,7 +40,8 @@ def rounded(text: str) -> tuple[Fraction, Fraction]:
 
 
 def refine(system: str, words: list[str], output: Path) -> int:
-    return explore_main(["refine", "--system", str(EXAMPLES / system), *words, "--quiet", "-o", str(output)])
+    digits = ["--digits", "35", "--quiet"]
+    return explore_main(["refine", "--system", str(EXAMPLES / system), *words, *digits, "-o", str(output)])
 
 
 @pytest.fixture(scope="module")

@@ -28,7 +28,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copy(EXAMPLES / "michelson.py", file)
     start = ["--system", str(file), "--start", "c=0.1", "y=0.2"]
     output = ["-o", str(place / "candidates.json"), "--family-output", str(place / "family.json")]
-    assert explore_main(["candidates", *start, *SMALL, "-k", "3", "4", "--jobs", "1", *output]) == 0
+    assert explore_main(["candidates", *start, *SMALL, "-k", "3", "4", "--digits", "30", "--jobs", "1", *output]) == 0
     file.unlink()
     certificates = ["-o", str(place / "certificates.json"), "--jobs", "1", "--quiet"]
     assert verify_main([str(place / "candidates.json"), *certificates]) == 0
@@ -110,7 +110,7 @@ def test_one_orbit_and_one_point_have_a_door_each(tmp_path: Path, capsys: pytest
     assert explore_main(["orbit", *system, "--start", "c=0.1", "y=0.2", "-o", str(orbit)]) == 0
     assert "half period" in capsys.readouterr().out
     assert len(read_families(orbit)[0].orbits) == 1
-    refine = ["refine", *system, "-k", "3", "--quiet", "-o", str(point)]
+    refine = ["refine", *system, "-k", "3", "--digits", "30", "--quiet", "-o", str(point)]
     assert explore_main([*refine, "--point", "c=0.27634", "y=0.52554"]) == 0
     (candidate,) = shared.read_candidates(point)
     assert float(candidate.centre[0]) == pytest.approx(0.27634323081200158, abs=1e-15)
@@ -130,8 +130,8 @@ def test_a_point_of_each_example_is_refined_and_proved(
     system: str, words: list[str], k: int, point: list[str], value: float, tmp_path: Path
 ) -> None:
     candidate, certificate = tmp_path / "candidate.json", tmp_path / "certificate.json"
-    command = ["refine", "--system", str(EXAMPLES / f"{system}.py"), *words, "-k", str(k), "--point", *point, "--quiet"]
-    assert explore_main([*command, "-o", str(candidate)]) == 0
+    command = ["refine", "--system", str(EXAMPLES / f"{system}.py"), *words, "-k", str(k), "--point", *point]
+    assert explore_main([*command, "--digits", "30", "--quiet", "-o", str(candidate)]) == 0
     assert verify_main([str(candidate), "-o", str(certificate), "--jobs", "1", "--quiet"]) == 0
     (proof,) = read_certificates(certificate).values()
     assert proof.parameter is not None

@@ -82,11 +82,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     covers = ["--from-family", "family.json", "--covers", "c", "0.15", "0.28", "--increasing", "c", "--quiet"]
     found = ["--bifurcations", "certificates.json", "--complete", "4", "--jobs", "1", "--quiet"]
     steps: list[tuple[Main, list[str]]] = [
-        (explore, ["candidates", *start, *limits, "-k", "3", "4", "-o", "candidates.json",
+        (explore, ["candidates", *start, *limits, "-k", "3", "4", "--digits", "30", "-o", "candidates.json",
                    "--family-output", "family.json"]),
-        (explore, ["orbit", "--from-family", "family.json", "--at", "c=0.2", "-o", "orbit.json", "--quiet"]),
+        (explore, ["orbit", "--from-family", "family.json", "--at", "c=0.2", "--digits", "30", "-o", "orbit.json",
+                   "--quiet"]),
         (explore, ["refine", "--system", "henon-heiles.py:T", "-k", "1", "--point", "x=0", "y=-0.497034785",
-                   "-o", "breaking.json", "--quiet"]),
+                   "--digits", "30", "-o", "breaking.json", "--quiet"]),
         (explore, ["atlas", *covers, "-o", "atlas.json"]),
         (explore, ["branches", "candidates.json", "--orbits", "4", "-o", "branches.json", "--quiet"]),
         *((verify, [f"{name}.json", "-o", f"{name}-certificate.json", "--jobs", "1", "--quiet"])

@@ -40,10 +40,10 @@ def test_the_extremum_of_the_jacobi_constant_is_found_and_the_birth_of_the_famil
 
 
 def test_a_refined_fold_is_known_to_the_digits_that_were_asked_for() -> None:
-    point = refine(CR3BP, EARTH_MOON, "fold", 1, HALO, digits=60)
-    assert point.residual < 1e-60
+    point = refine(CR3BP, EARTH_MOON, "fold", 1, HALO, digits=40)
+    assert point.residual < 1e-40
     known = KNOWN["earth-moon-L1-halo-fold-1"].centre
-    assert max(abs(a - b) for a, b in zip(point.centre, known, strict=True)) < Fraction(1, 10**50)
+    assert max(abs(a - b) for a, b in zip(point.centre, known, strict=True)) < Fraction(1, 10**35)
     assert point.geometry.level_branch == pytest.approx(6.18924666357, abs=1e-10)
 
 
@@ -84,7 +84,7 @@ def test_the_command_finds_the_fold_of_an_own_system(tmp_path: Path, capsys: Any
     limits = ["--parameter-min", "c", "0.05", "--parameter-max", "c", "1.3"]
     files = ["-o", str(output), "--family-output", str(tmp_path / "family.json")]
     # c has a second extremum at the period doubling at which the family comes back to its own orbits.
-    assert main(["candidates", *start, *limits, "--folds", "--jobs", "1", *files]) == 0
+    assert main(["candidates", *start, *limits, "--folds", "--digits", "25", "--jobs", "1", *files]) == 0
     assert "fold-2" not in capsys.readouterr().err
     (found,) = read_candidates(output)
     assert (found.id, found.kind, found.k) == ("michelson-family-fold-1", "fold", 1)
@@ -98,14 +98,14 @@ def test_a_script_has_folds_only_if_it_asks_for_them() -> None:
     assert explore.resonances(family, (), quiet=True) == []
     found = explore.resonances(family, (), folds=True, quiet=True)
     assert [(item.kind, item.k) for item in found] == [("fold", 1)]
-    assert explore.refine(found[0], quiet=True).kind == "fold"
+    assert explore.refine(found[0], digits=20, quiet=True).kind == "fold"
 
 
 def test_a_point_near_a_fold_is_refined_by_the_command(tmp_path: Path) -> None:
     output = tmp_path / "fold.json"
     point = ["--point", "c=1.26623", "y=1.35911"]
-    command = ["refine", "--system", str(MICHELSON), "-k", "1", "--kind", "fold", *point, "--quiet", "-o", str(output)]
-    assert main(command) == 0
+    command = ["refine", "--system", str(MICHELSON), "-k", "1", "--kind", "fold", *point, "--digits", "20"]
+    assert main([*command, "--quiet", "-o", str(output)]) == 0
     (found,) = read_candidates(output)
     assert found.id == "michelson-fold"
     assert found.frame[0] == (1, 0)

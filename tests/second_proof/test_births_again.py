@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from flint import arb, ctx
 from support import breaking_cases as cases
+from support.steps import made_once
 
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems import FixedLevel, ReversibleSystem, describe
@@ -23,6 +24,12 @@ from orbitproof.verify.second_proof.jets import CannotFollow, precision
 
 F = Fraction
 SHIFT = F(1, 2**20)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def same_orbits_are_followed_once() -> Iterator[None]:
+    with made_once():
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -14,6 +14,7 @@ import pytest
 from flint import acb, arb
 from support import tori_cases
 from support.springs import BITS, CLAIMS, SMALL, SPRINGS, claim, half, number
+from support.steps import made_once
 
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, ORBIT, STABLE_ORBIT, Candidate, Equation
 from orbitproof.shared.numbers import format_exact, parse_exact
@@ -31,6 +32,12 @@ from orbitproof.verify.second_proof.symmetric_orbit import _Proof, guess
 F = Fraction
 SHIFT = F(1, 2**20)
 UNIT = ((F(1), F(0)), (F(0), F(1)))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def same_orbits_are_followed_once() -> Iterator[None]:
+    with made_once():
+        yield
 
 
 @cache

@@ -21,8 +21,8 @@ class Field(Protocol):
     def section(self) -> int:
         """Its place among the coordinates."""
 
-    def velocity(self, state: Sequence[Jet]) -> list[Jet]:
-        """The field on jets."""
+    def velocity(self, state: Sequence[Any]) -> list[Any]:
+        """The field on jets, or on numbers."""
 
 
 class Disc(NamedTuple):
@@ -37,13 +37,13 @@ def disc(statement: Field, start: Sequence[arb], guess: arb) -> Disc:
     """A disc of complex time, of radius <= `guess`, on which all solutions from a box exist. README, section 3.1."""
 
     def slope(box: Sequence[acb], turn: acb) -> list[acb]:
-        return [turn * acb(f[()]) for f in statement.velocity([Jet({(): z}, 0) for z in box])]
+        return [turn * f for f in statement.velocity(box)]
 
     def stage(box: list[acb], last: list[acb], turn: acb, size: arb) -> tuple[list[acb], list[acb]]:
         """An enclosure of the solutions from a box for times in [0, size] turn, and of turn f there."""
         reach = arb(size / 2, size / 2)
         for _ in range(6):
-            outer = [x + reach * f * arb("1.125") for x, f in zip(box, last, strict=True)]
+            outer = [x + reach * f * 5 / 4 for x, f in zip(box, last, strict=True)]
             last = slope(outer, turn)
             if all(f.is_finite() and o.contains(x + reach * f) for o, x, f in zip(outer, box, last, strict=True)):
                 return outer, last

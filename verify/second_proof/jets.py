@@ -47,6 +47,8 @@ class Jet(dict[Monomial, Any]):
     Coefficients are arb, acb, or arb_series for functions of time.
     """
 
+    __slots__ = ("degree",)
+
     def __init__(self, terms: Mapping[Monomial, Any], degree: int) -> None:
         super().__init__(terms)
         self.degree = degree
@@ -87,29 +89,44 @@ class Jet(dict[Monomial, Any]):
 
     def __pow__(self, exponent: Fraction) -> Jet:
         """A power with denominator 1 or 2. README, Lemma 1."""
-        result, rest, half = Jet({(): arb(1)}, self.degree), self.varying(), exponent.denominator == 2
-        if exponent >= 0 and not half:
+        result, rest = Jet({(): arb(1)}, self.degree), self.varying()
+        if exponent >= 0 and exponent.denominator == 1:
             for _ in range(int(exponent)):
                 result = result * self
             return result
-        head = self[()]
-        first = head[0] if isinstance(head, arb_series) else head
-        if half and not (first.real if isinstance(first, acb) else first) > 0:
-            # The principal root is analytic on the right half plane.
-            raise CannotFollow("the root of an enclosure that is not certainly positive")
-        if first.contains(0):
-            raise CannotFollow("division by an enclosure that contains zero")
-        root = head.rsqrt() if half else 1 / head
-        inverse = root * root if half else root
-        value = factor = root if exponent < 0 else head * root
-        for _ in range(int(abs(exponent) * exponent.denominator) - 1):
-            value = value * factor
+        value, inverse = _power_and_reciprocal(self[()], exponent)
         result, ascent = Jet({(): value}, self.degree), rest
         for j in range(self.degree):
             value = value * inverse * ball((exponent - j) / (j + 1))
             ascent = ascent * rest if j else rest
             result = result + ascent * value
         return result
+
+
+def _power_and_reciprocal(head: Any, exponent: Fraction) -> tuple[Any, Any]:
+    """A negative power of a number or of a function of time, or one with denominator 2, and the reciprocal."""
+    half, first = exponent.denominator == 2, head[0] if isinstance(head, arb_series) else head
+    if half and not (first.real if isinstance(first, acb) else first) > 0:
+        # The principal root is analytic on the right half plane.
+        raise CannotFollow("the root of an enclosure that is not certainly positive")
+    if first.contains(0):
+        raise CannotFollow("division by an enclosure that contains zero")
+    root = head.rsqrt() if half else 1 / head
+    value = factor = root if exponent < 0 else head * root
+    for _ in range(int(abs(exponent) * exponent.denominator) - 1):
+        value = value * factor
+    return value, root * root if half else root
+
+
+def power(number: Any, exponent: Fraction) -> Any:
+    """A power of a number, as of jets of degree 0."""
+    whole = exponent >= 0 and exponent.denominator == 1
+    return number ** int(exponent) if whole else _power_and_reciprocal(number, exponent)[0]
+
+
+def constant(kind: Any, value: Fraction) -> Any:
+    """An exact rational as a jet like this one, or as a number among numbers."""
+    return Jet({(): ball(value)} if value else {}, kind.degree) if isinstance(kind, Jet) else ball(value)
 
 
 def combine(jets: Sequence[Jet], factors: Sequence[Any], degree: int) -> Jet:

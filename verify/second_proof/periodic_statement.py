@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from .jets import CannotFollow, Jet, ball, combine
+from .jets import CannotFollow, ball, constant
 from .statement import PARITY, BadCertificate, Program, exact, read
 
 DEPENDENCE = {name: lambda a, b: a | b for name in "+-*/"} | {"**": lambda a, exponent: a}
@@ -80,26 +80,21 @@ class PeriodicStatement:
         """The coordinate y."""
         return len(self.names) + (self.slopes is not None) + (self.varying is not None)
 
-    def evaluate(self, program: Program, state: Sequence[Jet]) -> list[Jet]:
-        """The outputs of a program at x."""
-
-        def constant(value: Fraction) -> Jet:
-            return Jet({(): ball(value)}, state[0].degree)
-
-        known = {name: constant(value) for name, value in self.parameters.items()}
+    def evaluate(self, program: Program, state: Sequence[Any]) -> list[Any]:
+        """The outputs of a program at x, a jet or numbers."""
+        known = {**self.parameters, **dict(zip(self.names, state, strict=False))}
         if self.varying is not None:
             known[self.varying] = state[self.section - 1]
-        return program.run(known | dict(zip(self.names, state, strict=False)), constant)
+        return program.at(known, state[0])
 
-    def velocity(self, state: Sequence[Jet]) -> list[Jet]:
+    def velocity(self, state: Sequence[Any]) -> list[Any]:
         """f + mu grad H, mu' = 0, the rate 0 of what varies, and y'."""
-        rows, still = self.evaluate(self.field, state), list[Jet]()
+        rows, zero = self.evaluate(self.field, state), constant(state[0], Fraction(0))
         if self.slopes is not None:
             mu = state[len(self.names)]
             rows = [f + mu * slope for f, slope in zip(rows, self.evaluate(self.slopes, state), strict=True)]
-            still = [Jet({}, state[0].degree)]
-        still += [Jet({}, state[0].degree)] * (self.varying is not None)
-        return [*rows, *still, combine(rows, [ball(a) for a in self.normal], state[0].degree)]
+        still = [zero] * ((self.slopes is not None) + (self.varying is not None))
+        return [*rows, *still, sum((f * ball(a) for f, a in zip(rows, self.normal, strict=True)), zero)]
 
     def keeps_volume(self) -> bool:
         """Whether no component of the field depends on its own coordinate: then its divergence is 0."""

@@ -7,18 +7,22 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeVar
 
 from .fixed_level import LevelSet, level_coordinate
-from .jets import CannotFollow, Jet, ball
+from .jets import CannotFollow, Jet, constant, power
 
 _NUMBER = re.compile(
     r"(-?)(?:0x(?P<digits>[0-9a-f]+)(?:p([+-]?[0-9]{1,6}))?"
     r"|[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]{1,5})?|[0-9]+/0*[1-9][0-9]*)"
 )
+N = TypeVar("N")
+"""Jets or numbers."""
 Operations = Mapping[str, Callable[[Any, Any], Any]]
 ARITHMETIC = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "**": operator.pow}
 """For anything that has these operations."""
+NUMBERS = ARITHMETIC | {"/": lambda a, b: a * power(b, Fraction(-1)), "**": power}
+"""For arb and acb."""
 PARITY = {
     "+": lambda a, b: a if a == b else 0, "-": lambda a, b: a if a == b else 0, "*": operator.mul, "/": operator.mul,
     "**": lambda a, e: a * a if e.numerator % 2 == 0 else a if e.denominator == 1 else int(a == 1),
@@ -99,6 +103,11 @@ class Program:
                 values.append(operations[operation](values[first], second))
         return [values[i] for i in self.outputs]
 
+    def at(self, inputs: Mapping[str, Any], kind: Any) -> list[Any]:
+        """The outputs on jets like this one, or on numbers if it is one; inputs may be exact rationals too."""
+        known = {name: constant(kind, x) if isinstance(x, Fraction) else x for name, x in inputs.items()}
+        return self.run(known, lambda x: constant(kind, x), ARITHMETIC if isinstance(kind, Jet) else NUMBERS)
+
 
 @dataclass(frozen=True)
 class Statement:
@@ -130,17 +139,13 @@ class Statement:
     crossings: int = 1
     level_set: LevelSet | None = None
 
-    def _evaluate(self, program: Program, state: Sequence[Jet]) -> list[Jet]:
-        def constant(value: Fraction) -> Jet:
-            return Jet({(): ball(value)}, state[0].degree)
+    def _evaluate(self, program: Program, state: Sequence[N]) -> list[N]:
+        return program.at({**self.parameters, **dict(zip(self.state, state, strict=True))}, state[0])
 
-        known = {name: constant(value) for name, value in self.parameters.items()}
-        return program.run(known | dict(zip(self.state, state, strict=True)), constant)
-
-    def velocity(self, state: Sequence[Jet]) -> list[Jet]:
-        """The vector field on jets: by induction over the lines of its program each encloses the jet of that line."""
+    def velocity(self, state: Sequence[N]) -> list[N]:
+        """The vector field on jets or numbers: by induction over the lines of its program each encloses that line."""
         rows = self._evaluate(self.field, state)
-        return rows + [Jet({}, state[0].degree)] * (len(state) - len(rows))
+        return rows + [constant(state[0], Fraction(0))] * (len(state) - len(rows))
 
     def level(self, state: Sequence[Jet]) -> Jet:
         """The first integral on jets."""

@@ -1,0 +1,36 @@
+"""Steps of second proofs, each made once: tests of what is concluded from the same orbit follow it together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from typing import Any
+from unittest import mock
+
+from flint import arb
+
+from orbitproof.verify.second_proof import crossing, flow, full_return, halves, legs
+from orbitproof.verify.second_proof.jets import Jet
+
+
+@contextmanager
+def made_once() -> Iterator[None]:
+    """A step of the same field from the same jets, with the same bits, is not made again."""
+    make, made = flow.take_step, dict[Any, Any]()
+
+    def step(field: Any, state: Sequence[Jet], guess: arb, bits: int) -> Any:
+        jets = tuple((jet.degree, *((a, *_exact(c)) for a, c in jet.items())) for jet in state)
+        key = repr(field), jets, _exact(guess), bits
+        if key not in made:
+            made[key] = make(field, state, guess, bits)
+        return made[key]
+
+    with ExitStack() as patched:
+        for module in (crossing, legs, halves, full_return):
+            patched.enter_context(mock.patch.object(module, "take_step", step))
+        yield
+
+
+def _exact(ball: arb) -> tuple[Any, ...]:
+    """What tells a finite ball from all others; a text for one that is not finite."""
+    return (*ball.mid().man_exp(), *ball.rad().man_exp()) if ball.is_finite() else (repr(ball),)
