@@ -159,9 +159,25 @@ def test_an_argument_is_followed_within_a_half_plane_only() -> None:
     assert turning.angle.rad() < 1e-6
 
 
-def test_the_angles_over_a_ball_of_starts_contain_those_of_its_points() -> None:
+def test_the_angles_over_a_ball_of_starts_contain_those_of_its_points(monkeypatch: pytest.MonkeyPatch) -> None:
     state, radius = AXIAL_ORBIT, 2.0**-36
+    lengths: list[Fraction] = []
+    delays: list[arb] = []
+    to_the_section, advanced = following._HalfOrbit._to_the_section, following.advance
+
+    def noted(orbit: Any, end: Any) -> None:
+        delays.append(following._Known([orbit.orbits.delay]).values(arb(0)).state[0])
+        to_the_section(orbit, end)
+
+    def measured(*given: Any) -> Any:
+        lengths.append(given[-1])
+        return advanced(*given)
+
+    monkeypatch.setattr(following._HalfOrbit, "_to_the_section", noted)
+    monkeypatch.setattr(following, "advance", measured)
     (wide,) = followed(Start(CR3BP_AXIAL, tuple(arb(x, radius if x else 0) for x in state), MU, 1, False), 128, ORACLE)
+    # The last step leads beyond all times at which orbits of the ball come to the section.
+    assert abs(delays[0]) < float(lengths[-1])
     for sign in (-1, 1):
         point = tuple(arb(x + sign * radius * (0.9 if x else 0)) for x in state)
         (sharp,) = followed(Start(CR3BP_AXIAL, point, MU, 1, False), 128, ORACLE)
