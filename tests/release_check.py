@@ -45,7 +45,7 @@ _FENCE = re.compile(r"^```(\w*)[ ]?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _INDENTED = re.compile(r"^ {4}(orbitproof .*)$", re.MULTILINE)
 _WRITTEN = re.compile(r"`(\w+\.py)`[^\n]*\n\n((?: {4}.*\n|\n)+)")
 _MISSING = re.compile(r"(\S+(?<!\.py)): cannot be read")
-PATTERN = re.compile(r"(^|\s)(FILE|FOLDER|ADDRESS|NAME|ID|K|MU|[A-Z]+\.json|\.\.)(\s|$)|=\.\.|\[|<")
+PATTERN = re.compile(r"(^|\s)(FILE|FOLDER|ADDRESS|NAME|ID|K|MU|[A-Z]+\.json|\.\.)(\s|$)|=\.\.|(^|\s)\[|<")
 
 
 @dataclass(frozen=True)
