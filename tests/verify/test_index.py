@@ -44,6 +44,7 @@ from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotProved,
 from orbitproof.verify.index import (
     CountedOrbit,
     HalfTurns,
+    Interval,
     Start,
     along_curve,
     conclude_index,
@@ -55,9 +56,9 @@ from orbitproof.verify.index import (
     start_at,
 )
 from orbitproof.verify.index.half_turns import Turning, index_of
-from orbitproof.verify.index.libration_value import index_of_small_orbits, reaches_rest
+from orbitproof.verify.index.libration_value import _whole, index_of_small_orbits, reaches_rest
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import Gap, Matter, ProvedList, Resonance, StabilityResult, conclude_list
+from orbitproof.verify.stability import Bound, Gap, Matter, ProvedList, Resonance, StabilityResult, conclude_list
 from orbitproof.verify.words import index_in_words
 
 DATA = Path(__file__).parents[1] / "data"
@@ -419,6 +420,8 @@ def test_small_orbits_have_the_index_of_the_linear_flow(mass: str, monkeypatch: 
         assert small(system, mu) == (5,)
     with pytest.raises(ValueError, match="not about small orbits"):
         small(FALKNER_SKAN, mu)
+    # A whole number is no ratio at which orbits are non-degenerate.
+    assert [_whole(ratio) for ratio in (arb("1.5"), arb(2), arb(2, 0.1), arb("nan"))] == [1, None, None, None]
     curve, found, orbits = counted(PLANAR)
     # Of a curve that does not reach the point nothing is said of small orbits.
     atlas, covers = case(PLANAR)[0], case(PLANAR)[0].claim.covers
@@ -449,10 +452,14 @@ def test_the_libration_point_itself_is_no_orbit_to_follow() -> None:
     rest = -piece.centre[0] / (piece.frame[0][0] * piece.half_width)
     (stretch,) = curve.chain.stretches
     assert start_at(atlas, stretch, rest) is None
-    for s in (rest - Fraction(1, 2**20), rest + Fraction(1, 2**20)):
+    below, above = rest - Fraction(1, 2**20), rest + Fraction(1, 2**20)
+    for s in (below, above):
         start = start_at(atlas, stretch, s)
         assert start is not None
         assert not start.state[4].contains(0)
+    for ends, holds in (((below, above), True), ((above, stretch.leaves), False), ((stretch.entered, below), False)):
+        begin, end = (Bound(0, s, s, ()) for s in ends)
+        assert proved_index._holds_rest(atlas, curve, Interval(begin, end)) is holds
 
 
 @cache
