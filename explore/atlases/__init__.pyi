@@ -1,3 +1,4 @@
+from .axial import axial_atlas as axial_atlas
 from .build import AtlasRequest as AtlasRequest
 from .build import build_atlas as build_atlas
 from .check import check_file as check_file

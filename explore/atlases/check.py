@@ -74,10 +74,8 @@ def check_file(path: Path, quiet: bool) -> int:
     atlas = read_atlas(path)
     if atlas.is_surface:
         raise InputError(f"{path}: field claim.kind: {atlas.claim.kind}; this check is for curves")
-    if isinstance(atlas, Atlas) and atlas.system.derived_parameters:
-        raise InputError(
-            f"{path}: field system: {atlas.system.name}; families around a libration point are not checked"
-        )
+    if isinstance(atlas, Atlas) and atlas.system.normalised:
+        raise InputError(f"{path}: field system: {atlas.system.name}; families in units of their size are not checked")
     good = True
     with Reporter(quiet) as report:
         report.stage("checking")

@@ -125,6 +125,8 @@ class HalfReturns:
             ]
         )
         states = np.zeros((len(system.state), count), dtype=np.clongdouble)
+        for name, value in system.normalised.items():
+            states[system.state.index(name)] = float(value)
         states[list(system.fixed_coordinates)] = points[int(system.family_parameter is not None) :]
         if system.fixed_level is not None:
             self._put_on_level(states, inputs)

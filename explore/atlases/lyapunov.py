@@ -90,6 +90,11 @@ class LyapunovFamily:
         """The equations around the point."""
         return AROUND[self.point]
 
+    @property
+    def constants(self) -> list[float]:
+        """The parameters before eps."""
+        return [float(self.mu), self.libration.x]
+
     def orbit(self, eps: float) -> PlanarOrbit:
         """The orbit that starts at eps, from its nearest known neighbour in steps. Raises `LibrationFailure`."""
         if not self._known:
@@ -167,21 +172,23 @@ class LyapunovFamily:
         return (self.orbit(eps).vy,)
 
 
-class FamilyOfSizes(Protocol):
-    """A family around a libration point, as a curve over its size."""
-
-    mu: Fraction
-
-    @property
-    def libration(self) -> LibrationPoint:
-        """The libration point in float64."""
+class OrbitsOfSizes(Protocol):
+    """A family as a curve over the size of its orbits, the last parameter of its equations."""
 
     @property
     def system(self) -> ReversibleSystem:
-        """The equations around the point."""
+        """The equations."""
+
+    @property
+    def constants(self) -> list[float]:
+        """Their parameters before the size."""
 
     def orbit(self, place: float) -> AnyOrbit:
         """The orbit of this size. Raises `LibrationFailure`."""
+
+
+class FamilyOfSizes(OrbitsOfSizes, Protocol):
+    """One whose points are found one by one."""
 
     def values(self, place: float) -> tuple[float, ...]:
         """The other coordinates of its centre."""
@@ -204,7 +211,7 @@ def expansion(family: FamilyOfSizes, low: float, high: float) -> list[Vector]:
     return [row[: np.flatnonzero(np.abs(row) > NOISE * np.abs(row).max())[-1] + 1] for row in rows]
 
 
-def decay(family: FamilyOfSizes, low: float, high: float, coefficients: list[Vector]) -> float:
+def decay(family: OrbitsOfSizes, low: float, high: float, coefficients: list[Vector]) -> float:
     """The factor by which the Taylor coefficients of the half return in s decay on the piece over [low, high].
 
     The orbits are followed from the points of the unit circle of s by the classical Runge-Kutta method, whose errors
@@ -213,7 +220,7 @@ def decay(family: FamilyOfSizes, low: float, high: float, coefficients: list[Vec
     s = np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     program = family.system.program
-    parameters = [float(family.mu), family.libration.x, middle + half * s]
+    parameters = [*family.constants, middle + half * s]
 
     def slope(state: ComplexArray) -> ComplexArray:
         return np.array(program.evaluate([*state, *parameters]))
@@ -253,13 +260,14 @@ def pieces_over(family: FamilyOfSizes, low: float, high: float, tube: float) -> 
             if end - begin < NARROWEST * (high - low):
                 raise LibrationFailure(f"at eps = {begin:.6g}: no piece is narrow enough (near a singularity)")
         name = f"p{len(pieces) + 1:03d}"
-        pieces.append(_piece(name, 0.5 * (begin + end), 0.5 * (end - begin), coefficients, tube))
+        pieces.append(graph_piece(name, 0.5 * (begin + end), 0.5 * (end - begin), coefficients, tube))
         if end == high:
             return tuple(pieces)
         begin = end - OVERLAP * (end - begin)
 
 
-def _piece(name: str, middle: float, half: float, coefficients: list[Vector], tube: float) -> Piece:
+def graph_piece(name: str, middle: float, half: float, coefficients: list[Vector], tube: float) -> Piece:
+    """A piece over |size - middle| <= half, given by Chebyshev coefficients of the other coordinates."""
     rows = [chebyshev.cheb2poly(row) for row in coefficients]
     size = 1 + len(rows)
     return Piece(

@@ -69,6 +69,11 @@ class VerticalFamily:
         """The equations around the point."""
         return VERTICAL[self.point]
 
+    @property
+    def constants(self) -> list[float]:
+        """The parameters before eps2."""
+        return [float(self.mu), self.libration.x]
+
     @cached_property
     def step(self) -> float:
         """Of the continuation."""

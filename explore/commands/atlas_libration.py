@@ -1,4 +1,4 @@
-"""``orbitproof explore atlas-libration``: planar and vertical families down to their libration point, as atlases."""
+"""``orbitproof explore atlas-libration``: planar, vertical and axial families of a libration point, as atlases."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from orbitproof.shared.systems import MASS_PARAMETERS
 
 POINTS = ("L1", "L2", "L3")
 THROUGH = ("halo", "axial")
-WIDEST_TUBE, PLANAR_TUBE, VERTICAL_TUBE = 1e-3, 1e-8, 1e-7
+WIDEST_TUBE, PLANAR_TUBE, VERTICAL_TUBE, AXIAL_TUBE = 1e-3, 1e-8, 1e-7, 1e-9
 
 _EXAMPLES = """\
 examples:
@@ -21,12 +21,14 @@ examples:
   orbitproof explore atlas-libration --point L3 --mass 0.1 --side right -o lyapunov-l3.json
   orbitproof explore atlas-libration --point L2 --mass sun-jupiter --end -0.01 -o lyapunov-l2.json
   orbitproof explore atlas-libration --vertical --point L1 --mass earth-moon -o vertical.json
+  orbitproof explore atlas-libration --axial --point L1 --mass earth-moon -o axial.json
 
 An orbit is given by eps, the signed distance from the libration point at which it starts on the axis, and vy, its
 speed there in units of eps; the orbit of eps = 0 is that of the linear centre. The pieces go from beyond the first
 symmetry breaking, where halo orbits branch off (or axial ones), across eps = 0. A vertical orbit is given by eps2, the
 square of its speed across the plane where it crosses the axis; the pieces go beyond the birth of axial orbits on the
-vertical family, or to the end that is given. Takes a few seconds.
+vertical family, or to the end that is given. The axial family of L1 or L2 is covered from its birth on the planar
+family to that on the vertical one: by eps2 from 0 on, and last by a piece about the vertical orbit. Takes seconds.
 Exit codes: 0 written, 1 the family could not be followed, 2 bad input.
 """
 
@@ -36,7 +38,7 @@ def add_parser(commands: Any) -> None:
     parser = add_command(
         commands,
         "atlas-libration",
-        "atlas of a planar or vertical family from the libration point through births of other orbits",
+        "atlas of a planar or vertical family from the libration point, or of the axial family between births",
         _EXAMPLES,
     )
     parser.add_argument("--point", choices=POINTS, required=True, help="the libration point")
@@ -47,6 +49,7 @@ def add_parser(commands: Any) -> None:
         help=f"mass parameter: a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1), taken exactly as written",
     )
     parser.add_argument("--vertical", action="store_true", help="the vertical family instead of the planar one")
+    parser.add_argument("--axial", action="store_true", help="the axial family, of L1 or L2, from birth to birth")
     parser.add_argument(
         "--side",
         choices=("left", "right"),
@@ -67,7 +70,8 @@ def add_parser(commands: Any) -> None:
         "--tube",
         type=positive,
         metavar="W",
-        help=f"half-width of the tubes, relative to vy, at most {WIDEST_TUBE:g} (default: 1e-8, vertical 1e-7)",
+        help=f"half-width of the tubes, relative to vy, at most {WIDEST_TUBE:g} "
+        "(default: 1e-8, vertical 1e-7, axial 1e-9)",
     )
     add_output(parser, "atlas file")
     add_quiet(parser)
@@ -77,9 +81,17 @@ def add_parser(commands: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Follow the family and write the atlas; returns the exit code. Raises `InputError`."""
     mu = mass_parameter("--mass", options.mass)
-    tube = options.tube or (VERTICAL_TUBE if options.vertical else PLANAR_TUBE)
+    tube = options.tube or (AXIAL_TUBE if options.axial else VERTICAL_TUBE if options.vertical else PLANAR_TUBE)
     if tube > WIDEST_TUBE:
-        raise InputError(f"--tube {tube:g}: above {WIDEST_TUBE:g}; the default is 1e-8, of vertical orbits 1e-7")
+        raise InputError(
+            f"--tube {tube:g}: above {WIDEST_TUBE:g}; the default is 1e-8, of vertical orbits 1e-7, of axial ones 1e-9"
+        )
+    if options.axial:
+        for name in ("vertical", "side", "through", "end"):
+            if getattr(options, name) not in (None, False):
+                raise InputError(f"--{name}: not together with --axial, which goes from birth to birth; leave it out")
+        if options.point == "L3":
+            raise InputError("--point L3: with --axial L1 or L2; that of L3 is not covered")
     for name in ("side", "through"):
         if options.vertical and getattr(options, name) is not None:
             raise InputError(f"--{name}: not together with --vertical; leave it out, or give --end")
@@ -99,15 +111,19 @@ def run(options: argparse.Namespace) -> int:
         LibrationFailure,
         LyapunovFamily,
         VerticalFamily,
+        axial_atlas,
         lyapunov_atlas,
         vertical_atlas,
     )
     from orbitproof.explore.engines import Reporter
 
     with Reporter(options.quiet) as report:
-        report.stage(f"{options.point}, the {'vertical' if options.vertical else 'planar'} family")
+        kind = "axial" if options.axial else "vertical" if options.vertical else "planar"
+        report.stage(f"{options.point}, the {kind} family")
         try:
-            if options.vertical:
+            if options.axial:
+                atlas = axial_atlas(options.point, mu, options.mass, tube)
+            elif options.vertical:
                 atlas = vertical_atlas(VerticalFamily(options.point, mu), options.mass, options.end, tube)
             else:
                 family = LyapunovFamily(options.point, mu)

@@ -18,8 +18,17 @@ from orbitproof.figures.orbits import Array
 from orbitproof.figures.pictures.legends import bottom_margin, legend_below
 from orbitproof.figures.pictures.marks import draw_point
 from orbitproof.figures.style import INK, label_of, level_label
-from orbitproof.shared.formats import AnyAtlas, InputError
-from orbitproof.shared.systems import AROUND, BRANCH_SYSTEMS, CR3BP, CR3BP_PLANAR, VERTICAL, ReversibleSystem, System
+from orbitproof.shared.formats import AnyAtlas, BirthPiece, InputError
+from orbitproof.shared.systems import (
+    AROUND,
+    BRANCH_SYSTEMS,
+    CR3BP,
+    CR3BP_PLANAR,
+    LIFTED,
+    VERTICAL,
+    ReversibleSystem,
+    System,
+)
 from orbitproof.verify.atlas import StoredArc, StoredVertex, WebCertificate
 from orbitproof.verify.atlas.listed import ListedInterval
 
@@ -76,6 +85,9 @@ def _drawn(arc: StoredArc, curve: Curve, vertices: Mapping[str, StoredVertex]) -
         vertex = vertices[meeting.vertex]
         if meeting.piece is None or meeting.s is None:
             x = states.libration_point
+        elif meeting.piece in {piece.id for piece in curve.atlas.pieces if isinstance(piece, BirthPiece)}:
+            # Where the curve goes on to it: the picture does not follow the piece of a birth.
+            x = float(lines[-1][1, -1])
         else:
             mark = CertifiedPoint(vertex.id, vertex.kind, vertex.k, meeting.piece, float(meeting.s.mid()), False)
             x = float(states.level_and_x(curve.place_of(mark)[1][None, :])[1, 0])
@@ -104,6 +116,8 @@ def _kind_of(atlas: AnyAtlas) -> str:
     around = _around(system)
     if around is not None or system == CR3BP_PLANAR:
         return "planar" if around is None else around[0]
+    if system == LIFTED:
+        return "axial"
     return "axial" if isinstance(system, ReversibleSystem) and system.reversor is not None else "R"
 
 
@@ -123,7 +137,8 @@ class States:
         names: of the coordinates of its points.
         mu: the mass parameter.
         libration_point: its x; of a curve that is not around one, 0.
-        around: "planar" or "vertical" of a curve in units of such orbits around it; `None` for others.
+        around: "planar" or "vertical" of a curve in units of such orbits around it, "plane" of one in units of
+            the speed across the plane; `None` for others.
     """
 
     names: tuple[str, ...]
@@ -144,7 +159,7 @@ class States:
         mu = float(curve.parameters["mu"])
         around = _around(system)
         if around is None:
-            return cls(curve.coordinates, mu, 0.0, None)
+            return cls(curve.coordinates, mu, 0.0, "plane" if system == LIFTED else None)
         return cls(curve.coordinates, mu, _libration_point(mu, around[1]), around[0])
 
     def level_and_x(self, points: Array) -> Array:
@@ -168,6 +183,8 @@ class States:
         elif self.around == "vertical":
             size = np.maximum(known["eps2"], 0.0)
             known = {"x": self.libration_point + size * known["x"], "vy": size * known["vy"], "vz": np.sqrt(size)}
+        elif self.around == "plane":
+            known["vz"] = np.sqrt(np.maximum(known["eps2"], 0.0))
         return np.column_stack([known.get(name, zero) for name in CR3BP.state])
 
 

@@ -41,6 +41,7 @@ from orbitproof.shared.claims.periodic_curve import (
 from orbitproof.shared.claims.pieces import (
     COORDINATES,
     AnyPiece,
+    BirthPiece,
     LibrationPiece,
     Piece,
     SurfacePiece,

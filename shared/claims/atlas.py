@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Annotated, Any, Final, Literal
 
 from orbitproof.shared.claims.fields import Crossings, Id, Identifier, Line
-from orbitproof.shared.claims.pieces import AnyPiece, LibrationPiece, Piece, SurfacePiece
+from orbitproof.shared.claims.pieces import AnyPiece, BirthPiece, LibrationPiece, Piece, SurfacePiece
 from orbitproof.shared.stored import Rational, rules, stored
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.shared.wording import counted
@@ -73,7 +73,8 @@ class Atlas:
         system: the reversible system.
         parameters: exact values of the system's fixed parameters, by name; empty for a surface.
         claim: what the pieces are together.
-        pieces: all of them `Piece`, or for a surface `SurfacePiece`, and `LibrationPiece` in Hill's units.
+        pieces: all of them `Piece`, and last a `BirthPiece` if orbits in units of the speed across the plane go on to
+            where they are born; or for a surface `SurfacePiece`, and `LibrationPiece` in Hill's units.
         provenance: free-form, ignored by the verifier.
     """
 
@@ -97,6 +98,10 @@ class Atlas:
     def curve_pieces(self) -> tuple[Piece, ...]:
         """The pieces of a curve; none for a surface."""
         return tuple(piece for piece in self.pieces if isinstance(piece, Piece))
+
+    def birth_pieces(self) -> tuple[BirthPiece, ...]:
+        """The pieces at whose middle the orbits of a curve are born from others; at most one is allowed."""
+        return tuple(piece for piece in self.pieces if isinstance(piece, BirthPiece))
 
     def surface_pieces(self) -> tuple[SurfacePiece, ...]:
         """The pieces of a surface; none for a curve."""

@@ -133,7 +133,35 @@ class LibrationPiece:
     kind = "libration"
 
 
-AnyPiece = Piece | SurfacePiece | LibrationPiece
+@dataclass(frozen=True)
+class BirthPiece:
+    """Orbits near one that S maps to itself, shifted by half its period, from which they are born (section 16.12).
+
+    For s in [-1, 1] and abs(w_j) <= 1 its points lie in the plane y = 0 and have
+
+        (x, z, vy, b) = (polynomial_j(s) + tube_j w_j),    (vx, vz) = half_width s directions (1, b).
+
+    Its claim: for every s there is exactly one w for which the orbits of the points of s and of -s meet the axis at a
+    right angle when they are in that plane next.
+
+    Attributes:
+        id: unique name within the atlas.
+        directions: shape (2, 2), rows for vx and vz, regular.
+        half_width: positive.
+        polynomial: for x, z, vy and b the coefficients of 1, s, s^2, ..; those of odd powers are 0.
+        tube: half-widths in x, z, vy and b, positive.
+    """
+
+    id: PieceId
+    directions: Rows
+    half_width: Fraction
+    polynomial: Polynomials
+    tube: Numbers
+
+    kind = "birth"
+
+
+AnyPiece = Piece | SurfacePiece | LibrationPiece | BirthPiece
 
 
 def evaluate(coefficients: Sequence[Fraction], s: Fraction) -> Fraction:

@@ -29,6 +29,7 @@ from orbitproof.shared.claims import (
     AnyAtlas,
     AnyPiece,
     Atlas,
+    BirthPiece,
     BoxClaim,
     Candidate,
     Claim,

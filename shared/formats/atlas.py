@@ -17,6 +17,7 @@ from orbitproof.shared.claims import (
     AnyAtlas,
     AnyPiece,
     Atlas,
+    BirthPiece,
     Claim,
     LibrationPiece,
     SurfacePiece,
@@ -27,7 +28,7 @@ from orbitproof.shared.formats.candidates import find_system, read_system
 from orbitproof.shared.formats.documents import json_text, read_document, validate_document, write_text
 from orbitproof.shared.formats.periodic_curve import periodic_atlas_from_json
 from orbitproof.shared.formats.pieces import check_length, piece_from_json
-from orbitproof.shared.systems import BRANCH_SYSTEMS, HILL, ID, ID_IN_WORDS, LINE, ReversibleSystem, fits
+from orbitproof.shared.systems import BRANCH_SYSTEMS, HILL, ID, ID_IN_WORDS, LIFTED, LINE, ReversibleSystem, fits
 
 
 def read_atlas(path: Path) -> AnyAtlas:
@@ -81,6 +82,9 @@ def atlas_from_json(
             refuse(f"{place}.kind", why, "symmetry_breaking belongs to surfaces, and libration; the others to curves")
         if item["kind"] == LibrationPiece.kind and system is not HILL:
             refuse(f"{place}.kind", f"'libration' in a surface of {system.name}", f"it belongs to {HILL.name}")
+        if item["kind"] == BirthPiece.kind and not (system is LIFTED and index == len(entry["pieces"]) - 1 > 0):
+            why = f"'birth' in a curve of {system.name}"
+            refuse(f"{place}.kind", why, f"it stands last, after other pieces, in an arc of {LIFTED.name}")
         piece = piece_from_json(item, system, f"{source}: field {place}")
         if piece.id in seen:
             refuse(f"{place}.id", f"{piece.id!r} appears twice", "give each piece its own id")

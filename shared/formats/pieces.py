@@ -7,7 +7,7 @@ from dataclasses import fields
 from fractions import Fraction
 from typing import Any, NoReturn
 
-from orbitproof.shared.claims import AnyPiece, LibrationPiece, Piece, SurfacePiece, is_regular
+from orbitproof.shared.claims import AnyPiece, BirthPiece, LibrationPiece, Piece, SurfacePiece, is_regular
 from orbitproof.shared.codec import from_json
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.numbers import format_rational
@@ -17,12 +17,16 @@ from orbitproof.shared.wording import counted
 
 def piece_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: str) -> AnyPiece:
     """A piece from a schema-valid JSON object; raises `InputError` that names the field."""
-    kinds: dict[str, type[AnyPiece]] = {each.kind: each for each in (SurfacePiece, LibrationPiece)}
+    kinds: dict[str, type[AnyPiece]] = {each.kind: each for each in (SurfacePiece, LibrationPiece, BirthPiece)}
     piece = from_json(kinds.get(entry["kind"], Piece), entry, source)
     check = _Check(piece, source)
     check.form()
     if isinstance(piece, LibrationPiece):
         _check_libration_piece(piece, check)
+        return piece
+    if isinstance(piece, BirthPiece):
+        check.regular("directions", 2)
+        check.of_tube(piece, 4, "give one for each of x, z, vy, b")
         return piece
     size, kernel = len(system.centre_coordinates), len(system.kernel_coordinates)
     wanted = f"{system.name} needs {size}: {', '.join(system.centre_coordinates)}"
@@ -85,9 +89,12 @@ class _Check:
         """The shapes of a piece of a curve, and the signs of its widths."""
         if len(piece.centre) != size:
             self.refuse("centre", counted(len(piece.centre), "number"), wanted)
+        self.of_tube(piece, equations, f"{system} needs {equations}, one for each equation")
+
+    def of_tube(self, piece: Piece | BirthPiece, equations: int, across: str) -> None:
+        """The lengths of what goes across a curve, and the signs of its widths."""
         if piece.half_width <= 0:
             self.refuse("half_width", "not positive", "turn column 0 of the frame around to turn the piece around")
-        across = f"{system} needs {equations}, one for each equation"
         self.rows("polynomial", equations, across)
         self.positive("tube", equations, across)
 

@@ -9,6 +9,7 @@ from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.hill import HILL, HILL_AXIAL, IN_HILL_UNITS
 from orbitproof.shared.systems.known import FALKNER_SKAN, MASS_PARAMETERS, SYSTEMS
 from orbitproof.shared.systems.libration import AROUND, BRANCH_SYSTEMS, OVER_MASSES, SIDES, VERTICAL, mass_of_distance
+from orbitproof.shared.systems.lifted import LIFTED
 from orbitproof.shared.systems.names import ID, ID_IN_WORDS, IDENTIFIER, LINE, PIECE, PIECE_IN_WORDS, fits
 from orbitproof.shared.systems.parity import has_parities, parities
 from orbitproof.shared.systems.parity_of_functions import signs_with_functions

@@ -14,6 +14,7 @@ from fractions import Fraction
 from typing import Any
 
 from orbitproof.shared.systems.known import SYSTEMS
+from orbitproof.shared.systems.lifted import LIFTED
 from orbitproof.shared.systems.system import DerivedParameter, ParameterRange, ReversibleSystem, VectorField
 
 
@@ -223,6 +224,7 @@ OVER_MASSES: Mapping[str, ReversibleSystem] = {point: _over_masses(point, side) 
 """The system around L1 and L2 with the distance from the smaller mass as parameter, which determines the mass."""
 
 BRANCH_SYSTEMS: Mapping[str, ReversibleSystem] = {
-    **SYSTEMS, **{system.name: system for around in (AROUND, VERTICAL) for system in around.values()}
+    **SYSTEMS, **{system.name: system for around in (AROUND, VERTICAL) for system in around.values()},
+    LIFTED.name: LIFTED,
 }  # fmt: skip
-"""Systems whose branches can be proved, by name. Those of `AROUND` and `VERTICAL` are not for single candidates."""
+"""Systems whose branches can be proved, by name; `LIFTED` and those of `AROUND` and `VERTICAL` not by candidates."""

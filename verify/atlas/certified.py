@@ -46,6 +46,7 @@ def certified_point(atlas: Atlas, certificate: Certificate, examine: Examine) ->
         stability=() if orbit is None else orbit.stability.parameters,
         other_point=None if orbit is None else orbit.other_point,
         shifted_by=_shifting(certificate, system),
+        direction=certificate.results.direction if isinstance(certificate.results, BreakingResults) else None,
     )
 
 

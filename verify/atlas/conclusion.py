@@ -8,12 +8,20 @@ from functools import partial
 from typing import Any
 
 from orbitproof.shared.formats import AnyAtlas, Atlas
+from orbitproof.shared.systems import LIFTED
 from orbitproof.verify.atlas.certified import certified_point
 from orbitproof.verify.atlas.conclusion_as_json import conclusion_to_json
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.results import Result
 from orbitproof.verify.certificate import Certificate, Recheck, repeated
-from orbitproof.verify.curve import Conclusion, ProvedCurve, conclude, enclose_other_point, vertical_point
+from orbitproof.verify.curve import (
+    Conclusion,
+    ProvedCurve,
+    conclude,
+    enclose_crossings,
+    enclose_other_point,
+    vertical_point,
+)
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, conclude_lasting
 from orbitproof.verify.oracle import ORACLE
@@ -22,6 +30,9 @@ from orbitproof.verify.words import BranchConclusion, conclusion_in_words
 
 partner = partial(enclose_other_point, ORACLE)
 """Encloses the other point of a symmetric orbit on Fix(R), by integration."""
+
+follow = partial(enclose_crossings, ORACLE)
+"""Encloses crossings of the section by an orbit."""
 
 Watch = Callable[[Sequence[str], str], AbstractContextManager[Callable[[str], None]]]
 """For names of what is done one after the other, and a word for what is done, a context in which a function is called
@@ -65,9 +76,9 @@ def conclusion_of(
             return checks[certificate]
 
         points = [certified_point(atlas, entry, examine) for entry in bifurcations]
-        conclusion = conclude(atlas, results, points, partner)
-    # No theorem is about resonances of vertical orbits in units of their size (16.7).
-    if order is None or vertical_point(atlas.system) is not None:
+        conclusion = conclude(atlas, results, points, partner, follow)
+    # No theorem is about resonances of vertical or axial orbits in units of their own (16.7, 16.10).
+    if order is None or vertical_point(atlas.system) is not None or atlas.system is LIFTED:
         return told(conclusion)
     of_curve = [result for result in results if isinstance(result, LastingResult)]
     with _stretches(conclusion, "resonances", watch) as begun:

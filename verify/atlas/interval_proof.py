@@ -15,6 +15,7 @@ from orbitproof.shared.codec import from_json
 from orbitproof.shared.formats import (
     AnyAtlas,
     AnyPiece,
+    BirthPiece,
     LibrationPiece,
     PeriodicAtlas,
     PeriodicCurveClaim,
@@ -29,7 +30,7 @@ from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe
 from orbitproof.verify.atlas.results import Result, Settings
 from orbitproof.verify.certificate import systems_with
 from orbitproof.verify.certificate.stored_balls import to_json
-from orbitproof.verify.curve import NOT_PROVED, Computation, Interval, PieceLimits, prove_piece
+from orbitproof.verify.curve import NOT_PROVED, Computation, Interval, PieceLimits, prove_birth_piece, prove_piece
 from orbitproof.verify.evidence import Proved, Reason
 from orbitproof.verify.lasting import LastingResult, twist_of_piece
 from orbitproof.verify.oracle import ORACLE, counsel
@@ -119,6 +120,8 @@ def _proved(
         return prove_libration_piece(piece, (start, end), ORACLE, surface_limits, stepped).stored
     parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
     limits, crossings = PieceLimits(**argument["integrator"]), argument.get("crossings", 1)
+    if isinstance(piece, BirthPiece):
+        return prove_birth_piece(parameters, piece, (start, end), ORACLE, limits, stepped).stored
     slopes = {"slope_bits": stability_slope_bits(limits.precision)} if argument.get("stability") else {}
     more = {"crossings": crossings, **slopes}
     found = prove_piece(system, parameters, piece, (start, end), ORACLE, limits, stepped, argument["symmetry"], **more)

@@ -10,7 +10,7 @@ from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
 from orbitproof.verify.atlas.certified import certified_point
-from orbitproof.verify.atlas.conclusion import partner
+from orbitproof.verify.atlas.conclusion import follow, partner
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.recheck import Means, recheck_atlas
 from orbitproof.verify.certificate import (
@@ -122,7 +122,7 @@ def _placed(
         return
     assert isinstance(curve.atlas, Atlas)
     points = [certified_point(curve.atlas, orbit, recheck) for orbit in orbits]
-    found = conclude(curve.atlas, curve.results, points, partner).bifurcations
+    found = conclude(curve.atlas, curve.results, points, partner, follow).bifurcations
     for orbit, entry in zip(orbits, found, strict=True):
         if entry.place is None:
             yield orbit, None, f"{shown(entry.id)}: not shown to lie on {name}: {entry.reason}"

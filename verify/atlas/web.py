@@ -18,7 +18,7 @@ from orbitproof.shared.stored import rules
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
 from orbitproof.verify.atlas.certified import certified_point
-from orbitproof.verify.atlas.conclusion import partner
+from orbitproof.verify.atlas.conclusion import follow, partner
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.listed import ListedInterval
 from orbitproof.verify.certificate import (
@@ -318,7 +318,7 @@ def _arc(
         return check if check.level >= Level.CONCLUSION else replace(check, obstacle=check.obstacle or _NOT_CHECKED)
 
     points = [certified_point(atlas, entry, examine) for entry in wanted]
-    conclusion = conclude(atlas, certificate.results, points, partner)
+    conclusion = conclude(atlas, certificate.results, points, partner, follow)
     if not isinstance(conclusion.outcome, Proved):
         return Arc(atlas, None, conclusion.outcome.reason.message)
     return Arc(atlas, conclusion.outcome.results, "", {entry.id: entry for entry in conclusion.bifurcations})

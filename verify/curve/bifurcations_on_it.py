@@ -65,6 +65,7 @@ class CertifiedPoint:
         stability: enclosures of the stability parameters of one orbit; none of a bifurcation.
         other_point: enclosures of the coordinates of the orbit's other point on Fix(R), if they are known.
         shifted_by: symmetries that are shown to shift the orbit along itself by half its period.
+        direction: of the orbits that are born where R is lost, by the names of coordinates that R negates.
     """
 
     id: str
@@ -82,6 +83,7 @@ class CertifiedPoint:
     stability: tuple[acb, ...] = ()
     other_point: Point | None = None
     shifted_by: tuple[str, ...] = ()
+    direction: Point | None = None
 
     @property
     def is_planar(self) -> bool:

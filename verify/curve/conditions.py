@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from flint import arb
 
 from orbitproof.shared.formats import Atlas, Covers
-from orbitproof.shared.systems import System
+from orbitproof.shared.systems import LIFTED, System
 from orbitproof.verify.claim import check_symmetries, names_in_words, signs_on
 from orbitproof.verify.curve.gluing import Chain, follow
 from orbitproof.verify.curve.piece_claim import require_piece
@@ -31,6 +31,8 @@ def hypotheses_of(atlas: Atlas) -> tuple[str, ...]:
         *(f"increasing-{name}" for name in claim.increasing),
         *(("covers",) if claim.covers is not None else ()),
         *(("vertical",) if _is_of_vertical_orbits(atlas) else ()),
+        *(("from-plane",) if atlas.system is LIFTED else ()),
+        *(("birth",) if atlas.birth_pieces() else ()),
     )
 
 
@@ -66,6 +68,10 @@ def check_curve(checklist: Checklist, atlas: Atlas, results: Sequence[IntervalRe
         from orbitproof.verify.curve.vertical_family import check_vertical
 
         check_vertical(checklist, atlas, found)
+    if atlas.system is LIFTED:
+        from orbitproof.verify.curve.lifted_family import check_from_plane
+
+        check_from_plane(checklist, atlas)
     return found
 
 
@@ -90,6 +96,10 @@ def _check_pieces(evidence: Evidence, atlas: Atlas) -> None:
         return
     at_ends = {"symmetric-arc": (0,), "symmetric-loop": (0, len(pieces) - 1)}.get(claim.kind, ())
     evidence.require(len({piece.id for piece in pieces}) == len(pieces), "two pieces have the same id")
+    births = atlas.birth_pieces()
+    at_end = len(births) <= 1 and len(atlas.curve_pieces()) == len(pieces) - len(births) > 0
+    last = at_end and (not births or (pieces[-1] is births[0] and atlas.system is LIFTED))
+    evidence.require(last, "pieces of another kind are among them, or a piece of a birth is not the last one")
     for number, piece in enumerate(atlas.curve_pieces()):
         wanted = "symmetric" if number in at_ends else "regular"
         evidence.require(

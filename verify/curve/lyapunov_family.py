@@ -8,7 +8,7 @@ from fractions import Fraction
 from flint import arb, ctx
 
 from orbitproof.shared.formats import ORBIT_KINDS, Atlas
-from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, ReversibleSystem
+from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, LIFTED, ReversibleSystem
 from orbitproof.verify.curve.bifurcations_on_it import LACKS_COORDINATES, CertifiedPoint
 from orbitproof.verify.curve.libration_point import derived_parameter
 from orbitproof.verify.curve.vertical_family import vertical_jacobi_constant, vertical_point
@@ -29,10 +29,13 @@ def certified_systems(system: ReversibleSystem) -> tuple[ReversibleSystem, ...]:
     """The systems in which points of a curve of `system` are certified; first the one whose states they are.
 
     That is `system` itself, or the CR3BP. In the plane both reversing symmetries of the CR3BP are the same, so a planar
-    orbit may break S under either (16.5).
+    orbit may break S under either (16.5). Axial orbits are symmetric under the second one, and born from planar and
+    from vertical orbits (16.13).
     """
     if vertical_point(system) is not None:
         return (CR3BP,)
+    if system is LIFTED:
+        return CR3BP_AXIAL, CR3BP
     if not is_planar(system):
         return (system,)
     return (CR3BP, CR3BP_AXIAL, *((system,) if point_name(system) is None else ()))
@@ -80,7 +83,11 @@ def in_units_of_orbit(
 def jacobi_constant(
     system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Mapping[str, arb]
 ) -> arb | None:
-    """That of the orbit of the CR3BP for which a point of a family around a libration point stands; else `None`."""
+    """That of the orbit of the CR3BP for which a point of a curve in other units stands; else `None`."""
+    if system is LIFTED:
+        from orbitproof.verify.curve.lifted_family import lifted_jacobi_constant
+
+        return lifted_jacobi_constant(parameters, point)
     if vertical_point(system) is not None:
         return vertical_jacobi_constant(system, parameters, point)
     integral = CR3BP.first_integral_program

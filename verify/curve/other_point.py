@@ -1,4 +1,4 @@
-"""The other point of a symmetric orbit on Fix(R) (section 15.8).
+"""The other point of a symmetric orbit on Fix(R), and its crossings of another section (sections 15.8 and 16.11).
 
 An R-symmetric orbit with P^2(x) = x meets Fix(R) in x and in P(x). A bifurcation that is certified at one of the
 two points may lie on a curve of initial values through the other one.
@@ -7,8 +7,10 @@ two points may lie on a curve of initial values through the other one.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, log2
+from typing import Protocol
 
 from flint import arb
 
@@ -18,14 +20,89 @@ from orbitproof.verify.curve.equation import parameter_series
 from orbitproof.verify.evidence import (
     IntegrationFailure,
     all_finite,
+    enclose,
     exact_value,
     excludes_zero,
     guarded,
+    is_below,
+    power,
     total,
 )
 from orbitproof.verify.poincare import HalfOrbits, WideOracle, default_order
 
 _LEAST_BITS = 96
+_LEAST_SPAN = arb(2) ** -400
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Where an orbit meets the section: the state by the names of its coordinates, and the time."""
+
+    state: Mapping[str, arb]
+    time: arb
+
+
+class Follow(Protocol):
+    """Encloses crossings of the section by the orbit of a point."""
+
+    def __call__(
+        self, system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Mapping[str, arb], crossings: int
+    ) -> list[Crossing] | None:
+        """The first so many; `None` if they are not enclosed."""
+
+
+def follow_nothing(
+    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Mapping[str, arb], crossings: int
+) -> None:
+    """A `Follow` that encloses nothing."""
+
+
+def enclose_crossings(
+    oracle: WideOracle,
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    point: Mapping[str, arb],
+    crossings: int,
+) -> list[Crossing] | None:
+    """See `Follow`: `point` has enclosures of coordinates of the section, those that it lacks are 0 or normalised."""
+    if not all_finite(point.values()):
+        return None
+    with guarded(_bits_for(point)):
+        try:
+            returns = _from_point(system, parameters, point, oracle)
+            found = []
+            for _ in range(crossings):
+                state, time = returns.next_crossing()
+                found.append(Crossing(dict(zip(system.state, map(_ball, state), strict=True)), time))
+        except (IntegrationFailure, ArithmeticError):
+            return None
+    return found if all_finite(ball for each in found for ball in (*each.state.values(), each.time)) else None
+
+
+def meets_section_once(
+    system: ReversibleSystem, parameters: Mapping[str, arb], state: Mapping[str, arb], span: arb
+) -> bool:
+    """Whether every orbit through states of the section meets it at no other time up to `span` (Lemma 16.9).
+
+    Args:
+        parameters: all of them, by name.
+        state: enclosures of all coordinates.
+        span: of time, forwards and backwards.
+    """
+    known = [parameters[name] for name in system.parameters]
+
+    def velocity(at: Mapping[str, arb]) -> list[arb]:
+        return system.program.evaluate([*(at[name] for name in system.state), *known], enclose, power)
+
+    if not all_finite([span, *state.values(), *known]):
+        return False
+    longest = arb(span.abs_upper()) + _LEAST_SPAN
+    reach = 2 * longest * total(arb(speed.abs_upper()) for speed in velocity(state)) + _LEAST_SPAN
+    fast = velocity({name: state[name] + arb(0, 1) * reach for name in system.state})
+    stays = all(is_below(longest * arb(speed.abs_upper()), reach) for speed in fast)
+    return stays and excludes_zero(fast[system.section_index])
+
+
 _SPARE_BITS = 16
 
 
@@ -48,12 +125,9 @@ def enclose_other_point(
     """
     if not all_finite(point.values()):
         return None
-    widest = max(float(ball.rad()) for ball in point.values())
-    bits = max(_LEAST_BITS, _SPARE_BITS + ceil(-log2(widest)) if widest else 0)
-    with guarded(bits):
+    with guarded(_bits_for(point)):
         try:
-            arithmetic = Arithmetic(Grading((1,), 0), bits, 0, default_order(bits))
-            return _half_return(system, parameters, point, arithmetic, oracle, crossings, onto or system)
+            return _half_return(system, parameters, point, oracle, crossings, onto or system)
         except (IntegrationFailure, ArithmeticError):
             return None
 
@@ -62,13 +136,11 @@ def _half_return(
     system: ReversibleSystem,
     given: Mapping[str, Fraction],
     point: Mapping[str, arb],
-    arithmetic: Arithmetic,
     oracle: WideOracle,
     crossings: int,
     onto: ReversibleSystem,
 ) -> dict[str, arb] | None:
-    known = {name: _constant(arithmetic, ball) for name, ball in point.items()}
-    returns = HalfOrbits(system, arithmetic, {**parameter_series(arithmetic, system, given), **known}, oracle)
+    returns = _from_point(system, given, point, oracle)
     state = [_ball(element) for element in returns.half_orbit(crossings)[0]]
     if any(excludes_zero(state[index]) for index in onto.kernel_coordinates):
         # The orbit through x is not symmetric: what was said of x is wrong.
@@ -82,6 +154,22 @@ def _half_return(
             return None
     result = {name: at.get(name, point.get(name, arb("nan"))) for name in onto.centre_coordinates}
     return result if all_finite(result.values()) else None
+
+
+def _bits_for(point: Mapping[str, arb]) -> int:
+    """The precision that suits enclosures."""
+    widest = max(float(ball.rad()) for ball in point.values())
+    return max(_LEAST_BITS, _SPARE_BITS + ceil(-log2(widest)) if widest else 0)
+
+
+def _from_point(
+    system: ReversibleSystem, given: Mapping[str, Fraction], point: Mapping[str, arb], oracle: WideOracle
+) -> HalfOrbits:
+    """The orbits of all states in given enclosures, at the current precision."""
+    bits = _bits_for(point)
+    arithmetic = Arithmetic(Grading((1,), 0), bits, 0, default_order(bits))
+    known = {name: _constant(arithmetic, ball) for name, ball in point.items()}
+    return HalfOrbits(system, arithmetic, {**parameter_series(arithmetic, system, given), **known}, oracle)
 
 
 def _constant(arithmetic: Arithmetic, ball: arb) -> Series:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from flint import arb, ctx
 
 from orbitproof.shared.formats import Atlas
+from orbitproof.shared.systems import LIFTED
 from orbitproof.verify.curve.bifurcations_on_it import (
     Bifurcation,
     CertifiedPoint,
@@ -18,6 +20,7 @@ from orbitproof.verify.curve.bifurcations_on_it import (
 from orbitproof.verify.curve.conclusion import Conclusion, Ends
 from orbitproof.verify.curve.conditions import check_curve, hypotheses_of
 from orbitproof.verify.curve.gluing import Chain
+from orbitproof.verify.curve.other_point import Follow, follow_nothing
 from orbitproof.verify.curve.piece_result import IntervalResult
 from orbitproof.verify.evidence import (
     Checklist,
@@ -30,6 +33,9 @@ from orbitproof.verify.evidence import (
     hull,
     meet,
 )
+
+if TYPE_CHECKING:
+    from orbitproof.verify.curve.lifted_family import Birth
 
 PRECISION = 256
 """Bits of the ball arithmetic: far more than double numbers in the pieces, and certificates, have."""
@@ -56,12 +62,14 @@ class ProvedCurve:
         ends: enclosures of the coordinates of its first and last point.
         half_period: contains the half periods of all its orbits; not finite if they are not all known.
         x_l: the libration point on its axis, if the system is written around one.
+        birth: where the orbits at its end come from, if that is claimed (16.12).
     """
 
     chain: Chain
     ends: Ends
     half_period: arb
     x_l: arb | None = None
+    birth: Birth | None = None
 
 
 def conclude(
@@ -69,6 +77,7 @@ def conclude(
     results: Sequence[IntervalResult],
     bifurcations: Sequence[CertifiedPoint] = (),
     partner: Partner = no_partner,
+    follow: Follow = follow_nothing,
 ) -> Conclusion[ProvedCurve]:
     """The theorem that proved pieces give, or the first hypothesis that is not shown.
 
@@ -77,24 +86,44 @@ def conclude(
         results: one for each interval of each piece, see `verify.curve.proved_intervals.read_results`.
         bifurcations: points that may lie on the curve, of certificates.
         partner: encloses the other point of a symmetric orbit on Fix(R), by integration.
+        follow: encloses where an orbit meets the section, by integration.
     """
+
+    def placed_on(chain: Chain | None, birth: Birth | None) -> tuple[Bifurcation, ...]:
+        if atlas.system is not LIFTED:
+            return tuple(place_bifurcation(atlas, chain, entry, partner) for entry in bifurcations)
+        from orbitproof.verify.curve.lifted_family import place_birth
+
+        return tuple(place_birth(atlas, chain, birth, entry, follow) for entry in bifurcations)
+
     checklist = Checklist()
     with ctx.workprec(PRECISION):
         try:
             chain = check_curve(checklist, atlas, results)
+            birth = _birth(checklist, atlas, chain, results, follow)
         except NotEstablishedError as error:
-            unplaced = tuple(place_bifurcation(atlas, None, entry, partner) for entry in bifurcations)
-            return Conclusion(NotProved(error.reason, tuple(checklist.hypotheses)), unplaced)
+            return Conclusion(NotProved(error.reason, tuple(checklist.hypotheses)), placed_on(None, None))
         placed: tuple[Bifurcation, ...] = ()
         try:
-            placed = tuple(place_bifurcation(atlas, chain, entry, partner) for entry in bifurcations)
-            curve = ProvedCurve(chain, _ends(atlas, chain, placed), times_of(chain), _libration_point(atlas))
+            placed = placed_on(chain, birth)
+            curve = ProvedCurve(chain, _ends(atlas, chain, placed), times_of(chain), _libration_point(atlas), birth)
         except (EmptyIntersectionError, NotEstablishedError) as error:
             reason = Reason(
                 "bifurcations", f"curve, parameters and certificates contradict each other: {error}", "report this"
             )
             return Conclusion(NotProved(reason, tuple(checklist.hypotheses)), placed)
     return Conclusion(Proved(CurveTheorem(atlas), curve, tuple(checklist.hypotheses)), placed)
+
+
+def _birth(
+    checklist: Checklist, atlas: Atlas, chain: Chain, results: Sequence[IntervalResult], follow: Follow
+) -> Birth | None:
+    """Where the orbits at the end of the curve come from, if that is claimed."""
+    if not atlas.birth_pieces():
+        return None
+    from orbitproof.verify.curve.lifted_family import check_birth
+
+    return check_birth(checklist, atlas, chain, results, follow)
 
 
 def _libration_point(atlas: Atlas) -> arb | None:

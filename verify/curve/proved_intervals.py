@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from flint import arb
 
-from orbitproof.shared.formats import Piece
+from orbitproof.shared.formats import BirthPiece, Piece
 from orbitproof.verify.curve.equation import HalfReturn
 from orbitproof.verify.curve.piece_result import PROVED, Computation, Interval, IntervalResult
 from orbitproof.verify.evidence import Reason
@@ -76,7 +76,7 @@ class Run:
 
 
 def read_results(
-    piece: Piece, results: Sequence[IntervalResult]
+    piece: Piece | BirthPiece, results: Sequence[IntervalResult]
 ) -> tuple[tuple[Run, ...], tuple[tuple[Interval, Reason], ...]]:
     """The proved runs of a piece from left to right, and what does not count and why.
 
@@ -104,7 +104,7 @@ def read_results(
     return tuple(Run(tuple(run)) for run in runs), tuple(refusals)
 
 
-def _read_interval(piece: Piece, result: IntervalResult) -> ProvedInterval | tuple[Interval, Reason]:
+def _read_interval(piece: Piece | BirthPiece, result: IntervalResult) -> ProvedInterval | tuple[Interval, Reason]:
     start, end = result.interval
     if not -1 <= start < end <= 1:
         return _refused((Fraction(-1), Fraction(1)), "the interval of a result does not lie within [-1, 1]")

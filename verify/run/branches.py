@@ -11,12 +11,13 @@ from orbitproof.shared.formats import (
     AnyPiece,
     ArgumentError,
     Atlas,
+    BirthPiece,
     InputError,
     PeriodicAtlas,
     Piece,
     check_writable,
 )
-from orbitproof.shared.systems import VERTICAL
+from orbitproof.shared.systems import LIFTED, VERTICAL
 from orbitproof.verify.atlas import (
     AtlasCertificate,
     Lines,
@@ -122,7 +123,13 @@ class AtlasRun:
     def _plan(self, piece: AnyPiece) -> Plan:
         results, lasting = self._results[piece.id], self.limits.lasting
         state = plan(
-            piece, results, self._attempts, self.limits.max_splits, self._lacks, HALVED_FOR_LASTING if lasting else 0
+            piece,
+            results,
+            self._attempts,
+            # A piece of a birth is proved on intervals about its middle, and no half of one is shorter (16.12).
+            0 if isinstance(piece, BirthPiece) else self.limits.max_splits,
+            self._lacks,
+            HALVED_FOR_LASTING if lasting else 0,
         )
         return with_closer_looks(state, results, self._rough, self._all_attempts) if lasting else state
 
@@ -291,9 +298,9 @@ def limits_of(
             "{complete}: lists what is on a curve of symmetric orbits, and this atlas is about {0}; leave it out",
             kind_of(atlas).about,
         )
-    if complete is not None and any(atlas.system is known for known in VERTICAL.values()):
+    if complete is not None and any(atlas.system is known for known in (*VERTICAL.values(), LIFTED)):
         raise ArgumentError(
-            "{complete}: the list of vertical orbits around a libration point is not made; leave it out"
+            "{complete}: no list is made of vertical or axial orbits in units of their speed; leave it out"
         )
     if combinations and (complete is None or len(atlas.curve_pieces()[0].tube) != 2):
         raise ArgumentError(

@@ -9,7 +9,7 @@ from fractions import Fraction
 from flint import arb
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import LIFTED, ReversibleSystem
 from orbitproof.verify.curve import (
     Bifurcation,
     ProvedCurve,
@@ -76,9 +76,11 @@ class Arc:
 
     @property
     def period(self) -> arb:
-        """A ball with the periods of all its orbits; of vertical ones the proved times are quarters (16.7)."""
+        """A ball with the periods of all orbits; a time is a quarter of vertical ones and at births (16.7, 16.12)."""
         assert self.curve is not None
-        return (2 if vertical_point(self.atlas.system) is None else 4) * self.curve.half_period
+        period = (2 if vertical_point(self.atlas.system) is None else 4) * self.curve.half_period
+        birth = self.curve.birth
+        return period if birth is None else hull(period, 4 * birth.tube.proved.time)
 
     def levels(self) -> arb:
         """A ball with the levels of all orbits over the pieces; not finite if they are not enclosed (33.5)."""
@@ -91,6 +93,11 @@ class Arc:
                     middle, reach = enclose((low + high) / 2), enclose((high - low) / 2)
                     point = point_over(stretch, middle + reach * arb(0, 1))
                     found.append(level_at(self.atlas, dict(zip(names, point, strict=True))))
+        birth = self.curve.birth
+        for number in range(_PARTS) if birth is not None else ():
+            assert birth is not None
+            s = enclose(birth.tube.proved.end) * (arb(2 * number + 1 - _PARTS) + arb(0, 1)) / _PARTS
+            found.append(level_at(self.atlas, birth.tube.states(s)))
         return hull(found[0], *found[1:])
 
 
@@ -100,7 +107,7 @@ def level_at(atlas: Atlas, point: Mapping[str, arb]) -> arb:
     Not finite where it is not known: of states with coordinates that are functions of others.
     """
     system = atlas.system
-    if point_name(system) is not None or vertical_point(system) is not None:
+    if point_name(system) is not None or vertical_point(system) is not None or system is LIFTED:
         level = jacobi_constant(system, atlas.parameters, point)
         return _NOT_KNOWN if level is None else level
     if system.family_parameter is not None:

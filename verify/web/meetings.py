@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from orbitproof.shared.claims.web import BRANCHES, ENDS, LIBRATION_POINTS, PASSES, How, Meeting
+from orbitproof.shared.systems import LIFTED
 from orbitproof.verify.curve import Place, lower_end, upper_end
 from orbitproof.verify.web.arc import Arc, libration_vertex
 
@@ -36,6 +37,10 @@ def meeting_shown(arc: Arc, meeting: Meeting) -> Incidence | str:
     entry = arc.placed.get(meeting.vertex)
     if entry is None or entry.place is None:
         return "its certificate was not looked for" if entry is None else entry.reason
+    if arc.atlas.system is LIFTED:
+        if meeting.how != BRANCHES:
+            return "the orbits of the arc are born there: it branches off"
+        return Incidence(arc.id, meeting.vertex, meeting.how, entry.place)
     is_symmetric = _is_symmetric_point(arc, entry.place)
     if meeting.how == BRANCHES:
         if not is_symmetric:

@@ -224,7 +224,7 @@ def parts_of(web: Web) -> tuple[tuple[str, ...], ...]:
 
 
 def _switches(arcs: Sequence[Arc], found: Sequence[Incidence]) -> tuple[Switch, ...]:
-    """Where a planar family and an arc that branches off meet (Lemma 33.3)."""
+    """Where a planar family and an arc that branches off meet (Lemma 33.3); not at orbits where R is lost."""
     planar = {arc.id for arc in arcs if is_planar(arc.atlas.system)}
     return tuple(
         Switch(onto.vertex, along.arc, onto.arc)

@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from flint import arb
 
 from orbitproof.shared.formats import ORBIT_KINDS, Atlas
-from orbitproof.shared.systems import ReversibleSystem, shown
+from orbitproof.shared.systems import LIFTED, ReversibleSystem, shown
 from orbitproof.shared.wording import itemised
 from orbitproof.verify.claim import atlas_in_words, keyed_in_words, names_in_words, sheet_in_words, signs_on
-from orbitproof.verify.curve import Bifurcation, CurveTheorem, Ends, ProvedCurve, point_name, vertical_point
+from orbitproof.verify.curve import Bifurcation, Birth, CurveTheorem, Ends, ProvedCurve, point_name, vertical_point
 from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text, range_text
 
 _DIGITS = 18
@@ -33,6 +33,8 @@ def curve_in_words(theorem: CurveTheorem, curve: ProvedCurve) -> str:
     further = meaning(atlas)
     if further:
         paragraphs.append(further)
+    if curve.birth is not None:
+        paragraphs.append(_birth(curve.birth))
     if half_period.is_finite():
         said = "All half periods" if vertical_point(atlas.system) is None else "All these T"
         paragraphs.append(f"{said} lie in {range_text(half_period, 4)}.")
@@ -148,6 +150,8 @@ def _bifurcation(atlas: Atlas, entry: Bifurcation) -> str:
     where = "at the symmetric point of" if entry.place.s.is_zero() and entry.place.piece in symmetric else "in"
     which = "the other point of the orbit on Fix(R), " if entry.place.other_point else ""
     mirror = " (its mirror image)" if entry.place.mirrored else ""
+    if atlas.system is LIFTED:
+        return f"{shown(entry.id)}: {what}{value}, at which the orbits of piece {entry.place.piece} are born{mirror}"
     return f"{shown(entry.id)}: {what}{value}, {which}{where} piece {entry.place.piece}{mirror}"
 
 
@@ -169,6 +173,12 @@ def _libration_units(atlas: Atlas, x_l: arb | None) -> str:
     """A sentence on the units of a system around a libration point; empty for other systems."""
     planar, vertical = point_name(atlas.system), vertical_point(atlas.system)
     name = planar or vertical
+    if atlas.system is LIFTED:
+        return (
+            " Its coordinates are those of the three-body problem with primaries at -mu and 1 - mu but for Z = eps z, "
+            "eps^2 = eps2, R is the half turn about the x axis, and (eps2, x, vy) stands for the initial point x, y = "
+            "z = 0, x' = 0, y' = vy, z' = 1."
+        )
     if name is None or x_l is None:
         return ""
     side, force = _SIDES[name]
@@ -176,7 +186,7 @@ def _libration_units(atlas: Atlas, x_l: arb | None) -> str:
         return (
             f" In its coordinates X = x_l + eps2 x, Y = eps2 y, Z = eps z of the three-body problem with primaries at "
             f"-mu and 1 - mu, eps^2 = eps2, u = z^2, v = z z', w = z'^2, x_l is the only root X of X = {force} {side}, "
-            f"in {decimal_interval(x_l, _SHOWN_DIGITS)}, and (eps2, x, vy) stands for the initial point x, y = 0, "
+            f"in {decimal_interval(x_l, _SHOWN_DIGITS)}, and (eps2, x, vy) stands for the initial point x, y = "
             f"x' = 0, y' = vy, z = 0, z' = 1."
         )
     return (
@@ -194,6 +204,13 @@ def meaning(atlas: Atlas) -> str:
     """
     if vertical_point(atlas.system) is not None:
         return _vertical_meaning(str(vertical_point(atlas.system)))
+    if atlas.system is LIFTED:
+        return (
+            "For eps2 > 0 the orbit of the circular restricted three-body problem through (x, 0, 0) with the velocity "
+            "(0, vy, eps) is periodic and symmetric under the half turn about the x axis; after half its period it is "
+            "on the axis again, and in the plane Z = 0 for the first time. At eps2 = 0 the orbit is planar, with the "
+            "same half period, and the variation out of the plane that is 0 on the axis is 0 there again."
+        )
     name, covers = point_name(atlas.system), atlas.claim.covers
     if name is None or covers is None or "eps" not in atlas.claim.increasing:
         return ""
@@ -206,6 +223,16 @@ def meaning(atlas: Atlas) -> str:
     return (
         f"{text} At eps = 0 it is the orbit of the linear centre, so the curve is the planar Lyapunov family that "
         f"emanates from {name}."
+    )
+
+
+def _birth(birth: Birth) -> str:
+    """How the curve goes on to where its orbits are born (Theorem 16.12)."""
+    piece = birth.tube.piece
+    return (
+        f"From its end the curve of orbits goes on, in piece {piece.id}, to a periodic orbit that z -> -z maps to "
+        "itself, shifted by half its period, and that is symmetric under R and under the half turn about the x axis: "
+        "each orbit on the way is periodic and symmetric under the half turn, and z -> -z maps it to another one."
     )
 
 

@@ -15,7 +15,7 @@ def place_in_words(atlas: Atlas, place: Place, name: str, digest: str) -> str:
     """The place of an orbit on the curve of an atlas that a certificate proves, with its name and digest."""
     of_curve = f"the curve that the certificate {shown(name)} ({digest}) proves"
     where = f"on its piece {place.piece}, at {located('s', place.s, _DIGITS)}"
-    if atlas.system.derived_parameters:
+    if atlas.system.normalised:
         # In units of the orbit, and of a vertical one at its crossing of the axis.
         return f"The orbit of x is that of a point of {of_curve}, {where}."
     point = "P(x)" if place.other_point else "x"

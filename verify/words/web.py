@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from orbitproof.shared.claims.web import BRANCHES
-from orbitproof.shared.systems import AXIAL, shown
+from orbitproof.shared.formats import REVERSOR_BREAKING
+from orbitproof.shared.systems import AXIAL, LIFTED, shown
 from orbitproof.shared.wording import counted, itemised
 from orbitproof.verify.claim import atlas_in_words, system_in_words
 from orbitproof.verify.curve import is_planar, point_name, vertical_point
@@ -59,7 +60,7 @@ def _arc(known: KnownArc, web: ProvedWeb, level: str, digest: str) -> list[str]:
         about = f"in the plane around {point}" if point else f"in the plane, {about}"
     if vertical is not None:
         about = f"around {vertical} that are vertical, symmetric under R and the half turn about the x axis"
-    mirrored = ", mirror images included" if claim.is_of_symmetric_curve else ""
+    mirrored = ", mirror images included" if claim.is_of_symmetric_curve or arc.atlas.system is LIFTED else ""
     ranges = {level: known.level, "period": known.period}
     told = "".join(f"; {name} in {range_text(ball, _FEW)}" for name, ball in ranges.items() if ball.is_finite())
     meetings = [_meeting(entry, arc) for entry in web.incidences if entry.arc == arc.id]
@@ -77,6 +78,9 @@ def _meeting(entry: Incidence, arc: Arc) -> str:
     place, meets = entry.place, f"{entry.how} {shown(entry.vertex)}"
     if place is None:
         return f"{meets}: its orbits shrink to the libration point"
+    if arc.atlas.system is LIFTED:
+        born = "vertical" if arc.placed[entry.vertex].kind == REVERSOR_BREAKING else "planar"
+        return f"{meets}: from that {born} orbit, on piece {place.piece}, its orbits are born"
     if entry.how == BRANCHES:
         symmetry = atlas_in_words(arc.atlas).claim.symmetry
         return (
