@@ -20,7 +20,7 @@ from orbitproof.verify.atlas.conclusion import conclusion_of
 from orbitproof.verify.curve import CertifiedPoint, Conclusion, Place, ProvedCurve, certified_systems, jacobi_constant
 from orbitproof.verify.curve import conclude as concluded
 from orbitproof.verify.curve.lyapunov_family import libration_point
-from orbitproof.verify.curve.vertical_family import _stiffness, in_units_of_vertical_orbit, vertical_point
+from orbitproof.verify.curve.vertical_family import in_units_of_vertical_orbit, stiffness_at_rest, vertical_point
 from orbitproof.verify.evidence import NotProved, Proved, ball_to_json
 from orbitproof.verify.web import Arc, Incidence, level_at, libration_vertex
 from orbitproof.verify.web.meetings import meeting_shown
@@ -59,7 +59,9 @@ def test_the_stiffness_across_the_plane_and_the_level_are_those_of_the_libration
     mu, around = 1 / 80, atlas(point)
     x_l = float(libration_point(around.system, MU) or arb("nan"))
     larger, smaller = abs(x_l + mu), abs(x_l + mu - 1)
-    assert float(_stiffness(around.system, MU)) == pytest.approx((1 - mu) / larger**3 + mu / smaller**3, rel=1e-12)
+    assert float(stiffness_at_rest(around.system, MU)) == pytest.approx(
+        (1 - mu) / larger**3 + mu / smaller**3, rel=1e-12
+    )
     # With a speed in the plane and across it, off the point: 2 U - v^2.
     eps2, x, vy = 1 / 64, -0.25, 0.5
     X, Y = x_l + eps2 * x, eps2 * vy
