@@ -4,7 +4,7 @@ from __future__ import annotations
 
 STOPS = frozenset((
     "bifurcations", "collision", "complete", "crossing count", "derivatives", "derived parameter", "distance",
-    "evaluation", "exact checks", "half-orbit", "integration", "lasting", "level", "level-box", "memory",
+    "evaluation", "exact checks", "half turns", "half-orbit", "integration", "lasting", "level", "level-box", "memory",
     "multiplicity", "multipliers",
     "newton", "piece", "plane", "precision", "process", "radii", "results", "section", "sheet", "singularity", "size",
     "stability", "start", "steps", "system", "theorem", "time", "tube", "unfinished", "verification",
