@@ -137,7 +137,7 @@ WORKERS = $(if $(SCHEDULER),--scheduler $(SCHEDULER),--jobs $(JOBS))
 # Planar, halo, axial and vertical families of L1 and L2, planar ones of L3 and distant retrograde orbits as graphs (docs/webs).
 # What exists is kept, what was interrupted goes on. ARCS="vertical-L1 ..": only these. LISTS=4: with the lists of resonances up to
 # 1:4, and where arcs are stable.
-WEB := lyapunov-L1 l1-circle axial-l1 vertical-L1 lyapunov-L2 l2-arc axial-l2 vertical-L2 lyapunov-L3 dro
+WEB := lyapunov-L1 l1-circle axial-L1 vertical-L1 lyapunov-L2 l2-arc axial-L2 vertical-L2 lyapunov-L3 dro
 ARCS := $(WEB)
 LISTS :=
 
@@ -171,6 +171,7 @@ web: $(VENV)/demo.stamp
 	      lyapunov-L3) cover atlas-libration $$at;; \
 	      lyapunov-*) cover atlas-libration $$at --through axial;; \
 	      vertical-*) cover atlas-libration $$at --vertical; list=;; \
+	      axial-*) cover atlas-libration $$at --axial; list=;; \
 	      *) cover atlas --preset $$name-$$mass;; \
 	    esac; \
 	    [ ! -e $$atlas ] || step env $(VERIFY) atlas $$atlas -o $(WEBS)/$$name-$$mass-certificate.json $$list $(WORKERS); \
