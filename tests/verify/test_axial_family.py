@@ -232,6 +232,14 @@ def test_the_piece_of_a_birth_is_proved_and_a_false_one_is_not() -> None:
     assert isinstance(prove_birth_piece(ATLAS.parameters, beside, interval, ORACLE).outcome, NotProved)
 
 
+@pytest.mark.slow
+def test_a_piece_whose_ends_are_not_shown_to_differ_is_not_proved(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("orbitproof.verify.curve.birth_piece.range_of_odd", lambda function: arb(0, 1))
+    outcome = prove_birth_piece(ATLAS.parameters, BIRTH, (Fraction(-1), Fraction(1)), ORACLE).outcome
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.condition == "side"
+
+
 def test_results_on_intervals_that_are_not_symmetric_count_for_nothing() -> None:
     (result,) = (each for each in RESULTS if each.piece == BIRTH.id)
     half = replace(result, interval=(Fraction(0), Fraction(1)))
