@@ -208,9 +208,9 @@ def meaning(atlas: Atlas) -> str:
         return (
             "For eps2 > 0 the orbit of the circular restricted three-body problem through (x, 0, 0) with the velocity "
             "(0, vy, eps) is periodic and symmetric under the half turn about the x axis; after half its period it is "
-            "on the axis again, and in the plane Z = 0 for the first time. At eps2 = 0 the orbit is planar, twice the time "
-            "T after which it is on the axis again is a period, and the variation out of the plane that is 0 at the "
-            "beginning is 0 at T again, for the first time."
+            "on the axis again, and in the plane Z = 0 for the first time. At eps2 = 0 the orbit is planar, twice the "
+            "time T after which it is on the axis again is a period, and the variation out of the plane that is 0 at "
+            "the beginning is 0 at T again, for the first time."
         )
     name, covers = point_name(atlas.system), atlas.claim.covers
     if name is None or covers is None or "eps" not in atlas.claim.increasing:
