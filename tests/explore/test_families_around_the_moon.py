@@ -30,11 +30,11 @@ def test_a_resonant_orbit_goes_round_p_times_in_q_turns(ratio: str) -> None:
 
 @pytest.mark.parametrize(("name", "level", "period", "index"), [
     ("L2-dragonfly", 3.02021920207507, 5.556061061777603, 232.907198739348),
-    ("L2-butterfly", 3.08496706454795, 4.2174280159238755, 12.524232768288),
+    pytest.param("L2-butterfly", 3.08496706454795, 4.2174280159238755, 12.524232768288, marks=pytest.mark.slow),
     ("dpo", 3.11058290897658, 3.008457866917875, 85.7192996723242),
     ("lpo-west", 3.2963540237492, 0.5055342974118826, 1.0),
     ("3:1", 3.13941523725127, 6.463244022604043, 6.40264059814289),
-    ("4:3", 2.49471972322784, 19.170597234987476, 11.0481998896106),
+    pytest.param("4:3", 2.49471972322784, 19.170597234987476, 11.0481998896106, marks=pytest.mark.slow),
 ])  # fmt: skip
 def test_orbits_of_the_jpl_catalogue_are_in_the_family_of_their_name(
     name: str, level: float, period: float, index: float

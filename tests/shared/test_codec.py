@@ -178,7 +178,7 @@ def test_what_a_type_is_can_be_said_once() -> None:
     assert from_json(Colour, "blue", "here").name == "blue"
 
 
-@pytest.mark.parametrize(("name", "schema"), schemas.schemas().items(), ids=str)
+@pytest.mark.parametrize(("name", "schema"), schemas.schemas().items(), ids=schemas.schemas())
 def test_the_files_of_schemas_are_those_of_the_types(name: str, schema: dict[str, Any]) -> None:
     stored = resources.files("orbitproof.shared").joinpath("schemas", f"{name}.schema.json").read_text("utf-8")
     assert stored == schema_text(schema), "write them again: python docs/schemas.py"

@@ -486,7 +486,7 @@ FRAMES = [((1, 0, 0), (1, 1, 0), (0, 0, 1)), ((1, 2, 1), (0, 1, 1), (0, 0, 1)), 
 
 
 @pytest.mark.parametrize("matrix", FRAMES)
-@pytest.mark.parametrize("by", [1, -2])
+@pytest.mark.parametrize("by", [pytest.param(1, marks=pytest.mark.slow), -2])
 def test_what_is_found_does_not_depend_on_the_frame(matrix: Any, by: int) -> None:
     """But kappa, which is that of an eigenvector `by` times as long."""
     claim = CLAIMS["doubling"]

@@ -315,7 +315,9 @@ def test_a_range_of_masses_beyond_the_pieces_of_the_family_is_named_as_far_as_th
     assert "where that is not said here" in conclusion_in_words(conclusion)
 
 
-@pytest.mark.parametrize(("point", "low", "high"), [("L1", "0.01", "0.012"), ("L2", "0", "0.0002")])
+@pytest.mark.parametrize(
+    ("point", "low", "high"), [pytest.param("L1", "0.01", "0.012", marks=pytest.mark.slow), ("L2", "0", "0.0002")]
+)
 def test_the_command_writes_pieces_of_the_family_for_all_masses_of_the_surface(
     point: str, low: str, high: str, tmp_path: Path
 ) -> None:

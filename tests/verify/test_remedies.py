@@ -64,7 +64,9 @@ TOUCH_AND_GO: dict[str, tuple[float, float]] = {
 }
 
 
-@pytest.mark.parametrize("case", BOXES)
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=pytest.mark.slow if "far" in case else ()) for case in BOXES]
+)
 @pytest.mark.parametrize("change", ["P_0", "P_1"])
 def test_following_the_advice_on_the_box_leads_to_a_proof(case: str, change: str) -> None:
     follow(scaled(TRUE, *BOXES[case]), change, _ROUNDS)
