@@ -136,7 +136,8 @@ WORKERS = $(if $(SCHEDULER),--scheduler $(SCHEDULER),--jobs $(JOBS))
 
 # Planar, halo, axial and vertical families of L1 and L2, planar ones of L3 and distant retrograde orbits as graphs (docs/webs).
 # What exists is kept, what was interrupted goes on. ARCS="vertical-L1 ..": only these. LISTS=4: with the lists of resonances up to
-# 1:4, and where arcs are stable.
+# 1:4, and where arcs are stable. The index is counted between the points of an
+# arc's list, else at one orbit; not of axial arcs.
 WEB := lyapunov-L1 l1-circle axial-L1 vertical-L1 lyapunov-L2 l2-arc axial-L2 vertical-L2 lyapunov-L3 dro
 ARCS := $(WEB)
 LISTS :=
@@ -147,15 +148,21 @@ web: $(VENV)/demo.stamp
 	cover() { [ -e $$atlas ] || step $(BIN)/orbitproof explore "$$@" -o $$atlas; }; \
 	is_proved() { head -n 5 $$1 2>/dev/null | grep -q '"verdict": "proved"'; }; \
 	plan() { \
-	  missing=; given=; \
+	  missing=; given=; indices=; \
 	  for each in $(WEB); do \
 	    file=$(WEBS)/$$each-$$mass-certificate.json; given="$$given $$file"; is_proved $$file || missing="$$missing $$each"; \
+	    [ ! -e $(WEBS)/$$each-$$mass-index.json ] || indices="$$indices $(WEBS)/$$each-$$mass-index.json"; \
 	  done; \
 	  echo; echo "$$mass: $${missing:+not proved yet:$$missing, }the graph"; \
 	}; \
 	search() { \
 	  done=$(WEBS)/$$1.searched; shift; \
 	  [ -e $$done ] || { step $(EXPLORE) "$$@" -k 1 --jobs $(JOBS) --append -o $$rows; : >$$done; }; \
+	}; \
+	count() { \
+	  if is_proved $$1 && ! { is_proved $$2 && [ $$2 -nt $$1 ]; }; then \
+	    step env $(VERIFY) index --curve $$1 -o $$2 --jobs $(JOBS); \
+	  fi; \
 	}; \
 	search halo --preset tables; search axial --preset axial-births; \
 	for mass in $(MASSES); do \
@@ -175,12 +182,14 @@ web: $(VENV)/demo.stamp
 	      *) cover atlas --preset $$name-$$mass;; \
 	    esac; \
 	    [ ! -e $$atlas ] || step env $(VERIFY) atlas $$atlas -o $(WEBS)/$$name-$$mass-certificate.json $$list $(WORKERS); \
+	    case $$name in axial-*) ;; *) count $(WEBS)/$$name-$$mass-certificate.json $(WEBS)/$$name-$$mass-index.json;; esac; \
 	  done; \
 	  plan; \
 	  if [ -n "$$missing" ]; then failed=1; continue; fi; \
 	  step env $(VERIFY) web docs/webs/$$mass.json --certificates $$given $(WEBS)/certificates.json $(WEBS)/vertical-births.json \
 	    -o $(WEBS)/$$mass.json --jobs $(JOBS); \
-	  step $(FIGURES) web $(WEBS)/$$mass.json --certificates $$given -o $(WEBS) --page $(WEBS)/$$mass.html; \
+	  step $(FIGURES) web $(WEBS)/$$mass.json --certificates $$given -o $(WEBS) --page $(WEBS)/$$mass.html \
+	    $${indices:+--indices $$indices}; \
 	done; \
 	exit $$failed
 
