@@ -146,7 +146,7 @@ web: $(VENV)/demo.stamp
 	@$(BOUND) mkdir -p $(WEBS); failed=0; rows=$(WEBS)/candidates.json; \
 	step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
 	cover() { [ -e $$atlas ] || step $(BIN)/orbitproof explore "$$@" -o $$atlas; }; \
-	is_proved() { head -n 5 $$1 2>/dev/null | grep -q '"verdict": "proved"'; }; \
+	is_proved() { grep -q '^ "verdict": "proved"' $$1 2>/dev/null; }; \
 	plan() { \
 	  missing=; given=; indices=; \
 	  for each in $(WEB); do \
