@@ -31,7 +31,7 @@ CASES = {
 }
 """c and kappa of the distance; the amplitudes, middle and reach."""
 _NAMES = list(CASES)
-_RANDOM = 12
+_RANDOM = 24
 _SAME = 1e-9
 
 

@@ -69,7 +69,7 @@ def test_the_multipliers_of_exact_curves_lie_in_the_enclosures(name: str) -> Non
     for number, result in enumerate(proved(name)):
         assert isinstance(result, PeriodicResult)
         assert isinstance(result.multipliers, MultiplierFunctions)
-        for _ in range(12):
+        for _ in range(50):
             s = Q(source.randrange(-(2**30), 2**30), 2**30)
             true = TRUE[name](ATLASES[name], number, s)
             assert len(true) == len(result.multipliers.coefficients)
