@@ -7,6 +7,7 @@ from .check import check_piece as check_piece
 from .cover import CoverControl as CoverControl
 from .cover import Coverer as Coverer
 from .cover import CoverFailure as CoverFailure
+from .doubling import doubling_atlas as doubling_atlas
 from .libration_sheet import pieces_to as pieces_to
 from .lyapunov import LibrationFailure as LibrationFailure
 from .lyapunov import LyapunovFamily as LyapunovFamily

@@ -12,14 +12,13 @@ from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
-from orbitproof.explore.atlases.complex_flow import LANES, HalfReturns
-from orbitproof.explore.atlases.expansion import Chart, ExpansionFailure, newton_on_curve
-from orbitproof.explore.atlases.lyapunov import LibrationFailure, LyapunovFamily, decay, graph_piece
+from orbitproof.explore.atlases.complex_flow import HalfReturns
+from orbitproof.explore.atlases.graphs import pieces_of
+from orbitproof.explore.atlases.lyapunov import LibrationFailure, LyapunovFamily
 from orbitproof.explore.atlases.vertical import VerticalFamily
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
-from orbitproof.shared.formats import Atlas, BirthPiece, Claim, Covers, Piece
+from orbitproof.shared.formats import Atlas, BirthPiece, Claim, Covers
 from orbitproof.shared.systems import CR3BP, LIFTED, ReversibleSystem
 
 NEWTON_STEPS, TOLERANCE = 15, 1e-11
@@ -27,13 +26,6 @@ STEPS = 60
 """So many steps lead from the planar orbit to the end."""
 OUTER = {"L1": -1, "L2": 1}
 """On which side of the libration point the planar orbit starts: where eps2 increases all the way."""
-NOISE = 1e-14
-"""Size, relative to x and vy, below which Chebyshev coefficients are rounding."""
-DEGREE = 14
-"""Of the polynomials: on a piece the family is much smoother than the half return; more coefficients are rounding."""
-LEAST_DECAY = 3.6
-"""The Taylor coefficients of the half return in s decay by this factor on a piece: so that degree 40 is enough."""
-SHRINK, NARROWEST, OVERLAP = 0.8, 1e-3, 0.03
 BEFORE = 0.01
 """How far the pieces go beyond eps2 = 0 on the other side, relative to the end."""
 AMPLITUDE, LEAVES = 0.3, 0.85
@@ -79,7 +71,8 @@ class AxialFamily:
     _known: list[AxialOrbit] = field(default_factory=list, compare=False)
 
     @cached_property
-    def _returns(self) -> HalfReturns:
+    def returns(self) -> HalfReturns:
+        """Of the equations."""
         return HalfReturns(LIFTED, {"mu": self.mu})
 
     def orbit(self, place: float) -> AxialOrbit:
@@ -104,41 +97,10 @@ class AxialFamily:
         """The parameters before eps2."""
         return [float(self.mu)]
 
-    def expansion(self, low: float, high: float) -> list[Vector]:
-        """Chebyshev coefficients of x and vy on [low, high], those above the rounding. Raises `LibrationFailure`.
-
-        The half return grows by some thousands across the family, so orbits are corrected once more, more precisely.
-        """
-        middle, half = 0.5 * (low + high), 0.5 * (high - low)
-        nodes = np.cos(np.pi * (np.arange(LANES // 3) + 0.5) / (LANES // 3))
-        orbits = [self.orbit(middle + half * node) for node in nodes]
-        known = np.array([(orbit.x, orbit.vy, orbit.half_period) for orbit in orbits]).T
-        centre = np.array([middle, *known[:2].mean(axis=1)])
-        chart = Chart(centre, np.eye(3), half, 1.0)
-        try:
-            across, _ = newton_on_curve(self._returns, chart, nodes, known[:2] - centre[1:, None], known[2])
-        except (ExpansionFailure, FlowFailure) as error:
-            raise LibrationFailure(f"at eps2 = {middle:.6g}: {error}") from None
-        rows = [np.asarray(chebyshev.chebfit(nodes, row, DEGREE)) for row in across + centre[1:, None]]
-        return [row[: np.flatnonzero(np.abs(row) > NOISE * np.abs(row).max())[-1] + 1] for row in rows]
-
-    def pieces(self, low: float, high: float, tube: float) -> tuple[Piece, ...]:
-        """Pieces over [low, high] from left to right. Raises `LibrationFailure`."""
-        pieces: list[Piece] = []
-        begin, width = low, high - low
-        while True:
-            width = min(high - begin, width / SHRINK**2)
-            coefficients = self.expansion(begin, begin + width)
-            while decay(self, begin, begin + width, coefficients) < LEAST_DECAY:
-                width *= SHRINK
-                if width < NARROWEST * high:
-                    raise LibrationFailure(f"at eps2 = {begin:.6g}: no piece is narrow enough (near a singularity)")
-                coefficients = self.expansion(begin, begin + width)
-            name, end = f"p{len(pieces) + 1:03d}", begin + width
-            pieces.append(graph_piece(name, begin + 0.5 * width, 0.5 * width, coefficients, tube))
-            if high - end < 1e-12 * high:
-                return tuple(pieces)
-            begin = end - OVERLAP * width
+    def start(self, place: float) -> tuple[float, float, float]:
+        """x, vy and half period."""
+        orbit = self.orbit(place)
+        return orbit.x, orbit.vy, orbit.half_period
 
     def _correct(self, eps2: float, x: float, vy: float, time: float) -> AxialOrbit:
         """Newton's method for x, vy and the half period: y, z and vx vanish at its end."""
@@ -263,7 +225,7 @@ def axial_atlas(point: str, mu: Fraction, label: str, tube: float) -> Atlas:
         parameters={"mu": mu},
         # A short number for the statement; the pieces go beyond it.
         claim=Claim("arc", None, ("eps2",), Covers("eps2", Fraction(0), Fraction(f"{0.9999 * goal:.5e}"))),
-        pieces=(*family.pieces(-BEFORE * goal, goal, tube), piece),
+        pieces=(*pieces_of(family, -BEFORE * goal, goal, tube), piece),
         provenance={"planar_birth": start[0], "vertical_birth": float(birth.eps2), "amplitude": used},
     )
 

@@ -8,7 +8,15 @@ from orbitproof.shared.systems.examination import fault
 from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.hill import HILL, HILL_AXIAL, IN_HILL_UNITS
 from orbitproof.shared.systems.known import FALKNER_SKAN, MASS_PARAMETERS, SYSTEMS
-from orbitproof.shared.systems.libration import AROUND, BRANCH_SYSTEMS, OVER_MASSES, SIDES, VERTICAL, mass_of_distance
+from orbitproof.shared.systems.libration import (
+    AROUND,
+    BRANCH_SYSTEMS,
+    OVER_MASSES,
+    SIDES,
+    UNLISTED,
+    VERTICAL,
+    mass_of_distance,
+)
 from orbitproof.shared.systems.lifted import LIFTED
 from orbitproof.shared.systems.names import ID, ID_IN_WORDS, IDENTIFIER, LINE, PIECE, PIECE_IN_WORDS, fits
 from orbitproof.shared.systems.parity import has_parities, parities
@@ -28,3 +36,4 @@ from orbitproof.shared.systems.system import (
 from orbitproof.shared.systems.three_body import AXIAL, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, THREE_BODY
 from orbitproof.shared.systems.titles import SYSTEM, TITLE, is_title, shown
 from orbitproof.shared.systems.units import UNITS, SystemUnits
+from orbitproof.shared.systems.varied import HILL_VARIED

@@ -16,6 +16,7 @@ from typing import Any
 from orbitproof.shared.systems.known import SYSTEMS
 from orbitproof.shared.systems.lifted import LIFTED
 from orbitproof.shared.systems.system import DerivedParameter, ParameterRange, ReversibleSystem, VectorField
+from orbitproof.shared.systems.varied import HILL_VARIED
 
 
 def _relative_field(sides: tuple[int, int]) -> VectorField:
@@ -225,6 +226,9 @@ OVER_MASSES: Mapping[str, ReversibleSystem] = {point: _over_masses(point, side) 
 
 BRANCH_SYSTEMS: Mapping[str, ReversibleSystem] = {
     **SYSTEMS, **{system.name: system for around in (AROUND, VERTICAL) for system in around.values()},
-    LIFTED.name: LIFTED,
+    LIFTED.name: LIFTED, HILL_VARIED.name: HILL_VARIED,
 }  # fmt: skip
-"""Systems whose branches can be proved, by name; `LIFTED` and those of `AROUND` and `VERTICAL` not by candidates."""
+"""Systems whose branches can be proved, by name; those that are not in `SYSTEMS` not by candidates."""
+
+UNLISTED = (*VERTICAL.values(), LIFTED, HILL_VARIED)
+"""Those of whose curves no list of resonances is made."""

@@ -179,6 +179,7 @@ class ReversibleSystem(System):
             the state is measured in such units.
         derived_parameters: parameters that nobody gives, by name.
         reversors: further reversing symmetries by name; claims use R unless they say which other one (`under`).
+        arrival: the name of a symmetry S if half orbits lead from Fix(R) to Fix(R S), so that P^2(x) = S x.
         fixed_level: of the first integral, if there is a family parameter as well: the maps are those on this level,
             and the level coordinate of an initial point follows from its other coordinates and the family parameter.
         original, reversor: of a system in which one of these stands for R: the one that names it, and its name there.
@@ -197,6 +198,7 @@ class ReversibleSystem(System):
     normalised: Mapping[str, Fraction] = field(default_factory=dict)
     derived_parameters: Mapping[str, DerivedParameter] = field(default_factory=dict)
     reversors: Mapping[str, Reversor] = field(default_factory=dict)
+    arrival: str | None = None
     fixed_level: FixedLevel | None = None
     original: ReversibleSystem | None = None
     reversor: str | None = None
@@ -219,6 +221,10 @@ class ReversibleSystem(System):
         if self.reversing_symmetry[self.section_index] != -1:
             negated = ", ".join(self.state[i] for i in range(m) if self.reversing_symmetry[i] == -1)
             raise ValueError(f"{self.name}: section: R must negate the section coordinate; it negates {negated}")
+        if self.arrival is not None and self.arrival not in self.symmetries:
+            raise ValueError(f"{self.name}: arrival: no symmetry {self.arrival!r}")
+        if self.arrival_signs[self.section_index] != -1:
+            raise ValueError(f"{self.name}: arrival: {self.arrival} must leave the section coordinate alone")
         level = self.fixed_level
         if level is not None:
             if self.family_parameter is None or self.level_coordinate is None:
@@ -299,10 +305,16 @@ class ReversibleSystem(System):
         return tuple(i for i, name in names if self.reversing_symmetry[i] == 1 and name not in known)
 
     @cached_property
+    def arrival_signs(self) -> tuple[int, ...]:
+        """The signs of the reversing symmetry in whose fixed set half orbits end: those of R, or of R S (`arrival`)."""
+        turn = self.symmetries[self.arrival] if self.arrival is not None else (1,) * len(self.state)
+        return tuple(a * b for a, b in zip(self.reversing_symmetry, turn, strict=True))
+
+    @cached_property
     def kernel_coordinates(self) -> tuple[int, ...]:
-        """Indices of the section's coordinates that vanish on Fix(R) (the q of the paper), n of them."""
+        """Indices of the section's coordinates that vanish where half orbits end (the q of the paper), n of them."""
         places = range(len(self.given_state))
-        return tuple(i for i in places if self.reversing_symmetry[i] == -1 and i != self.section_index)
+        return tuple(i for i in places if self.arrival_signs[i] == -1 and i != self.section_index)
 
     @cached_property
     def fixed_parameters(self) -> tuple[str, ...]:

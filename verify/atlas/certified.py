@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from orbitproof.shared.claims import BOX_KINDS
 from orbitproof.shared.formats import Atlas, InputError, candidate_from_json, read_system
+from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
 from orbitproof.verify.certificate import Certificate, Recheck
 from orbitproof.verify.certificate.stated_system import stated
@@ -36,6 +37,7 @@ def certified_point(atlas: Atlas, certificate: Certificate, examine: Examine) ->
         name,
         kind,
         k,
+        parameters={name: parse_exact(text) for name, text in candidate["parameters"].items()},
         reversor=system.reversor,
         crossings=candidate.get("crossings", 1),
         symmetry=candidate.get("symmetry"),

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 from orbitproof.shared.formats import AnyAtlas, Atlas
-from orbitproof.shared.systems import LIFTED
+from orbitproof.shared.systems import UNLISTED
 from orbitproof.verify.atlas.certified import certified_point
 from orbitproof.verify.atlas.conclusion_as_json import conclusion_to_json
 from orbitproof.verify.atlas.kinds import kind_of
@@ -20,7 +20,6 @@ from orbitproof.verify.curve import (
     conclude,
     enclose_crossings,
     enclose_other_point,
-    vertical_point,
 )
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, conclude_lasting
@@ -77,8 +76,8 @@ def conclusion_of(
 
         points = [certified_point(atlas, entry, examine) for entry in bifurcations]
         conclusion = conclude(atlas, results, points, partner, follow)
-    # No theorem is about resonances of vertical or axial orbits in units of their own (16.7, 16.10).
-    if order is None or vertical_point(atlas.system) is not None or atlas.system is LIFTED:
+    # No theorem is about resonances of vertical or axial orbits in units of their own (16.7, 16.10), or of doublings.
+    if order is None or any(atlas.system is known for known in UNLISTED):
         return told(conclusion)
     of_curve = [result for result in results if isinstance(result, LastingResult)]
     with _stretches(conclusion, "resonances", watch) as begun:

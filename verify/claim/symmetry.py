@@ -43,9 +43,9 @@ def check_symmetries(checklist: Checklist, system: ReversibleSystem, symmetry: s
         integral = system.first_integral_program
         distance = system.squared_distance_program
         involutions = [("R", system.reversing_symmetry, -1)]
-        if symmetry is not None:
-            evidence.require(symmetry in system.symmetries, f"{system.name} has no symmetry {symmetry}")
-            involutions.append((symmetry, system.symmetries.get(symmetry, ()), 1))
+        for further in dict.fromkeys(name for name in (symmetry, system.arrival) if name is not None):
+            evidence.require(further in system.symmetries, f"{system.name} has no symmetry {further}")
+            involutions.append((further, system.symmetries.get(further, ()), 1))
         for name, signs, orientation in involutions:
             shown = has_parities(system.program, signs, [orientation * sign for sign in signs])
             message = f"of {system.name} was not shown to have the symmetry {name}"

@@ -57,6 +57,7 @@ class CertifiedPoint:
         problem: why it counts for nothing; empty if all else holds.
         is_foreign: whether that is since it is about another system, section, reversing symmetry, level or other
             parameters than the curve, or not readable here.
+        parameters: exact values of its system's fixed parameters.
         reversor: the name of its reversing symmetry, if that is not R.
         crossings: how often half orbits meet the section.
         symmetry, signs: name and signs of the symmetry that breaks; `None` if none does.
@@ -73,6 +74,7 @@ class CertifiedPoint:
     k: int
     problem: str = ""
     is_foreign: bool = False
+    parameters: Mapping[str, Fraction] = field(default_factory=dict)
     reversor: str | None = None
     crossings: int = 1
     symmetry: str | None = None

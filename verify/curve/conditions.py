@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from flint import arb
 
 from orbitproof.shared.formats import Atlas, Covers
-from orbitproof.shared.systems import LIFTED, System
+from orbitproof.shared.systems import HILL_VARIED, LIFTED, System
 from orbitproof.verify.claim import check_symmetries, names_in_words, signs_on
 from orbitproof.verify.curve.gluing import Chain, follow
 from orbitproof.verify.curve.piece_claim import require_piece
@@ -32,6 +32,7 @@ def hypotheses_of(atlas: Atlas) -> tuple[str, ...]:
         *(("covers",) if claim.covers is not None else ()),
         *(("vertical",) if _is_of_vertical_orbits(atlas) else ()),
         *(("from-plane",) if atlas.system is LIFTED else ()),
+        *(("doubled",) if atlas.system is HILL_VARIED else ()),
         *(("birth",) if atlas.birth_pieces() else ()),
     )
 
@@ -72,6 +73,10 @@ def check_curve(checklist: Checklist, atlas: Atlas, results: Sequence[IntervalRe
         from orbitproof.verify.curve.lifted_family import check_from_plane
 
         check_from_plane(checklist, atlas)
+    if atlas.system is HILL_VARIED:
+        from orbitproof.verify.curve.doubled_family import check_doubled
+
+        check_doubled(checklist, atlas, found)
     return found
 
 

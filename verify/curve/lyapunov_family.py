@@ -8,7 +8,7 @@ from fractions import Fraction
 from flint import arb, ctx
 
 from orbitproof.shared.formats import ORBIT_KINDS, Atlas
-from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, LIFTED, ReversibleSystem
+from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, HILL_VARIED, LIFTED, ReversibleSystem
 from orbitproof.verify.curve.bifurcations_on_it import LACKS_COORDINATES, CertifiedPoint
 from orbitproof.verify.curve.libration_point import derived_parameter
 from orbitproof.verify.curve.vertical_family import vertical_jacobi_constant, vertical_point
@@ -30,9 +30,9 @@ def certified_systems(system: ReversibleSystem) -> tuple[ReversibleSystem, ...]:
 
     That is `system` itself, or the CR3BP. In the plane both reversing symmetries of the CR3BP are the same, so a planar
     orbit may break S under either (16.5). Axial orbits are symmetric under the second one, and born from planar and
-    from vertical orbits (16.13).
+    from vertical orbits (16.13). Period doublings over the mass are certified one by one, at given masses (15.10).
     """
-    if vertical_point(system) is not None:
+    if vertical_point(system) is not None or system is HILL_VARIED:
         return (CR3BP,)
     if system is LIFTED:
         return CR3BP_AXIAL, CR3BP

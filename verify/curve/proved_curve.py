@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from flint import arb, ctx
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.shared.systems import LIFTED
+from orbitproof.shared.systems import HILL_VARIED, LIFTED
 from orbitproof.verify.curve.bifurcations_on_it import (
     Bifurcation,
     CertifiedPoint,
@@ -90,6 +90,10 @@ def conclude(
     """
 
     def placed_on(chain: Chain | None, birth: Birth | None) -> tuple[Bifurcation, ...]:
+        if atlas.system is HILL_VARIED:
+            from orbitproof.verify.curve.doubled_family import place_doubling
+
+            return tuple(place_doubling(atlas, chain, entry, follow) for entry in bifurcations)
         if atlas.system is not LIFTED:
             return tuple(place_bifurcation(atlas, chain, entry, partner) for entry in bifurcations)
         from orbitproof.verify.curve.lifted_family import place_birth

@@ -17,7 +17,7 @@ from orbitproof.shared.formats import (
     Piece,
     check_writable,
 )
-from orbitproof.shared.systems import LIFTED, VERTICAL
+from orbitproof.shared.systems import UNLISTED
 from orbitproof.verify.atlas import (
     AtlasCertificate,
     Lines,
@@ -298,9 +298,10 @@ def limits_of(
             "{complete}: lists what is on a curve of symmetric orbits, and this atlas is about {0}; leave it out",
             kind_of(atlas).about,
         )
-    if complete is not None and any(atlas.system is known for known in (*VERTICAL.values(), LIFTED)):
+    if complete is not None and any(atlas.system is known for known in UNLISTED):
         raise ArgumentError(
-            "{complete}: no list is made of vertical or axial orbits in units of their speed; leave it out"
+            "{complete}: no list is made of vertical or axial orbits in units of their speed, or of period doublings "
+            "over the mass; leave it out"
         )
     if combinations and (complete is None or len(atlas.curve_pieces()[0].tube) != 2):
         raise ArgumentError(

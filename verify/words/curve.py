@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from flint import arb
 
 from orbitproof.shared.formats import ORBIT_KINDS, Atlas
-from orbitproof.shared.systems import LIFTED, ReversibleSystem, shown
+from orbitproof.shared.systems import HILL_VARIED, LIFTED, ReversibleSystem, shown
 from orbitproof.shared.wording import itemised
 from orbitproof.verify.claim import atlas_in_words, keyed_in_words, names_in_words, sheet_in_words, signs_on
 from orbitproof.verify.curve import Bifurcation, Birth, CurveTheorem, Ends, ProvedCurve, point_name, vertical_point
@@ -36,7 +36,8 @@ def curve_in_words(theorem: CurveTheorem, curve: ProvedCurve) -> str:
     if curve.birth is not None:
         paragraphs.append(_birth(curve.birth))
     if half_period.is_finite():
-        said = "All half periods" if vertical_point(atlas.system) is None else "All these T"
+        quarters = atlas.system is HILL_VARIED or vertical_point(atlas.system) is not None
+        said = "All these T" if quarters else "All half periods"
         paragraphs.append(f"{said} lie in {range_text(half_period, 4)}.")
     return "\n".join(paragraphs)
 
@@ -89,6 +90,9 @@ def _curve(atlas: Atlas, ends: Ends) -> str:
     claim = atlas.claim
     coordinates = ", ".join(atlas.system.centre_coordinates)
     orbits = "each of its points is the initial condition of an R-symmetric periodic orbit, P^2(x) = x"
+    if atlas.system.arrival is not None:
+        turn = atlas.system.arrival
+        orbits = f"P leads each of its points x to the fixed set of R {turn}, so that P^2(x) = {turn} x and P^4(x) = x"
     if claim.crossings > 1:
         orbits += f", and the half orbits from Fix(R) to Fix(R) meet the section {claim.crossings} times"
     where = f"in the coordinates ({coordinates}) of Fix(R)"
@@ -179,6 +183,12 @@ def _libration_units(atlas: Atlas, x_l: arb | None) -> str:
             "eps^2 = eps2, R is the half turn about the x axis, and (eps2, x, vy) stands for the initial point x, y = "
             "z = 0, x' = 0, y' = vy, z' = 1."
         )
+    if atlas.system is HILL_VARIED:
+        return (
+            " (xi, eta, zeta) is the position relative to the smaller primary in units of h = mu^(1/3), and (dxi, .., "
+            "dvzeta) a solution of the equations linearised along the orbit, of which V changes the sign and which "
+            "begins with dveta = 1."
+        )
     if name is None or x_l is None:
         return ""
     side, force = _SIDES[name]
@@ -211,6 +221,17 @@ def meaning(atlas: Atlas) -> str:
             "on the axis again, and in the plane Z = 0 for the first time. At eps2 = 0 the orbit is planar, twice the "
             "time T after which it is on the axis again is a period, and the variation out of the plane that is 0 at "
             "the beginning is 0 at T again, for the first time."
+        )
+    if atlas.system is HILL_VARIED:
+        return (
+            "For h > 0 let mu = h^3, and T the time of the first return. The orbit of the circular restricted "
+            "three-body problem with primaries at -mu and 1 - mu through (1 - mu + h xi, 0, h zeta) with the velocity "
+            "(0, h veta, 0) is symmetric under R, does not lie in the plane of the primaries, and has the least period "
+            "2 T and the multiplier -1: along this period the variation (dxi, dzeta, dveta) becomes its opposite. At "
+            "this mass the points of Fix(R) near its own whose first return is in Fix(R) are a smooth curve, and the "
+            "others whose second return is there are on a second smooth curve through it, in the direction of the "
+            "variation: there R-symmetric periodic orbits of about twice the period branch off from that family. At h "
+            "= 0 all this holds of Hill's problem."
         )
     name, covers = point_name(atlas.system), atlas.claim.covers
     if name is None or covers is None or "eps" not in atlas.claim.increasing:

@@ -1,0 +1,164 @@
+"""Period doublings of halo orbits over the mass parameter (section 15.10)."""
+
+from __future__ import annotations
+
+import json
+import random
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import pytest
+from flint import arb, ctx
+from support.curve_cases import proof, refusal
+from support.stored import values
+
+from orbitproof.shared.formats import ArgumentError, Atlas, Covers, Piece, read_atlas
+from orbitproof.shared.systems import HILL, HILL_VARIED
+from orbitproof.verify.atlas.conclusion import follow, partner
+from orbitproof.verify.claim import check_symmetries
+from orbitproof.verify.curve import CertifiedPoint, Conclusion, PieceLimits, ProvedCurve, conclude, prove_piece
+from orbitproof.verify.curve.doubled_family import in_hill_units
+from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.run.branches import limits_of
+from orbitproof.verify.words import conclusion_in_words
+
+DATA = Path(__file__).resolve().parents[1] / "data"
+ATLAS = read_atlas(DATA / "atlas-doublings.json")
+assert isinstance(ATLAS, Atlas)
+RESULTS = tuple(values(json.loads((DATA / "results-doublings.json").read_text())))
+CERTIFICATE = next(
+    each
+    for each in json.loads((DATA / "figures-certificates.json").read_text())["certificates"]
+    if each["id"] == "earth-moon-L1-halo-k2-1"
+)
+MASS = Fraction(float.fromhex("0x1.8e267d713713fp-7"))
+
+
+def certified(**changes: Any) -> CertifiedPoint:
+    with ctx.workprec(200):
+        point = {
+            name: arb(ball["decimal"].strip("[").split(",")[0] + " +/- 1e-38")
+            for name, ball in CERTIFICATE["results"]["point"].items()
+        }
+    at = CertifiedPoint("doubling", "period_tupling", 2, parameters={"mu": MASS}, point=point)
+    return replace(at, **changes)
+
+
+def concluded(*points: CertifiedPoint, atlas: Atlas = ATLAS, results: Any = RESULTS) -> Conclusion[ProvedCurve]:
+    return conclude(atlas, results, points, partner, follow)
+
+
+def test_the_field_is_that_of_hill_and_its_derivative() -> None:
+    source = random.Random("varied")
+    check_symmetries(Checklist(), HILL_VARIED)
+    with mpmath.workdps(40):
+        for _ in range(5):
+            state, variation = ([mpmath.mpf(source.uniform(-1, 1)) for _ in range(6)] for _ in range(2))
+            h, small = mpmath.mpf(source.uniform(0, 0.7)), mpmath.mpf(10) ** -12
+            found = HILL_VARIED.vector_field([*state, *variation], [h])
+            ahead, behind = (
+                HILL.vector_field([x + sign * small * w for x, w in zip(state, variation, strict=True)], [h])
+                for sign in (1, -1)
+            )
+            wanted = [
+                *HILL.vector_field(state, [h]),
+                *((a - b) / (2 * small) for a, b in zip(ahead, behind, strict=True)),
+            ]
+            assert all(abs(a - b) < 1e-15 for a, b in zip(found, wanted, strict=True))
+
+
+def test_half_orbits_end_where_the_variation_is_turned_around() -> None:
+    names = [HILL_VARIED.state[i] for i in HILL_VARIED.kernel_coordinates]
+    assert names == ["vxi", "vzeta", "dxi", "dzeta", "dveta"]
+    assert HILL_VARIED.centre_coordinates == ("h", "xi", "zeta", "veta", "dxi", "dzeta")
+
+
+def test_a_field_without_the_symmetry_is_refused() -> None:
+    def other(state: Any, parameters: Any) -> Any:
+        field = list(HILL_VARIED.vector_field(state, parameters))
+        return [*field[:9], field[9] + 1, *field[10:]]
+
+    with pytest.raises(NotEstablishedError):
+        check_symmetries(Checklist(), replace(HILL_VARIED, vector_field=other))
+
+
+def test_they_are_one_curve_over_all_masses() -> None:
+    conclusion = concluded()
+    assert proof(conclusion).chain.stretches
+    words = conclusion_in_words(conclusion)
+    assert "takes all values from 0 to 0.7938" in words
+    assert "has the least period 2 T and the multiplier -1" in words
+
+
+def test_a_certified_doubling_lies_on_it() -> None:
+    (entry,) = concluded(certified()).bifurcations
+    assert entry.place is not None, entry.reason
+
+
+@pytest.mark.parametrize(
+    ("changes", "why"),
+    [
+        ({"k": 4}, "only period doublings"),
+        ({"kind": "symmetry_breaking"}, "only period doublings"),
+        ({"crossings": 2}, "only period doublings"),
+        ({"parameters": {"mu": Fraction(1, 80)}}, "lies outside the tubes"),
+        ({"point": {"x": arb(1)}}, "does not have all coordinates"),
+        ({"problem": "it is another one", "is_foreign": True}, "another one"),
+    ],
+)  # fmt: skip
+def test_other_certificates_do_not(changes: dict[str, Any], why: str) -> None:
+    (entry,) = concluded(certified(**changes)).bifurcations
+    assert entry.place is None
+    assert why in entry.reason
+
+
+def test_a_point_is_carried_to_units_of_hill() -> None:
+    found = in_hill_units(Fraction(1, 8), {"x": arb(1), "z": arb(1), "vy": arb(-1)})
+    assert [round(float(found[name].mid()), 12) for name in ("h", "xi", "zeta", "veta")] == [0.5, 0.25, 2, -2]
+
+
+def test_claims_that_say_too_little_are_refused() -> None:
+    assert "h increases" in refusal(concluded(atlas=replace(ATLAS, claim=replace(ATLAS.claim, increasing=()))))
+    far = replace(ATLAS.claim, covers=Covers("h", Fraction(0), Fraction(4, 5)))
+    assert "covers" in refusal(concluded(atlas=replace(ATLAS, claim=far)))
+    assert "curve" in refusal(concluded(results=RESULTS[:2]))
+
+
+def test_an_orbit_that_may_lie_in_the_plane_is_refused() -> None:
+    def flat(piece: Any) -> Piece:
+        place = HILL_VARIED.centre_coordinates.index("zeta")
+        centre = tuple(Fraction(0) if i == place else value for i, value in enumerate(piece.centre))
+        return replace(piece, centre=centre)
+
+    pieces = tuple(map(flat, ATLAS.pieces))
+    joined = replace(ATLAS, pieces=pieces)
+    assert "zeta is not shown" in refusal(concluded(atlas=joined)) or "curve" in refusal(concluded(atlas=joined))
+
+
+def test_no_list_is_made_of_them() -> None:
+    with pytest.raises(ArgumentError, match="period doublings"):
+        limits_of(ATLAS, complete=4)
+
+
+def narrow(shift: Fraction = Fraction(0)) -> Piece:
+    """The first piece, its tube moved by so much in dzeta, in units of the tube."""
+    (piece, *_) = ATLAS.curve_pieces()
+    moved = [*map(list, piece.polynomial)]
+    moved[-1][0] += shift * piece.tube[-1]
+    return replace(piece, polynomial=tuple(map(tuple, moved)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("shift", "holds"), [(0, True), (8, False)])
+def test_a_short_piece_is_proved_and_another_variation_is_not(shift: int, holds: bool) -> None:
+    limits = PieceLimits(precision=64, order=24, width=10)
+    interval = Fraction(-1, 16), Fraction(1, 16)
+    found = prove_piece(HILL_VARIED, {}, narrow(Fraction(shift)), interval, ORACLE, limits)
+    assert found.is_proved is holds, found.outcome
+    if not holds:
+        assert isinstance(found.outcome, NotProved)
+        assert found.outcome.reason.condition == "newton"
