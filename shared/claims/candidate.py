@@ -116,6 +116,8 @@ class Candidate:
             refuse("id", f"{self.id!r} is no id", ID_IN_WORDS)
         if self.kind not in BOX_KINDS:
             refuse("kind", f"{self.kind!r} is unknown", f"give one of {', '.join(BOX_KINDS)}")
+        if self.system.arrival is not None:
+            refuse("system", f"half orbits of {self.system.name} do not end in Fix(R)", "claim a curve of it (atlas)")
         if not isinstance(self.k, int) or self.k < 1:
             refuse("k", f"{self.k!r} is no multiplicity", "give an integer, at least 1")
         if not isinstance(self.crossings, int) or self.crossings < 1:

@@ -64,6 +64,8 @@ def describe(system: System) -> str | dict[str, Any]:
         return chosen
     if system.derived_parameters or system.normalised:
         raise DescriptionError("derived_parameters: are not part of a description; give such parameters")
+    if system.arrival is not None:
+        raise DescriptionError("arrival: is no part of a description; half orbits of what is described end in Fix(R)")
     entry: dict[str, Any] = {
         **_plain_entry(system),
         "R": list(system.reversing_symmetry),

@@ -7,6 +7,7 @@ import random
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -15,15 +16,17 @@ from flint import arb, ctx
 from support.curve_cases import proof, refusal
 from support.stored import values
 
-from orbitproof.shared.formats import ArgumentError, Atlas, Covers, Piece, read_atlas
-from orbitproof.shared.systems import HILL, HILL_VARIED
+from orbitproof.shared.claims.web import Web, WebArc
+from orbitproof.shared.formats import ArgumentError, Atlas, Covers, InputError, Piece, candidate_from_json, read_atlas
+from orbitproof.shared.systems import CR3BP, HILL, HILL_VARIED, DescriptionError, describe
 from orbitproof.verify.atlas.conclusion import follow, partner
 from orbitproof.verify.claim import check_symmetries
 from orbitproof.verify.curve import CertifiedPoint, Conclusion, PieceLimits, ProvedCurve, conclude, prove_piece
-from orbitproof.verify.curve.doubled_family import in_hill_units
+from orbitproof.verify.curve.doubled_family import check_doubled, in_hill_units
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.run.branches import limits_of
+from orbitproof.verify.web import Arc, conclude_web
 from orbitproof.verify.words import conclusion_in_words
 
 DATA = Path(__file__).resolve().parents[1] / "data"
@@ -122,21 +125,69 @@ def test_a_point_is_carried_to_units_of_hill() -> None:
 
 
 def test_claims_that_say_too_little_are_refused() -> None:
-    assert "h increases" in refusal(concluded(atlas=replace(ATLAS, claim=replace(ATLAS.claim, increasing=()))))
-    far = replace(ATLAS.claim, covers=Covers("h", Fraction(0), Fraction(4, 5)))
-    assert "covers" in refusal(concluded(atlas=replace(ATLAS, claim=far)))
+    def claims(**changes: Any) -> Conclusion[ProvedCurve]:
+        return concluded(certified(), atlas=replace(ATLAS, claim=replace(ATLAS.claim, **changes)))
+
+    for changes, why in (
+        ({"increasing": ()}, "h increases"),
+        ({"covers": Covers("h", Fraction(0), Fraction(4, 5))}, "covers"),
+        ({"crossings": 2}, "no arc of first returns"),
+        ({"kind": "loop"}, "curve"),
+    ):
+        found = claims(**changes)
+        assert why in refusal(found)
+        (entry,) = found.bifurcations
+        assert entry.place is None
+        assert entry.reason == "the curve itself is not proved"
     assert "curve" in refusal(concluded(results=RESULTS[:2]))
 
 
-def test_an_orbit_that_may_lie_in_the_plane_is_refused() -> None:
-    def flat(piece: Any) -> Piece:
-        place = HILL_VARIED.centre_coordinates.index("zeta")
-        centre = tuple(Fraction(0) if i == place else value for i, value in enumerate(piece.centre))
+def test_only_arcs_are_curves_of_doublings() -> None:
+    chain = proof(concluded()).chain
+    with pytest.raises(NotEstablishedError, match="no arc of first returns"):
+        check_doubled(Checklist(), replace(ATLAS, claim=replace(ATLAS.claim, kind="loop")), chain)
+
+
+def test_orbits_of_which_some_lie_in_the_plane_are_refused() -> None:
+    place = HILL_VARIED.centre_coordinates.index("zeta")
+    down = ATLAS.curve_pieces()[1].centre[place]
+
+    def lowered(piece: Piece) -> Piece:
+        centre = tuple(value - down if i == place else value for i, value in enumerate(piece.centre))
         return replace(piece, centre=centre)
 
-    pieces = tuple(map(flat, ATLAS.pieces))
-    joined = replace(ATLAS, pieces=pieces)
-    assert "zeta is not shown" in refusal(concluded(atlas=joined)) or "curve" in refusal(concluded(atlas=joined))
+    pieces = tuple(map(lowered, ATLAS.curve_pieces()))
+    assert "zeta is not shown to keep its sign" in refusal(concluded(atlas=replace(ATLAS, pieces=pieces)))
+
+
+@pytest.mark.parametrize(
+    ("crossings", "why"),
+    [
+        (None, "the variations along its orbit are not enclosed"),
+        ([SimpleNamespace(state={f"d{name}": arb(1) for name in HILL.state})], "is not enclosed"),
+    ],
+)
+def test_a_doubling_whose_variation_is_not_enclosed_is_not_placed(crossings: Any, why: str) -> None:
+    (entry,) = conclude(ATLAS, RESULTS, [certified()], partner, lambda *_: crossings).bifurcations
+    assert entry.place is None
+    assert why in entry.reason
+
+
+def test_they_are_no_arcs_of_webs() -> None:
+    arc = Arc(ATLAS, proof(concluded()))
+    outcome = conclude_web(Web("a-web", "a web", (WebArc(ATLAS.id),)), [arc])
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.condition == "arcs"
+    assert "orbits with a variation" in outcome.reason.message
+
+
+def test_claims_and_descriptions_of_systems_whose_half_orbits_end_elsewhere_are_refused() -> None:
+    candidate, other = candidate_from_json(CERTIFICATE["statement"]["candidate"], "a row"), replace(CR3BP, arrival="S")
+    assert replace(candidate, system=replace(other, arrival=None)).kernel_frame
+    with pytest.raises(InputError, match=r"system: half orbits of cr3bp do not end in Fix\(R\)"):
+        replace(candidate, system=other)
+    with pytest.raises(DescriptionError, match="arrival"):
+        describe(other)
 
 
 def test_no_list_is_made_of_them() -> None:

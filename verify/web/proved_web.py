@@ -130,6 +130,8 @@ def _check_arcs(checklist: Checklist, web: Web, arcs: Sequence[Arc]) -> None:
         evidence.require(names == [arc.id for arc in web.arcs], "they are not those of the claim")
         evidence.require(len(set(names)) == len(names), "two arcs have the same id")
         for arc in arcs:
+            ordinary = arc.atlas.system.arrival is None
+            evidence.require(ordinary, f"{shown(arc.id)}: its points are orbits with a variation; leave it out")
             proved = arc.curve is not None and not arc.problem
             evidence.require(proved, f"{shown(arc.id)}: {arc.problem or 'it is not proved'}")
         own = [
