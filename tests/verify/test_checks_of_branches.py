@@ -125,14 +125,15 @@ def test_the_order_of_a_list_is_one_from_1_to_99(order: Any) -> None:
 def test_every_interval_is_asked_for_with_other_settings_and_without_an_answer_is_not_confirmed(document: Any) -> None:
     asked: list[Sequence[ProvedBefore]] = []
     found = checked(document, lambda atlas, intervals, finished: asked.append(list(intervals)))
-    first, second = asked
+    first, second, third = asked
     assert [each.piece.id for each in first] == [each["piece"] for each in document["results"]]
-    assert [each.name for each in second] == [each.name for each in first]
+    assert [each.name for each in third] == [each.name for each in second] == [each.name for each in first]
     assert [finding.place for finding in found.findings] == [each.name for each in first]
     assert {finding.message for finding in found.findings} == {"was not integrated again"}
     assert found.level is Level.CONCLUSION
     assert [dict(each.settings) for each in first] == [{"precision": 112, "order": 44, "width": 48}] * 3
     assert [dict(each.settings) for each in second] == [{"precision": 112, "order": 44, "width": 40}] * 3
+    assert [dict(each.settings) for each in third] == [{"precision": 112, "order": 40, "width": 40}] * 3
 
 
 def test_where_nothing_is_proved_there_is_nothing_to_integrate() -> None:

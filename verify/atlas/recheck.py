@@ -64,8 +64,10 @@ from orbitproof.verify.surface import ProvedPart, SurfaceResult, unshown
 
 _MORE = {"precision": 32, "order": 4, "width": 8}
 _MORE_OF_SAME_WIDTH = {"precision": 32, "order": 4}
+_MORE_BITS = {"precision": 32}
 """What the second integration has more: it has to find bounds that are no larger than the stored ones. Polynomials of
-higher degree are sometimes enclosed a little more widely; what they do not confirm is proved with those of the same."""
+higher degree are sometimes enclosed a little more widely, and longer steps too; what they do not confirm is proved with
+those of the same width, and then of the same order."""
 
 _ENDED = ("time", "memory", "process")
 """Why a proof was not brought to an end."""
@@ -271,7 +273,7 @@ def _integration(document: Document, means: Means, examination: Examination) -> 
     findings: dict[str, list[Finding]] = {}
     contradictions: list[Finding] = []
     time = "period" if isinstance(atlas, PeriodicAtlas) else _HALF_PERIOD
-    for more in (_MORE, _MORE_OF_SAME_WIDTH):
+    for more in (_MORE, _MORE_OF_SAME_WIDTH, _MORE_BITS):
         intervals, before = _intervals(document, atlas, more)
         examination.precision = min((interval.settings["precision"] for interval in intervals), default=0)
 
