@@ -29,6 +29,7 @@ from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import shown
 from orbitproof.verify.claim import claim_in_words, keyed_in_words, names_in_words
 from orbitproof.verify.evidence import ball_from_json, decimal_interval, exact_text, interval_text
+from orbitproof.verify.words import times_are_of_quarters
 
 _DIGITS = 34
 _SHORT = 12
@@ -194,7 +195,11 @@ def piece_table(entry: CheckedAtlas) -> Table:
             margin: Runs = () if tube is None else (_tube_margin(result["deviation"], tube),)
             times = (_shown(ball_from_json(result["time"])),)
             rows.append(((piece,), (_interval(result["interval"]),), parts, times, margin))
-    times_of = "periods" if isinstance(atlas, PeriodicAtlas) else "half periods"
+    times_of = "half periods"
+    if isinstance(atlas, PeriodicAtlas):
+        times_of = "periods"
+    elif times_are_of_quarters(atlas.system):
+        times_of = "T"
     return Table(
         ("piece", "s", "parts", times_of, "deviation from the polynomial"), tuple(rows),
         f"Proved intervals, {shown(entry.name)}", (0.12, 0.22, 0.08, 0.25, 0.25),

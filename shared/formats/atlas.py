@@ -118,7 +118,7 @@ def claim_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
             refuse(f"increasing[{position}]", f"{name!r}", f"name each coordinate once; {system.name} has: {wanted}")
     surface = claim.kind == SURFACE
     if claim.crossings != 1 and (surface or system.normalised):
-        where = "on a surface" if surface else "around a libration point"
+        where = "on a surface" if surface else f"in {system.name}"
         remedy = "leave it out if half orbits meet the section once; others are claimed in arcs and loops"
         refuse("crossings", f"{claim.crossings} {where}, where it can only be 1", remedy)
     if claim.covers is not None:

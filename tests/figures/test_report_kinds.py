@@ -31,6 +31,7 @@ from orbitproof.figures.report import (
 )
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import Atlas, read_candidates
+from orbitproof.shared.systems import CR3BP, HILL_VARIED, VERTICAL, ReversibleSystem
 from orbitproof.verify.atlas import AtlasCertificate
 from orbitproof.verify.certificate import Limits, certify, write_certificates
 from orbitproof.verify.evidence import bounds
@@ -161,6 +162,16 @@ def test_planar_pieces_below_a_surface_have_tubes_and_no_parts(written: dict[str
     for piece in entry.atlas.libration_pieces():
         assert cells[piece.id]["parts"] == ()
         assert "of the tube" in str(cells[piece.id]["deviation from the polynomial"])
+
+
+@pytest.mark.parametrize(("system", "times"), [(CR3BP, "half periods"), (VERTICAL["L2"], "T"), (HILL_VARIED, "T")])
+def test_times_of_quarters_are_not_called_half_periods(
+    system: ReversibleSystem, times: str, written: dict[str, Path]
+) -> None:
+    (entry,) = check_files([written["loop"]])
+    assert isinstance(entry, CheckedAtlas)
+    table = piece_table(replace(entry, atlas=replace(entry.atlas, system=system)))
+    assert [name for name in table.header if name in ("half periods", "periods", "T")] == [times]
 
 
 @pytest.mark.parametrize("kind", ["surface", "loop"])

@@ -95,6 +95,7 @@ def test_they_are_one_curve_over_all_masses() -> None:
     words = conclusion_in_words(conclusion)
     assert "takes all values from 0 to 0.7938" in words
     assert "has the least period 2 T and the multiplier -1" in words
+    assert "All these T lie in [1.292, 1.381]." in words
 
 
 def test_a_certified_doubling_lies_on_it() -> None:

@@ -36,10 +36,14 @@ def curve_in_words(theorem: CurveTheorem, curve: ProvedCurve) -> str:
     if curve.birth is not None:
         paragraphs.append(_birth(curve.birth))
     if half_period.is_finite():
-        quarters = atlas.system is HILL_VARIED or vertical_point(atlas.system) is not None
-        said = "All these T" if quarters else "All half periods"
+        said = "All these T" if times_are_of_quarters(atlas.system) else "All half periods"
         paragraphs.append(f"{said} lie in {range_text(half_period, 4)}.")
     return "\n".join(paragraphs)
+
+
+def times_are_of_quarters(system: ReversibleSystem) -> bool:
+    """Whether half orbits are quarters of the system's periodic orbits: of their times T it is said what they are."""
+    return system.arrival is not None or vertical_point(system) is not None
 
 
 def bifurcations_in_words(atlas: Atlas, bifurcations: Sequence[Bifurcation]) -> str:
