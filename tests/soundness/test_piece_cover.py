@@ -348,7 +348,7 @@ def test_tubes_with_two_zeros_are_refused(
     monkeypatch: pytest.MonkeyPatch, first: float, second: float, sign: int
 ) -> None:
     result = prove(monkeypatch, with_zeros(Fraction(first), sign * Fraction(second)))
-    assert reason_of(result).condition == "newton"
+    assert reason_of(result).condition == "slope"
 
 
 def test_tubes_with_two_zeros_in_two_unknowns_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -190,6 +190,22 @@ def test_what_takes_too_long_is_split_at_once() -> None:
     assert missing == tuple((half, 0) for half in halves(full_interval(piece)))
 
 
+@pytest.mark.parametrize(("condition", "is_halved"), [("slope", True), ("newton", False)])
+def test_an_unclear_slope_is_split_before_more_precision_is_tried(condition: str, is_halved: bool) -> None:
+    piece = CURVE.pieces[1]
+    unclear = {
+        "piece": "p001", "interval": ["-0x1", "0x1"], "verdict": "not proved",
+        "reason": {"condition": condition, "message": "", "remedy": ""}, "computation": {"precision": 80},
+    }  # fmt: skip
+    attempts = [{"precision": 80}, {"precision": 128}]
+    whole = full_interval(piece)
+    more_precision = ((whole, 1),)
+    shorter = tuple((half, 0) for half in halves(whole))
+    assert plan(piece, values([unclear]), attempts, 3).missing == (shorter if is_halved else more_precision)
+    # Where nothing may be halved, precision is what is left.
+    assert plan(piece, values([unclear]), attempts, 0).missing == more_precision
+
+
 def test_an_engine_asks_for_more_after_every_answer() -> None:
     """Tasks that exist only because of an answer are done too, also by processes that had become idle."""
     waiting = [Task("p001", task_argument("p001"))]

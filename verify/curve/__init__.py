@@ -25,7 +25,15 @@ from orbitproof.verify.curve.lyapunov_family import (
     point_name,
 )
 from orbitproof.verify.curve.other_point import enclose_crossings, enclose_other_point
-from orbitproof.verify.curve.piece import SINGULAR, PieceLimits, Progress, check_newton, in_units, prove_piece
+from orbitproof.verify.curve.piece import (
+    SINGULAR,
+    UNCLEAR_SLOPE,
+    PieceLimits,
+    Progress,
+    check_newton,
+    in_units,
+    prove_piece,
+)
 from orbitproof.verify.curve.piece_result import (
     NOT_PROVED,
     PROVED,

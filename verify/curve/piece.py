@@ -60,7 +60,10 @@ SLOPE_BITS = 52
 SINGULAR = "singular"
 """The condition of an interval of which no part helps: a derivative that has to be regular is not, somewhere on it."""
 
-_MENDED_BY_COORDINATES = ("tube", "newton", "singularity", "steps")
+UNCLEAR_SLOPE = "slope"
+"""The condition of an interval on which the derivative across the curve was not shown to be regular."""
+
+_MENDED_BY_COORDINATES = ("tube", "newton", UNCLEAR_SLOPE, "singularity", "steps")
 """Conditions for which regularised coordinates are tried where the system's own fail."""
 
 
@@ -317,7 +320,7 @@ def _newton(equations: Sequence[Equation], part: arb, radius: Fraction, divided:
         image = None
     if image is None:
         remedy = "give a narrower tube or piece; the curve may bifurcate or turn"
-        raise IntegrationFailure("newton", "the derivative across the curve may be singular", remedy)
+        raise IntegrationFailure(UNCLEAR_SLOPE, "the derivative across the curve may be singular", remedy)
     if not all(is_inside(ball, TUBE / _MARGIN) for ball in image):
         far = ", ".join(f"{float(ball.abs_upper() / enclose(TUBE)):.3g}" for ball in image)
         message = f"the Newton image, {far} of the tube, is not well inside of it"

@@ -7,6 +7,6 @@ STOPS = frozenset((
     "evaluation", "exact checks", "half turns", "half-orbit", "integration", "lasting", "level", "level-box", "memory",
     "multiplicity", "multipliers",
     "newton", "piece", "plane", "precision", "process", "radii", "results", "section", "sheet", "singularity", "size",
-    "stability", "start", "steps", "system", "theorem", "time", "tube", "unfinished", "verification",
+    "slope", "stability", "start", "steps", "system", "theorem", "time", "tube", "unfinished", "verification",
 ))  # fmt: skip
 """A certificate gives one of these, or a hypothesis, where something is not proved (section 13.1)."""

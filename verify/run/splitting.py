@@ -1,7 +1,8 @@
 """Which intervals of the pieces of an atlas remain to be proved.
 
-What fails is tried again with more precision, and then split in two. Nothing here carries proof: what the proved
-intervals show together is decided by `verify.curve.conclude`, from the intervals themselves.
+What fails is tried again with more precision, and then split in two; where that promises more, it is split first.
+Nothing here carries proof: what the proved intervals show together is decided by `verify.curve.conclude`, from the
+intervals themselves.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from fractions import Fraction
 
 from orbitproof.shared.formats import AnyPiece
 from orbitproof.verify.atlas import Result, Settings, condition_of, covers
-from orbitproof.verify.curve import SINGULAR, Interval
+from orbitproof.verify.curve import SINGULAR, UNCLEAR_SLOPE, Interval
 
 _OVERLAP = Fraction(1, 64)
 """By this part of its length an interval that is split is exceeded by each half beyond the middle."""
@@ -22,6 +23,9 @@ NOT_FOR_SPLITTING = ("process",)
 
 FOR_SPLITTING = ("time", "collision", "section", "crossing count", "stability")
 """Conditions that more precision does not mend: the interval takes too long, or its orbits differ too much."""
+
+FIRST_FOR_SPLITTING = (UNCLEAR_SLOPE,)
+"""Conditions that more precision seldom mends: it is tried on intervals that may not be halved again."""
 
 _CLOSER = 16
 """A place is not looked at again on an interval that is not so many times as short as the last one."""
@@ -108,7 +112,8 @@ def plan(
         if any(condition in (*NOT_FOR_SPLITTING, SINGULAR) for condition in conditions):
             (done if only_lacks else failed).append(interval)
             return
-        wide = splits < min(halved, max_splits) or any(condition in FOR_SPLITTING for condition in conditions)
+        mended_by_halves = (*FOR_SPLITTING, *(FIRST_FOR_SPLITTING if splits < max_splits else ()))
+        wide = splits < min(halved, max_splits) or any(condition in mended_by_halves for condition in conditions)
         tried = [result for result, _ in against.get(interval, [])]
         untried = [n for n, settings in enumerate(attempts) if not any(made_with(r, settings) for r in tried)]
         if untried and not wide:
