@@ -134,11 +134,11 @@ branches: $(VENV)/demo.stamp
 # Who proves: processes here, or those of a dask scheduler (SCHEDULER=tcp://..).
 WORKERS = $(if $(SCHEDULER),--scheduler $(SCHEDULER),--jobs $(JOBS))
 
-# Planar, halo, axial and vertical families of L1 and L2, planar ones of L3 and distant retrograde orbits as graphs (docs/webs).
+# Planar, halo, axial and vertical families of L1 and L2, planar and vertical ones of L3, and distant retrograde orbits as graphs (docs/webs).
 # What exists is kept, what was interrupted goes on. ARCS="vertical-L1 ..": only these. LISTS=4: with the lists of resonances up to
 # 1:4, and where arcs are stable. The index is counted between the points of an
 # arc's list, else at one orbit; not of axial arcs.
-WEB := lyapunov-L1 l1-circle axial-L1 vertical-L1 lyapunov-L2 l2-arc axial-L2 vertical-L2 lyapunov-L3 dro
+WEB := lyapunov-L1 l1-circle axial-L1 vertical-L1 lyapunov-L2 l2-arc axial-L2 vertical-L2 lyapunov-L3 vertical-L3 dro
 ARCS := $(WEB)
 LISTS :=
 
@@ -177,6 +177,7 @@ web: $(VENV)/demo.stamp
 	    case $$name in \
 	      lyapunov-L3) cover atlas-libration $$at;; \
 	      lyapunov-*) cover atlas-libration $$at --through axial;; \
+	      vertical-L3) cover atlas-libration $$at --vertical --end 0.98; list=;; \
 	      vertical-*) cover atlas-libration $$at --vertical; list=;; \
 	      axial-*) cover atlas-libration $$at --axial; list=;; \
 	      *) cover atlas --preset $$name-$$mass;; \

@@ -208,7 +208,9 @@ def expansion(family: FamilyOfSizes, low: float, high: float) -> list[Vector]:
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     values = np.array([family.values(middle + half * node) for node in nodes])
     rows = [np.asarray(chebyshev.chebfit(nodes, column, NODES - 1)) for column in values.T]
-    return [row[: np.flatnonzero(np.abs(row) > NOISE * np.abs(row).max())[-1] + 1] for row in rows]
+    # Coordinates are found together: a small one has the rounding of the large ones.
+    rounding = NOISE * max(float(np.abs(row).max()) for row in rows)
+    return [row[: np.flatnonzero(np.abs(row) > min(rounding, 0.5 * np.abs(row).max()))[-1] + 1] for row in rows]
 
 
 def decay(family: OrbitsOfSizes, low: float, high: float, coefficients: list[Vector]) -> float:

@@ -19,6 +19,7 @@ from support.stored import entry_of
 
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.atlases import VerticalFamily, vertical_atlas
+from orbitproof.explore.atlases.lyapunov import LEAST_DECAY, decay, expansion
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.seeds import libration_point
 from orbitproof.shared.claims import REVERSOR_BREAKING, Atlas, Claim
@@ -92,6 +93,14 @@ def atlas(family: VerticalFamily) -> Atlas:
 def proved(atlas: Atlas) -> PieceResult[ProvedInterval]:
     (piece,) = atlas.curve_pieces()
     return prove_piece(atlas.system, atlas.parameters, piece, WHOLE, ORACLE, FAST)
+
+
+def test_pieces_of_l3_where_x_is_small_beside_vy_are_wide() -> None:
+    family = VerticalFamily("L3", EARTH_MOON)
+    x, vy = expansion(family, -0.002, 0.1)
+    assert abs(x[0]) < abs(vy[0]) / 100
+    assert max(len(x), len(vy)) < 12
+    assert decay(family, -0.002, 0.1, [x, vy]) > 2 * LEAST_DECAY
 
 
 def test_a_vertical_orbit_is_at_rest_of_its_size_a_quarter_later(family: VerticalFamily) -> None:
