@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from math import ceil
+from math import ceil, inf, log2
 
 import numpy as np
 from flint import fmpz, fmpz_poly
@@ -40,6 +40,13 @@ _FLOAT_BITS, _FLOAT_BITS_OF_HIGHER_GRADES = 52, 56
 """Numbers with more bits are improved by corrections."""
 _CORRECTED_BITS = 44
 """So many more bits are right after each of them."""
+_BELOW_ERRORS = 10
+"""What is so many bits below the errors that the state has already makes no difference."""
+_NARROW = 2.0**-24
+"""Where orbits are not so close to the curve, bounds of second derivatives limit a step, not its Taylor series."""
+
+_FACTORS = 2.0 ** (np.arange(17) / 8)
+"""By one of these a step is lengthened."""
 
 
 def element_at_points(arithmetic: WideArithmetic, element: Series) -> Points:
@@ -66,6 +73,22 @@ class CircleExpansion:
         # The last coefficient of grade 0 falls below the unit of the format, for all |s| <= 1.
         sizes = np.abs(from_points(self.taylor[:, :, 0], arithmetic.width)).sum(axis=-1)
         self.step_size = step_size(sizes.tolist(), float(-arithmetic.bits), arithmetic.degree)
+        self._unseen = _unseen(state, arithmetic.grading.top)
+        if _spread(state) < _NARROW:
+            self.step_size *= self._lengthening()
+
+    def _lengthening(self) -> float:
+        """By what factor the step may be longer until products of two series lose too much after the last power."""
+        arithmetic, degree, grades = self.arithmetic, self.arithmetic.degree, np.array(self.arithmetic.grading.grades)
+        sizes = np.abs(from_points(self.taylor, arithmetic.width)).sum(axis=-1)
+        series = [sizes[:, :, grades == grade].sum(axis=-1).max(axis=0) for grade in range(len(self._unseen))]
+        with np.errstate(all="ignore"):
+            steps = (self.step_size * _FACTORS)[:, None] ** np.arange(degree + 1, 2 * degree + 1)
+            possible = np.full(len(_FACTORS), fill_value=True)
+            for grade, unseen in enumerate(self._unseen):
+                late = sum(np.convolve(series[i], series[grade - i])[degree + 1 :] for i in range(grade + 1))
+                possible &= steps @ late <= 2.0**unseen
+        return float(max(_FACTORS[possible], default=1.0))
 
     def shortened(self, step: Fraction) -> Fraction:
         """See `Expansion`; its terms are not looked at."""
@@ -98,13 +121,12 @@ class CircleExpansion:
                 along.give([row[position] for row in solution])
 
     def _corrections(self, solution: Solution, positions: Sequence[int], grade: int) -> int:
-        """How often a grade is improved."""
-        if grade == 0:
-            missing = self.arithmetic.bits - _FLOAT_BITS
-        else:
-            bits = max(int(row[n].height_bits()) for row in solution for n in positions)
-            missing = bits - _FLOAT_BITS_OF_HIGHER_GRADES
-        return max(0, ceil(missing / _CORRECTED_BITS))
+        """How often a grade is improved: until it is as exact as the format, or as there is a use of."""
+        arithmetic = self.arithmetic
+        bits, scale = max((int(row[n].height_bits()), arithmetic.scales[n]) for row in solution for n in positions)
+        missing = arithmetic.bits - _FLOAT_BITS if grade == 0 else bits - _FLOAT_BITS_OF_HIGHER_GRADES
+        useful = bits - scale - self._unseen[grade] - _FLOAT_BITS
+        return max(0, ceil(min(missing, useful) / _CORRECTED_BITS))
 
     def _correct(self, along: FieldAlong, solution: Solution, positions: Sequence[int], step: Fraction) -> None:
         """Improve monomials of one grade by the solutions of the linearised equation with their defects as forcing."""
@@ -130,6 +152,19 @@ def expand(
     if isinstance(arithmetic, WideArithmetic):
         return CircleExpansion(program, arithmetic, state, parameters)
     return CentreExpansion(program, arithmetic, state, parameters)
+
+
+def _unseen(state: Sequence[Series], top: int) -> list[float]:
+    """For each grade, the logarithm of what makes no difference beside the errors that the state has already."""
+    errors = [max(x.errors[grade] for x in state) for grade in range(top + 1)]
+    # An error of the point is one of the derivatives there.
+    least = [max(error, errors[0] * max(x.known[grade] for x in state)) for grade, error in enumerate(errors)]
+    return [log2(error) - _BELOW_ERRORS if 0 < error < inf else -inf for error in least]
+
+
+def _spread(state: Sequence[Series]) -> float:
+    """A bound for how far the orbits are from the curve."""
+    return max(sum(x.errors) + sum(x.known[1:]) for x in state)
 
 
 def taylor_at_points(
