@@ -74,7 +74,7 @@ def flow(orbit: OrbitResults) -> Callable[[Any], list[Any]]:
             x, z, vy = (middle(ball) for ball in orbit.point.values())
             parameters = [number(MU)]
             return extrapolated_flow(
-                CR3BP, parameters, [x, mpmath.mpf(0), z, mpmath.mpf(0), vy, mpmath.mpf(0)], time, 20
+                CR3BP, parameters, [x, mpmath.mpf(0), z, mpmath.mpf(0), vy, mpmath.mpf(0)], time, 12
             )
 
     return at
