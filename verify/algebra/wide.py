@@ -62,19 +62,16 @@ class WideArithmetic(Arithmetic):
 
     def part_for(self, coarse: Arithmetic, polynomial: fmpz_poly) -> tuple[fmpz_poly, int]:
         """What a coarser format keeps of a packed polynomial, and the l1 norm of the rest."""
-        kept: list[fmpz] = []
-        beyond = fmpz(0)
         coefs = polynomial.coeffs()
         stride, length, width = self.stride, (coarse.degree + 1) * self.stride, coarse.width
         zeros = [fmpz(0)] * (coarse.stride - width - 1)
+        kept, rest = [], coefs[length:]
         for start in range(0, min(len(coefs), length), stride):
-            row = coefs[start : min(start + width + 1, length)]
-            kept += row
-            beyond += sum(map(abs, coefs[start + width + 1 : start + stride]))
-            if len(row) == width + 1:
-                kept += zeros
-        beyond += sum(map(abs, coefs[length:]))
-        return fmpz_poly(kept), int(beyond)
+            middle = start + width + 1
+            kept += coefs[start:middle]
+            kept += zeros
+            rest += coefs[middle : start + stride]
+        return fmpz_poly(kept), int(sum(map(abs, rest)))
 
     def _products(
         self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int, factors: Pairs

@@ -230,11 +230,14 @@ class _PointsRecurrence(TaylorRecurrence[Points]):
 
 def _product(factors: Factors, left: Points, right: Points) -> Points:
     """The sum over the first axis of products of graded elements, shape (monomials, points)."""
-    result = np.zeros(left.shape[1:], complex)
-    # By symmetries, half of the monomials are often zero.
-    some_left, some_right = np.any(left, axis=(0, 2)), np.any(right, axis=(0, 2))
-    for position, pairs in enumerate(factors):
-        for i, j in pairs:
+    # Most products are those with the constant.
+    result: Points = np.einsum("np,nmp->mp", left[:, 0], right)
+    result[1:] += np.einsum("nmp,np->mp", left[:, 1:], right[:, 0])
+    inner = [(position, i, j) for position, pairs in enumerate(factors) for i, j in pairs if i and j]
+    if inner:
+        # By symmetries, half of the monomials are often zero.
+        some_left, some_right = np.any(left, axis=(0, 2)), np.any(right, axis=(0, 2))
+        for position, i, j in inner:
             if some_left[i] and some_right[j]:
                 result[position] += np.einsum("np,np->p", left[:, i], right[:, j])
     return result

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
+from math import ceil, log2
 
 from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series
 from orbitproof.verify.evidence import IntegrationFailure
@@ -12,6 +13,7 @@ from orbitproof.verify.flow import advance, dyadic_below
 from orbitproof.verify.poincare.oracle import Oracle
 
 _MOST_STEPS = 16
+_SPARE_DEGREES = 2
 
 
 def onto_section(
@@ -29,12 +31,18 @@ def onto_section(
 
     Raises `IntegrationFailure` if the velocity across the section is not bounded away from zero.
     """
-    # Next to the section one step of low degree is enough; with a wide variable y_0 is not small.
     wide = arithmetic.width > 0
-    degree = arithmetic.degree if wide else 2 * arithmetic.grading.top + 4
-    inner = replace(arithmetic, degree=degree, grade_loss=0)
-    current = [Series(inner, x.coefs, x.errors) for x in state] + [inner.constant(Fraction(0))]
-    constants = [Series(inner, p.coefs, p.errors) for p in parameters] + [current[section]]
+
+    def begun(degree: int) -> tuple[Arithmetic, list[Series], list[Series]]:
+        inner = replace(arithmetic, degree=degree, grade_loss=0)
+        current = [*(Series(inner, x.coefs, x.errors) for x in state), inner.constant(Fraction(0))]
+        return inner, current, [*(Series(inner, p.coefs, p.errors) for p in parameters), current[section]]
+
+    # Next to the section one step of low degree is enough; with a wide variable y_0 is not small.
+    inner, current, constants = begun(arithmetic.degree if wide else 2 * arithmetic.grading.top + 4)
+    if wide:
+        size = oracle.expand(program, inner, current, constants).step_size
+        inner, current, constants = begun(_degree(inner, size))
     way, share = Fraction(0), 1.0
     for _ in range(_MOST_STEPS):
         expansion = oracle.expand(program, inner, current, constants)
@@ -54,3 +62,11 @@ def onto_section(
         f"the orbits were not brought onto the section in {_MOST_STEPS} steps",
         "the times of their returns differ too much: give a narrower piece",
     )
+
+
+def _degree(arithmetic: Arithmetic, size: float) -> int:
+    """The degree that suits a step of length 1, where that of the arithmetic suits one of length `size`."""
+    if not size > 1:
+        return arithmetic.degree
+    decay = arithmetic.bits / arithmetic.degree + log2(size)
+    return min(arithmetic.degree, ceil(arithmetic.bits / decay) + _SPARE_DEGREES)
