@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import copy
-import json
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,12 +13,11 @@ import pytest
 from flint import arb, arb_poly, ctx, fmpz_poly
 from scipy.integrate import solve_ivp
 from support.flow_checks import ball
+from support.stability_cases import HALO_INTERVALS, HALO_LIMITS, halo_functions, halo_piece
 from support.stored import stored_distances, unconfirmed_of
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Piece
-from orbitproof.shared.codec import to_json
-from orbitproof.shared.formats import piece_from_json
 from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
 from orbitproof.verify.curve import PieceLimits
@@ -33,11 +30,7 @@ from orbitproof.verify.distances import (
 from orbitproof.verify.distances.distances import PARTS, Cells
 from orbitproof.verify.evidence import sign
 from orbitproof.verify.functions import REACH, BoundedFunction
-from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import Segment, TubeOfOrbits, orbit_functions
-
-PIECES: dict[str, Any] = json.loads((Path(__file__).parents[1] / "data/branch-pieces.json").read_text())
-INTERVALS = {"symmetric": (Fraction(-1, 8), Fraction(1, 8)), "regularised": (Fraction(5, 16), Fraction(3, 8))}
+from orbitproof.verify.stability import Segment
 
 
 @pytest.fixture(autouse=True)
@@ -46,26 +39,11 @@ def _precision() -> Any:
         yield
 
 
-def case(name: str) -> tuple[Piece, dict[str, Fraction]]:
-    entry = PIECES[name]
-    piece = piece_from_json(entry["piece"], CR3BP, "piece")
-    assert isinstance(piece, Piece)
-    return piece, {key: parse_exact(value) for key, value in entry["parameters"].items()}
-
-
-def enclosed(name: str, limits: PieceLimits) -> dict[str, Any]:
-    piece, parameters = case(name)
-    coordinates = "regularised" if name == "regularised" else "physical"
-    return to_json(
-        orbit_functions(
-            TubeOfOrbits(CR3BP, parameters, piece, INTERVALS[name], limits, coordinates, ORACLE, "S")
-        ).stored
-    )
-
-
 @pytest.fixture(scope="module", params=["symmetric", pytest.param("regularised", marks=pytest.mark.slow)])
 def found(request: Any) -> tuple[str, dict[str, Any]]:
-    return request.param, enclosed(request.param, PieceLimits(72, 28, 14))
+    name = request.param
+    with ctx.workprec(160):
+        return name, halo_functions(name, HALO_INTERVALS[name], HALO_LIMITS[name])
 
 
 def distances_of(piece: Piece, s: Fraction, mu: float) -> Any:
@@ -89,10 +67,10 @@ def distances_of(piece: Piece, s: Fraction, mu: float) -> Any:
 
 def test_distances_of_independent_orbits_lie_within_the_bounds(found: tuple[str, dict[str, Any]]) -> None:
     name, entry = found
-    piece, parameters = case(name)
+    piece, parameters = halo_piece(name)
     known = stored_distances(entry["distance"])
     assert known is not None
-    start, end = INTERVALS[name]
+    start, end = HALO_INTERVALS[name]
     source = np.random.default_rng(3)
     places = set()
     for share in source.uniform(0, 1, 12):
@@ -150,7 +128,7 @@ def test_what_is_not_finite_has_no_sign() -> None:
 def test_another_integration_confirms_the_bounds(found: tuple[str, dict[str, Any]]) -> None:
     name, entry = found
     if name == "symmetric":
-        assert list(unconfirmed_of(entry, enclosed(name, PieceLimits(88, 30, 18)))) == []
+        assert list(unconfirmed_of(entry, halo_functions(name, HALO_INTERVALS[name], PieceLimits(72, 24, 12)))) == []
 
 
 def test_an_integration_confirms_itself_and_one_that_rounds_another_way(found: tuple[str, dict[str, Any]]) -> None:

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from flint import arb, ctx
 from scipy.integrate import solve_ivp
-from support.stability_cases import atlas, results
+from support.stability_cases import (
+    HALO_INTERVALS,
+    HALO_LIMITS,
+    PIECES,
+    atlas,
+    halo_functions,
+    halo_piece,
+    results,
+)
 from support.stored import function_of
 
 from orbitproof.shared import parse_exact
@@ -29,9 +35,6 @@ from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import OtherPoint, TubeOfOrbits, orbit_functions
 from orbitproof.verify.stability.matrix import SHARE
 from orbitproof.verify.stability.units import scales
-
-DATA = Path(__file__).parents[1] / "data"
-PIECES: dict[str, Any] = json.loads((DATA / "branch-pieces.json").read_text())
 
 
 @pytest.fixture(autouse=True)
@@ -130,7 +133,7 @@ def test_planar_orbits_in_units_of_their_size_have_the_stability_of_the_three_bo
     interval = (Fraction(1, 2), Fraction(3, 4))
     found = to_json(
         orbit_functions(
-            TubeOfOrbits(system, parameters, piece, interval, PieceLimits(72, 28, 16), "physical", ORACLE)
+            TubeOfOrbits(system, parameters, piece, interval, PieceLimits(64, 22, 10), "physical", ORACLE)
         ).stored
     )
     functions = [function_of(found[name]) for name in ("half_period", "level")]
@@ -268,14 +271,8 @@ def independent_coefficients(points: Any, mu: float, half_periods: Any) -> list[
 
 
 def check_three_body(name: str, interval: tuple[Fraction, Fraction], limits: PieceLimits, number: int) -> None:
-    entry = PIECES[name]
-    piece = piece_from_json(entry["piece"], CR3BP, "piece")
-    assert isinstance(piece, Piece)
-    parameters = {key: parse_exact(value) for key, value in entry["parameters"].items()}
-    coordinates = "regularised" if name == "regularised" else "physical"
-    found = to_json(
-        orbit_functions(TubeOfOrbits(CR3BP, parameters, piece, interval, limits, coordinates, ORACLE, "S")).stored
-    )
+    piece, parameters = halo_piece(name)
+    found = halo_functions(name, interval, limits)
     source = np.random.default_rng(2)
     start, end = interval
     s = source.uniform(float(start), float(end), number)
@@ -296,8 +293,7 @@ def check_three_body(name: str, interval: tuple[Fraction, Fraction], limits: Pie
 @pytest.mark.parametrize("name", ["symmetric", pytest.param("regularised", marks=pytest.mark.slow)])
 def test_sigma_of_halo_orbits_contains_independent_monodromy(name: str) -> None:
     """In both coordinates, with 0 of a symmetric piece inside; D(P^2) on Fix(R), and 1 + 2 B^T C."""
-    interval = (Fraction(-1, 8), Fraction(1, 8)) if name == "symmetric" else (Fraction(5, 16), Fraction(3, 8))
-    check_three_body(name, interval, PieceLimits(72, 28, 14), 50)
+    check_three_body(name, HALO_INTERVALS[name], HALO_LIMITS[name], 50)
 
 
 @pytest.mark.slow
