@@ -9,7 +9,7 @@ from unittest import mock
 
 from flint import arb
 
-from orbitproof.verify.second_proof import crossing, flow, full_return, halves, legs
+from orbitproof.verify.second_proof import crossing, flow, full_return, halves, legs, newton, periodic
 from orbitproof.verify.second_proof.jets import Jet
 
 
@@ -28,6 +28,13 @@ def made_once() -> Iterator[None]:
     with ExitStack() as patched:
         for module in (crossing, legs, halves, full_return):
             patched.enter_context(mock.patch.object(module, "take_step", step))
+        yield
+
+
+@contextmanager
+def few_bits(known: int = 56) -> Iterator[None]:
+    """Derivatives are known to fewer bits than those of users' proofs, where a test needs no more."""
+    with mock.patch.object(newton, "KNOWN", known), mock.patch.object(periodic, "KNOWN", known):
         yield
 
 
