@@ -227,6 +227,8 @@ def meaning(atlas: Atlas) -> str:
             "the beginning is 0 at T again, for the first time."
         )
     if atlas.system is HILL_VARIED:
+        covers = atlas.claim.covers
+        with_hill = covers is not None and covers.coordinate == "h" and covers.start <= 0 <= covers.end
         return (
             "For h > 0 let mu = h^3, and T the time of the first return. The orbit of the circular restricted "
             "three-body problem with primaries at -mu and 1 - mu through (1 - mu + h xi, 0, h zeta) with the velocity "
@@ -234,8 +236,8 @@ def meaning(atlas: Atlas) -> str:
             "2 T and the multiplier -1: along this period the variation (dxi, dzeta, dveta) becomes its opposite. At "
             "this mass the points of Fix(R) near its own whose first return is in Fix(R) are a smooth curve, and the "
             "others whose second return is there are on a second smooth curve through it, in the direction of the "
-            "variation: there R-symmetric periodic orbits of about twice the period branch off from that family. At h "
-            "= 0 all this holds of Hill's problem."
+            "variation: there R-symmetric periodic orbits of about twice the period branch off from that family."
+            + (" At h = 0 all this holds of Hill's problem." if with_hill else "")
         )
     name, covers = point_name(atlas.system), atlas.claim.covers
     if name is None or covers is None or "eps" not in atlas.claim.increasing:
