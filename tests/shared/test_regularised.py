@@ -165,14 +165,15 @@ def test_both_formulas_of_the_embedding_agree_where_both_are_valid() -> None:
             assert all(vanishes(a - sign * b) for a, b in zip(one, two, strict=True))
 
 
+@pytest.mark.parametrize("number", [4, pytest.param(20, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", BOXES)
-def test_regularised_enclosures_contain_random_physical_orbits(name: str) -> None:
+def test_regularised_enclosures_contain_random_physical_orbits(name: str, number: int) -> None:
     candidate, found = enclosures(name, REGULARISED)
     assert found.coordinates == KUSTAANHEIMO_STIEFEL.name
     source, accuracy = random.Random(name), Fraction(1, 2**130)
     flow = orbits(CR3BP, 170)
     with ctx.workprec(400):
-        for _ in range(10):
+        for _ in range(number):
             p = random_point(source, candidate)
             crossings = flow.crossings(*initial_state(candidate, p), candidate.k)
             for crossing, tables, time in zip(crossings, found.iterates, found.return_times, strict=True):

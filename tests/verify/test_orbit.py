@@ -177,7 +177,7 @@ def claim(quantity: str, value: Fraction, coordinate: str | None = None, **chang
     ids=["coordinate", "half period", "level", "mass", "centre"],
 )
 def test_a_false_claim_is_not_proved(false: Candidate) -> None:
-    certificate = certify(false, Limits(digits=12, max_precision=256))
+    certificate = certify(false, Limits(digits=12, max_precision=128))
     assert not certificate.proved
     assert certificate.reason is not None
     assert certificate.reason.condition == "orbit"
