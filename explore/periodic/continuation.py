@@ -83,6 +83,8 @@ def continue_orbit(
 ) -> PeriodicFamily:
     """The family of an orbit in a parameter, or over the levels of the first integral, both ways.
 
+    The members are in the order in which the parameter or level grows at the orbit.
+
     Arguments:
         name: of the parameter; `None` for the level.
         bounds: its least and greatest value; the family ends with the first orbit beyond.
@@ -101,6 +103,9 @@ def continue_orbit(
         level = Fraction(orbit.level)
     family = Family(problem, name, scale_of(orbit, name, bounds), None if name is None else level, symmetries)
     first = family.member_of(orbit)
+    if family.rate(first) < 0:
+        # Rounding chooses the sign of a tangent; the order of the family and the numbers in it do not depend on it.
+        first = replace(first, tangent=-first.tangent)
     back = traced(family, replace(first, tangent=-first.tangent), bounds, control, _part(progress, 0, 2))
     ahead = Trace([], [], "is not followed the other way", False)
     if not back.interrupted:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from math import pi, sqrt
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from orbitproof import explore
@@ -18,7 +20,9 @@ from orbitproof.explore.periodic import (
     TORUS,
     AffineSection,
     Bifurcation,
+    ClosedOrbit,
     Family,
+    FamilyMember,
     PeriodicFamily,
     PeriodicProblem,
     StepControl,
@@ -108,6 +112,23 @@ def test_a_fold_is_refined_to_its_closed_form() -> None:
     assert abs(claim.parameters["a"] + Fraction(1, 4)) < Fraction(1, 10**29)
     x, y = claim.centre
     assert abs(x * x + y * y - Fraction(1, 2)) < Fraction(1, 10**28)
+
+
+def test_the_order_of_a_family_does_not_depend_on_the_sign_of_a_tangent(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rounding may choose it."""
+    one = _family(TWO_CYCLES, "-1/5", [0.8506, 0], 6.3, (-0.3, 0.0))
+    member_of = Family.member_of
+
+    def turned(self: Family, orbit: ClosedOrbit) -> FamilyMember:
+        member = member_of(self, orbit)
+        return replace(member, tangent=-member.tangent)
+
+    monkeypatch.setattr(Family, "member_of", turned)
+    other = _family(TWO_CYCLES, "-1/5", [0.8506, 0], 6.3, (-0.3, 0.0))
+    points, again = ([each.orbit.point for each in family.members] for family in (one, other))
+    assert len(points) == len(again) > 2
+    assert np.allclose(points, again, rtol=0, atol=1e-9)
+    assert one.reason == other.reason
 
 
 def test_a_doubling_is_refined_to_its_closed_form() -> None:
