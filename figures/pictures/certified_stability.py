@@ -20,6 +20,7 @@ from orbitproof.figures.pictures.marks import draw_resonance, resonances
 from orbitproof.figures.pictures.stretches import crowded
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, level_label, marker_of
 from orbitproof.shared.formats import FOLD, REVERSOR_BREAKING
+from orbitproof.shared.systems import VERTICAL
 
 _WIDTH, _HEIGHT = 7.2, 6.4
 _STABLE = "#d9ead3"
@@ -100,11 +101,12 @@ def draw_certified_stability(found: CertifiedStability) -> Figure:
         upper.text(0.5, 0.6, text, transform=upper.transAxes, ha="center", color=INK)
     upper.margins(x=0.015)
     upper.tick_params(labelbottom=False)
-    lower.set_ylabel("half period" if axis.is_parameter else level_label(found.curve.system).split("  ")[0])
+    time, what = _over(found)
+    lower.set_ylabel(time if axis.is_parameter else level_label(found.curve.system).split("  ")[0])
     [lower, *twists, *panels][-1].set_xlabel(axis.label)
     figure.text(0.1, 1 - 0.22 / height, heading_of(found.curve.atlas), color=INK, fontweight="bold", va="center")
-    upper.set_title(f"(a)  stability parameters, with all resonances up to 1:{found.order}", color=INK)
-    title = "half period" if axis.is_parameter else f"{_parameter(found)} of the orbits"
+    upper.set_title(f"(a)  stability parameters{what}, with all resonances up to 1:{found.order}", color=INK)
+    title = time if axis.is_parameter else f"{_parameter(found)} of the orbits"
     lower.set_title(f"(b)  {title}", color=INK)
     for number, axes in enumerate(panels):
         within = [each for each in range(number) if _contains(close[each], close[number])]
@@ -114,6 +116,13 @@ def draw_certified_stability(found: CertifiedStability) -> Figure:
     for number, row in enumerate(rows):
         legend_row(figure, row, 0.06 + _ROW * number)
     return figure
+
+
+def _over(found: CertifiedStability) -> tuple[str, str]:
+    """What the time from Fix(R) to Fix(R) is, and over which time the parameters are, if not over a period."""
+    if found.curve.system in VERTICAL.values():
+        return "quarter of the period", " of half a period and z -> -z"
+    return "half period", ""
 
 
 def _magnified(axis: Along, found: CertifiedStability, spots: Sequence[float]) -> list[tuple[float, float]]:

@@ -15,7 +15,7 @@ from support.stored import values
 
 from orbitproof.shared.claims import REVERSOR_BREAKING, Atlas, Claim, Covers, Piece
 from orbitproof.shared.claims.web import Meeting
-from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, VERTICAL, ReversibleSystem
+from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, LIFTED, VERTICAL, ReversibleSystem
 from orbitproof.verify.atlas.conclusion import conclusion_of
 from orbitproof.verify.curve import CertifiedPoint, Conclusion, Place, ProvedCurve, certified_systems, jacobi_constant
 from orbitproof.verify.curve import conclude as concluded
@@ -129,9 +129,10 @@ def test_at_rest_the_return_is_before_half_the_period_across_the_plane(parts: li
     assert of_vertical(conclusion) == ("" if holds else "vertical")
 
 
-def test_no_list_of_resonances_is_made_of_vertical_orbits_whatever_results_say() -> None:
+def test_a_list_of_resonances_is_made_of_vertical_orbits_and_none_of_axial_ones_whatever_results_say() -> None:
     for around, is_listed in (
-        (atlas(), False),
+        (atlas(), True),
+        (atlas(system=LIFTED), False),
         (atlas(system=AROUND["L1"], claim=Claim("arc"), pieces=(planar(),)), True),
     ):
         results = values([proved(around.curve_pieces()[0], time=ball_to_json(QUARTER))])

@@ -76,7 +76,7 @@ def conclusion_of(
 
         points = [certified_point(atlas, entry, examine) for entry in bifurcations]
         conclusion = conclude(atlas, results, points, partner, follow)
-    # No theorem is about resonances of vertical or axial orbits in units of their own (16.7, 16.10), or of doublings.
+    # No theorem is about resonances of axial orbits in units of their own (16.10), or of doublings over the mass.
     if order is None or any(atlas.system is known for known in UNLISTED):
         return told(conclusion)
     of_curve = [result for result in results if isinstance(result, LastingResult)]

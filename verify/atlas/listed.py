@@ -26,7 +26,7 @@ class ListedPoint:
         k, j: a stability parameter is cos(2 pi j/k) there; 0 for a Krein collision.
         s: a ball that contains the point's.
         level: encloses the first integral of the orbit, or the parameter of its family.
-        half_period: encloses half its period.
+        half_period: encloses half its period; of vertical orbits, whose list is one up to z -> -z, a quarter of it.
         point: balls that contain the coordinates on Fix(R), by name.
         certificates: ids of the certificates of bifurcations at this point.
     """

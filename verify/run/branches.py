@@ -300,7 +300,7 @@ def limits_of(
         )
     if complete is not None and any(atlas.system is known for known in UNLISTED):
         raise ArgumentError(
-            "{complete}: no list is made of vertical or axial orbits in units of their speed, or of period doublings "
+            "{complete}: no list is made of axial orbits in units of their speed, or of period doublings "
             "over the mass; leave it out"
         )
     if combinations and (complete is None or len(atlas.curve_pieces()[0].tube) != 2):

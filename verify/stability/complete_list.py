@@ -23,6 +23,7 @@ from orbitproof.verify.stability.linear_stability import is_stable
 from orbitproof.verify.stability.list_entries import Combinations, CompleteList, Extremum, Gap, Point, Segment
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
 from orbitproof.verify.stability.stored_stability import StabilityResult
+from orbitproof.verify.stability.units import is_of_vertical_orbits
 from orbitproof.verify.stability.zeros import Zero, between, ends_of, zeros_beside_double_one, zeros_on
 
 PRECISION = 192
@@ -100,10 +101,11 @@ def complete_list(
     pieces = [stretch.tube.piece.id for stretch in chain.stretches]
     turns = between_orbits(extrema, [*gaps, *open_extrema], segments, pieces, bifurcations)
     size = len(chain.stretches[0].tube.piece.tube)
+    is_halved = is_of_vertical_orbits(atlas.system)
     return CompleteList(
         order,
         size,
-        with_certificates(listed, gaps, about_the_list(atlas, bifurcations, order)),
+        with_certificates(listed, gaps, about_the_list(atlas, bifurcations, order), is_halved),
         tuple(gaps),
         tuple(segments),
         tuple(sorted(turns, key=lambda entry: (entry.stretch, ends_of(entry.s)[0]))),

@@ -57,7 +57,7 @@ from orbitproof.verify.poincare import (
 )
 from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
 from orbitproof.verify.stability.stored_stability import StabilityFunctions
-from orbitproof.verify.stability.units import in_own_units
+from orbitproof.verify.stability.units import at_other_point, in_own_units, units_of
 
 SHARE = 1 / BEYOND * REACH
 """sigma = SHARE tau."""
@@ -173,7 +173,7 @@ class TubeOfOrbits:
         level = half.start[str(system.family_parameter)] if integral is None else integral
         curve = self.curve(half)
         beyond = self._at_other_point(curve, half.state)
-        there = self._named(half.start, half.state)
+        there = self._named(half.start, half.state, 1)
         other = OtherPoint.of([curve.value(element) for element in there])
         images = [
             [restricted(curve.across(element, j).scaled(1 / width), SHARE) for element in there]
@@ -193,7 +193,7 @@ class TubeOfOrbits:
                 progress(half.steps + number)
 
         second, _ = returns.half_orbit(self.crossings, after_step)
-        back = self._back(curve, widths, around, self._named(begun, second))
+        back = self._back(curve, widths, around, self._named(begun, second, 0))
         sigma = _stability_matrix(out, back)
         points = self._initial(system, curve, half.start), self._initial(beyond, curve, half.start, there)
         return OrbitFunctions(
@@ -217,8 +217,10 @@ class TubeOfOrbits:
         return variations_across(self.system, flow, start, SHARE, self.crossings, self.oracle)
 
     def _at_other_point(self, curve: CurveInTube, state: Sequence[Series]) -> ReversibleSystem:
-        """The system with the sheet of its fixed level, if it has one, on which P(x) lies along the curve."""
+        """The system at P(x): with the sheet of its fixed level on which that lies along the curve, or in its units."""
         system = self.system
+        if system.normalised:
+            return at_other_point(system)
         if system.fixed_level is None:
             return system
         from orbitproof.verify.poincare import on_sheet
@@ -251,11 +253,11 @@ class TubeOfOrbits:
                 raise IntegrationFailure("stability", "the curve is not shown to be in its tube", "give a wider tube")
         return curve
 
-    def _named(self, tube: Mapping[str, Series], state: Sequence[Series]) -> list[Series]:
-        """The coordinates of a return in the order of the system's `centre_coordinates`."""
+    def _named(self, tube: Mapping[str, Series], state: Sequence[Series], end: int) -> list[Series]:
+        """The coordinates of a return in the order of the system's `centre_coordinates`; `end` is 0 at x, 1 at P(x)."""
         named = {**tube, **dict(zip(self.system.state, state, strict=True))}
         if self.system.normalised:
-            named.update(in_own_units(self.system, named))
+            named.update(in_own_units(self.system, units_of(self.system)[end], named))
         return [named[name] for name in self.system.centre_coordinates]
 
     def _back(

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from orbitproof.shared.systems import ReversibleSystem, record
+from orbitproof.shared.systems import VERTICAL, ReversibleSystem, record
 from orbitproof.verify.algebra import Series
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.poincare import at_start
@@ -44,22 +44,47 @@ def scales(system: ReversibleSystem) -> bool:
     return all(value == _Degree(Fraction(1)) for value in values)
 
 
-def in_own_units(system: ReversibleSystem, point: Mapping[str, Series]) -> dict[str, Series]:
+def is_of_vertical_orbits(system: ReversibleSystem) -> bool:
+    """Whether points of a system stand for vertical orbits, up to z -> -z (section 18.14)."""
+    return any(system is known for known in VERTICAL.values())
+
+
+def units_of(system: ReversibleSystem) -> tuple[str, str]:
+    """The coordinates that are 1 in the orbit's own units: at x, and at the other point (sections 18.9 and 18.14).
+
+    Vertical orbits have w = 1 on the axis, where u = 0, and u = 1 off it, where w = 0. Raises `IntegrationFailure` for
+    systems without such units.
+    """
+    names = tuple(name for name, value in system.normalised.items() if value == 1)
+    if len(names) == 1 and system.family_parameter is not None and scales(system):
+        if len(system.normalised) == 1:
+            return names[0], names[0]
+        if is_of_vertical_orbits(system):
+            (other,) = set(system.normalised) - set(names)
+            return names[0], other
+    message = f"the other point of an orbit of {system.name} is not known in its own units"
+    raise IntegrationFailure("stability", message, "ask for the list of another curve")
+
+
+def at_other_point(system: ReversibleSystem) -> ReversibleSystem:
+    """The system with the initial values of the other point of an orbit, in its own units."""
+    unit = units_of(system)[1]
+    return replace(system, normalised={name: Fraction(int(name == unit)) for name in system.normalised})
+
+
+def in_own_units(system: ReversibleSystem, unit: str, point: Mapping[str, Series]) -> dict[str, Series]:
     """The coordinates of a centre for a point of Fix(R) that is not normalised: (nu x, y/x) for each other y (18.7).
 
-    Raises `IntegrationFailure` if the system does not allow that, or x may be zero.
+    x, with the name `unit`, is to be 1. Raises `IntegrationFailure` if it may be zero.
     """
-    unit = next(iter(system.normalised))
     own = [name for name in system.centre_coordinates if name in system.state]
-    if dict(system.normalised) != {unit: 1} or system.family_parameter is None or not scales(system):
-        message = f"the other point of an orbit of {system.name} is not known in its own units"
-        raise IntegrationFailure("stability", message, "ask for the list of another curve")
 
     def units(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
         size, *others = state
         (parameter,) = parameters
         return (parameter * size, *(value / size for value in others))
 
-    program = record(units, (unit, *own), (system.family_parameter,))
+    parameter = str(system.family_parameter)
+    program = record(units, (unit, *own), (parameter,))
     values = at_start(program, [point[name] for name in program.inputs])
-    return dict(zip((system.family_parameter, *own), values, strict=True))
+    return dict(zip((parameter, *own), values, strict=True))

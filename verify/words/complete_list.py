@@ -29,6 +29,7 @@ from orbitproof.verify.stability import (
     What,
     level_name,
 )
+from orbitproof.verify.stability.units import is_of_vertical_orbits
 
 _DIGITS, _MOST_DIGITS = 14, 24
 _IN_PLANE, _ACROSS = "a stability parameter", "(lambda + 1/lambda)/2"
@@ -105,6 +106,7 @@ def statement(
         f"are the stability parameters (lambda + 1/lambda)/2 of the multipliers lambda. {where} {result}"
     )
     lines += [f"- {point_in_words(atlas, point)}" for point in listed]
+    lines += _of_vertical_orbits(atlas, found)
     if any(point.kind in (Kind.HERE, Kind.THERE) for point in listed):
         lines.append(_A)
     if found.has_few_parameters:
@@ -160,6 +162,21 @@ def statement_across(atlas: Atlas, across: ListAcross) -> str:
     lines += itemised("It is not decided whether they are linearly stable at and between these places:", unknown)
     lines += itemised("Not covered, out of the plane:", map(gap_in_words, found.gaps))
     return "\n".join(lines)
+
+
+def _of_vertical_orbits(atlas: Atlas, found: CompleteList) -> list[str]:
+    """What the list of vertical orbits says of their whole period (section 18.14)."""
+    if not is_of_vertical_orbits(atlas.system):
+        return []
+    but = ", but for the places named below," if found.gaps else ""
+    return [
+        "The multipliers of the whole period 4 T are the lambda^2, its stability parameters 2 c^2 - 1 for the "
+        "eigenvalues c of Sigma. So the points at which one of these is cos(2 pi i/m), gcd(i, m) = 1, m at most "
+        f"{found.order // 2}, are{but} exactly those of the list with k = 2 m and, if m is odd, those with k = m. In "
+        "what follows the lambda are meant by multipliers; of orbits that are called linearly stable the four lambda^2 "
+        "are on the unit circle too, without Jordan blocks.",
+        "Points with eps2 < 0 stand for no orbit of the three-body problem.",
+    ]
 
 
 def half(atlas: Atlas) -> str:
@@ -247,6 +264,11 @@ def _stability(atlas: Atlas, stable: Sequence[StableInterval], unknown: Sequence
 
 
 def _held(atlas: Atlas) -> str:
+    if is_of_vertical_orbits(atlas.system):
+        return (
+            "on its level of the Jacobi constant, after half its period, 2 T, followed by z -> -z (at eps2 = 0 the "
+            "limit of that)"
+        )
     if atlas.system.normalised:
         return f"in the plane and on its level of the Jacobi constant (at {level_name(atlas)} = 0 the limit of that)"
     if atlas.system.fixed_level is not None:
@@ -276,7 +298,7 @@ def _value(k: int, j: int) -> str:
 
 def point_in_words(atlas: Atlas, point: Point, parameter: str = _IN_PLANE) -> str:
     place = (
-        f"{level_name(atlas)} in {interval_text(point.level, _DIGITS)}, half period in "
+        f"{level_name(atlas)} in {interval_text(point.level, _DIGITS)}, {_time(atlas)} in "
         f"{decimal_interval(point.half_period, 10)}"
     )
     known = f"; certified: {', '.join(map(shown, point.certificates))}" if point.certificates else ""
@@ -288,11 +310,16 @@ def interval_in_words(atlas: Atlas, entry: StableInterval, parameter: str = _IN_
     return f"from {begin} to {end}{_ranges(atlas, entry.ranges, 'in between ')}"
 
 
+def _time(atlas: Atlas) -> str:
+    """What the time of the return is."""
+    return "quarter T of the period" if is_of_vertical_orbits(atlas.system) else "half period"
+
+
 def _ranges(atlas: Atlas, ranges: Ranges | None, where: str) -> str:
     """Half periods and distances in words."""
     if ranges is None:
         return ""
-    words = [f"half period in {interval_text(ranges.half_period, _DIGITS)}"]
+    words = [f"{_time(atlas)} in {interval_text(ranges.half_period, _DIGITS)}"]
     for name, (distance, place) in ranges.distances.items():
         at = f" (at {_PLACES[place]} of the orbit on Fix(R))" if place in _PLACES else ""
         words.append(f"{name} distance from {atlas.system.distance_name} in {interval_text(distance, _DIGITS)}{at}")
