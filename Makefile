@@ -187,7 +187,8 @@ web: $(VENV)/demo.stamp
 	  done; \
 	  plan; \
 	  if [ -n "$$missing" ]; then failed=1; continue; fi; \
-	  step env $(VERIFY) web docs/webs/$$mass.json --certificates $$given $(WEBS)/certificates.json $(WEBS)/vertical-births.json \
+	  step env $(VERIFY) web docs/webs/$$mass.json --certificates $$given $$indices $(WEBS)/certificates.json \
+	    $(WEBS)/vertical-births.json \
 	    -o $(WEBS)/$$mass.json --jobs $(JOBS); \
 	  step $(FIGURES) web $(WEBS)/$$mass.json --certificates $$given -o $(WEBS) --page $(WEBS)/$$mass.html \
 	    $${indices:+--indices $$indices}; \

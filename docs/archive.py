@@ -3,7 +3,7 @@
 Every certificates file of the folders is checked again up to its conclusion and copied; the theorems are told anew, as
 one document for each folder. The guide lists each certificate with its file, its digest and how to check it again. A
 certificate that does not stand is refused, and then there is no archive. What one rests on, the arcs of a web,
-the curve of a catalogue's rows, has to be in the same folder.
+the curve of a catalogue's rows or of an index, has to be in the same folder.
 """
 
 from __future__ import annotations

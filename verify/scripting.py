@@ -27,6 +27,7 @@ from orbitproof.verify.atlas import (
     WITHIN,
     AtlasCertificate,
     CatalogueCertificate,
+    IndexCertificate,
     Placed,
     WebCertificate,
     certified_table,
@@ -297,7 +298,7 @@ def read_catalogue(path: str | Path) -> CatalogueCertificate:
 
 def certify_web(
     web: str | Path | Web,
-    certificates: Iterable[Certificate | AtlasCertificate],
+    certificates: Iterable[Certificate | AtlasCertificate | IndexCertificate],
     *,
     output: str | Path | None = None,
     jobs: int = 1,
@@ -309,7 +310,7 @@ def certify_web(
 
     Arguments:
         web: a file, or a `Web`.
-        certificates: of its arcs and vertices, checked up to their conclusions first; others are left out.
+        certificates: of its arcs, vertices and indices, checked up to their conclusions first; others are left out.
         output: a file for the certificate.
         jobs, timeout, memory, quiet: as for `recheck`.
 
@@ -327,7 +328,7 @@ def certify_web(
 
 def recheck_web(
     certificate: WebCertificate,
-    certificates: Iterable[Certificate | AtlasCertificate],
+    certificates: Iterable[Certificate | AtlasCertificate | IndexCertificate],
     *,
     integrate: bool = False,
     jobs: int = 1,
@@ -335,7 +336,7 @@ def recheck_web(
     memory: float = CheckLimits.memory / GIBIBYTE,
     quiet: bool = False,
 ) -> Recheck:
-    """Check the certificate of a web again, by those of its arcs and vertices; with `integrate` they are proved again.
+    """Check the certificate of a web again, by those that it rests on; with `integrate` they are proved again.
 
     Arguments as for `certify_web`; returns a `Recheck`.
     """

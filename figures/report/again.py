@@ -7,7 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.figures.report.statements import is_proved
-from orbitproof.figures.report.theorems import Checked, CheckedCatalogue, CheckedRow, CheckedWeb, has_second_proof
+from orbitproof.figures.report.theorems import (
+    Checked,
+    CheckedCatalogue,
+    CheckedIndex,
+    CheckedRow,
+    CheckedWeb,
+    has_second_proof,
+)
 from orbitproof.shared.systems import shown
 
 Named = Callable[[Path], str]
@@ -24,7 +31,7 @@ def check_again(entries: Sequence[Checked], path: Path, named: Named, integrate:
         if isinstance(entry, CheckedWeb):
             option = "--certificates"
             files += [each.path for each in entry.rests_on]
-        elif isinstance(entry, CheckedCatalogue):
+        elif isinstance(entry, CheckedCatalogue | CheckedIndex):
             files += [each.path for each in entry.rests_on]
         elif isinstance(entry, CheckedRow) and (place := entry.document.get("place")) is not None:
             curve = curve_of(place, entries)

@@ -22,7 +22,7 @@ from orbitproof.figures.report.document import (
     Statement,
     Table,
 )
-from orbitproof.figures.report.joined import extent_of, resting_paragraph, tables_of_joined
+from orbitproof.figures.report.joined import Joined, extent_of, resting_paragraph, tables_of_joined
 from orbitproof.figures.report.statements import (
     box_label,
     box_table,
@@ -33,7 +33,7 @@ from orbitproof.figures.report.statements import (
     piece_table,
     statement_blocks,
 )
-from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedCatalogue, CheckedRow, CheckedWeb
+from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedCatalogue, CheckedRow
 from orbitproof.shared.systems import shown
 from orbitproof.shared.wording import counted
 from orbitproof.verify.certificate import MEANINGS, Level
@@ -45,6 +45,7 @@ _CHAPTERS = {
     "bifurcations": "Bifurcations",
     "curves": "Curves of symmetric periodic orbits",
     "surfaces": "Over ranges of a parameter",
+    "indices": "The index along curves",
     "webs": "Curves joined into graphs",
     "catalogues": "Rows of catalogues",
 }
@@ -113,7 +114,7 @@ def _theorem(entry: Checked, numbers: Mapping[str, int], draw: Draw) -> Section:
     name, number = entry.name, numbers[entry.name]
     statement = Statement(theorem_label(name), number, f"{kind_of(entry)}; {shown(name)}", statement_blocks(entry))
     blocks: list[Block] = [statement]
-    if isinstance(entry, CheckedWeb | CheckedCatalogue):
+    if isinstance(entry, Joined):
 
         def place_of(other: str) -> Place | None:
             return Place(theorem_label(other), f"Theorem {numbers[other]}") if other in numbers else None
@@ -123,7 +124,7 @@ def _theorem(entry: Checked, numbers: Mapping[str, int], draw: Draw) -> Section:
         blocks.append(hypothesis_table(entry))
     if isinstance(entry, CheckedAtlas):
         blocks.append(piece_table(entry))
-    elif isinstance(entry, CheckedWeb | CheckedCatalogue):
+    elif isinstance(entry, Joined):
         blocks += tables_of_joined(entry)
     return Section(f"section-{name}", f"Theorem {number}: {shown(name)}", (*blocks, *draw(entry)), level=2)
 

@@ -1,4 +1,4 @@
-"""Theorems that rest on other certificates, webs and rows of catalogues, as blocks of a report."""
+"""Theorems that rest on other certificates, webs, rows of catalogues and indices, as blocks of a report."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from flint import arb
 
 from orbitproof.figures.certified.rows import BOUNDS, bounds_of
 from orbitproof.figures.report.document import Block, Code, Paragraph, Place, Run, Runs, Table
-from orbitproof.figures.report.theorems import CheckedCatalogue, CheckedWeb
+from orbitproof.figures.report.theorems import CheckedCatalogue, CheckedIndex, CheckedWeb
 from orbitproof.shared.systems import shown
 from orbitproof.shared.wording import counted
 from orbitproof.verify.atlas.catalogue import CertifiedRow
@@ -19,7 +19,7 @@ _SHORT = 12
 _SHOWN = 40
 """A catalogue of no more rows is told row by row."""
 
-Joined = CheckedWeb | CheckedCatalogue
+Joined = CheckedWeb | CheckedCatalogue | CheckedIndex
 
 
 def extent_of(entry: Joined) -> str:
@@ -27,6 +27,8 @@ def extent_of(entry: Joined) -> str:
     if isinstance(entry, CheckedWeb):
         arcs, vertices = entry.certificate.arcs, entry.certificate.vertices
         return f"{counted(len(arcs), 'arc')}, {len(vertices)} {'vertex' if len(vertices) == 1 else 'vertices'}"
+    if isinstance(entry, CheckedIndex):
+        return f"index of {counted(len(entry.certificate.orbits), 'orbit')}"
     rows = entry.certificate.rows
     return f"{len(certified(rows))} of {len(rows)} rows"
 
@@ -47,10 +49,10 @@ def resting_paragraph(entry: Joined, place_of: Callable[[str], Place | None]) ->
 
 
 def tables_of_joined(entry: Joined) -> Iterator[Block]:
-    """What is known of arcs, or of rows."""
+    """What is known of arcs, or of rows; of an index all is said in the theorem."""
     if isinstance(entry, CheckedWeb):
         yield _arcs(entry)
-    else:
+    elif isinstance(entry, CheckedCatalogue):
         yield from _rows(entry)
 
 

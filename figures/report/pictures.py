@@ -25,7 +25,14 @@ from orbitproof.figures.pictures import (
 )
 from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.report.document import Picture
-from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedCatalogue, CheckedRow, CheckedWeb
+from orbitproof.figures.report.theorems import (
+    Checked,
+    CheckedAtlas,
+    CheckedCatalogue,
+    CheckedIndex,
+    CheckedRow,
+    CheckedWeb,
+)
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared.formats import Candidate, InputError, PeriodicBifurcation, PeriodicOrbit
 from orbitproof.shared.systems import shown
@@ -51,6 +58,8 @@ def pictures_of(entry: Checked) -> tuple[Picture, ...]:
                 return _of_atlas(entry)
             case CheckedWeb():
                 return _of_web(entry)
+            case CheckedIndex():
+                return ()
         return _of_catalogue(entry)
 
 

@@ -11,9 +11,16 @@ from flint import arb
 
 from orbitproof.figures.report.document import Block, Code, Formulas, Items, Math, Paragraph, Place, Run, Runs, Table
 from orbitproof.figures.report.formulas import to_latex, typeset
-from orbitproof.figures.report.joined import extent_of
+from orbitproof.figures.report.joined import Joined, extent_of
 from orbitproof.figures.report.margins import margin_of, margin_on_atlas, part_of
-from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedCatalogue, CheckedRow, CheckedWeb
+from orbitproof.figures.report.theorems import (
+    Checked,
+    CheckedAtlas,
+    CheckedCatalogue,
+    CheckedIndex,
+    CheckedRow,
+    CheckedWeb,
+)
 from orbitproof.shared.claims.fields import Matrix, Vector
 from orbitproof.shared.formats import (
     KINDS,
@@ -70,6 +77,8 @@ def kind_of(entry: Checked) -> str:
         return "Curves of periodic orbits joined into a graph"
     if isinstance(entry, CheckedCatalogue):
         return "Rows of a catalogue as orbits of a curve"
+    if isinstance(entry, CheckedIndex):
+        return "The index of orbits of a curve"
     return _BRANCHES[entry.atlas.claim.kind].format(symmetry=entry.atlas.claim.symmetry)
 
 
@@ -80,7 +89,7 @@ def is_proved(entry: Checked) -> bool:
 
 def statement_blocks(entry: Checked) -> tuple[Block, ...]:
     """The theorem in full, in the words of its certificate: system, box, what is proved and what that means."""
-    words = "theorem" if isinstance(entry, CheckedWeb | CheckedCatalogue) else "in_full"
+    words = "theorem" if isinstance(entry, Joined) else "in_full"
     blocks = list(_blocks(str(entry.document["statement"][words]).split("\n")))
     if isinstance(entry, CheckedRow):
         where = Place(box_label(entry), "the table of boxes")
@@ -140,14 +149,14 @@ def _notes(entry: Checked) -> Iterator[Block]:
         yield Paragraph((f"Note: {as_options(note)}.",))
 
 
-def hypothesis_table(entry: CheckedRow | CheckedAtlas | CheckedWeb) -> Table:
+def hypothesis_table(entry: CheckedRow | CheckedAtlas | CheckedWeb | CheckedIndex) -> Table:
     """The hypotheses of the theorem with their enclosures and margins."""
     if isinstance(entry, CheckedRow):
         hypotheses = [
             (item.name, item.statement, item.section, item.enclosures) for item in entry.certificate.hypotheses
         ]
     else:
-        stored = entry.document if isinstance(entry, CheckedWeb) else entry.document["conclusion"]
+        stored = entry.document if isinstance(entry, CheckedWeb | CheckedIndex) else entry.document["conclusion"]
         hypotheses = [
             (item["name"], item["statement"], item["section"],
              {name: ball_from_json(ball) for name, ball in item["enclosures"].items()})
@@ -168,8 +177,10 @@ def hypothesis_table(entry: CheckedRow | CheckedAtlas | CheckedWeb) -> Table:
     ).without_empty_columns()  # fmt: skip
 
 
-def _margin(entry: CheckedRow | CheckedAtlas | CheckedWeb, hypothesis: str, name: str, ball: arb) -> Runs:
-    if isinstance(entry, CheckedWeb):
+def _margin(
+    entry: CheckedRow | CheckedAtlas | CheckedWeb | CheckedIndex, hypothesis: str, name: str, ball: arb
+) -> Runs:
+    if isinstance(entry, CheckedWeb | CheckedIndex):
         return ()
     if isinstance(entry, CheckedAtlas):
         margin = margin_on_atlas(entry.atlas, hypothesis, name, ball)
@@ -291,7 +302,7 @@ def parameter_text(entry: Checked) -> str:
     """The parameter at a bifurcation, the period of an orbit, or what is on a curve or surface, for the summary."""
     if isinstance(entry, CheckedAtlas):
         return _extent(entry)
-    if isinstance(entry, CheckedWeb | CheckedCatalogue):
+    if isinstance(entry, Joined):
         return extent_of(entry)
     if entry.certificate.parameter is None:
         return ""

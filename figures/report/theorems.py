@@ -26,9 +26,12 @@ from orbitproof.shared.systems import SYSTEMS, shown
 from orbitproof.verify.atlas import (
     AtlasCertificate,
     CatalogueCertificate,
+    IndexCertificate,
+    Key,
     Resting,
     WebCertificate,
     atlas_of,
+    key_of,
     recheck_catalogue,
     recheck_web,
     resting,
@@ -43,12 +46,12 @@ from orbitproof.verify.certificate import (
     systems_with,
 )
 from orbitproof.verify.run import LONG_CHECK_SECONDS, CheckLimits, Display, Failure, apart
-from orbitproof.verify.run.branch_checks import conclusion_apart
+from orbitproof.verify.run.branch_checks import conclusion_apart, index_apart
 from orbitproof.verify.run.rows import rechecks
 from orbitproof.verify.second_proof import BadCertificate, CannotFollow, read_claim
 
-ATLAS, WEB, CATALOGUE = "atlas-certificate", "web-certificate", "catalogue-certificate"
-CERTIFICATE_FORMATS = ("certificates", ATLAS, WEB, CATALOGUE)
+ATLAS, WEB, CATALOGUE, INDEX = "atlas-certificate", "web-certificate", "catalogue-certificate", "index-certificate"
+CERTIFICATE_FORMATS = ("certificates", ATLAS, WEB, CATALOGUE, INDEX)
 """Of files that a report may be about."""
 
 
@@ -129,7 +132,7 @@ class CheckedWeb:
     path: Path
     certificate: WebCertificate
     document: Mapping[str, Any]
-    rests_on: tuple[CheckedRow | CheckedAtlas, ...]
+    rests_on: tuple[CheckedRow | CheckedAtlas | CheckedIndex, ...]
     check: Recheck
 
     command = "verify web"
@@ -162,13 +165,33 @@ class CheckedCatalogue:
         return name_of_rows(self.path, self.certificate)
 
 
-Checked = CheckedRow | CheckedAtlas | CheckedWeb | CheckedCatalogue
-Entry = Certificate | Mapping[str, Any] | WebCertificate | CatalogueCertificate
+@dataclass(frozen=True)
+class CheckedIndex:
+    """A certificate of the index along a curve that follows from that of the curve, with that."""
+
+    path: Path
+    certificate: IndexCertificate
+    document: Mapping[str, Any]
+    rests_on: tuple[CheckedAtlas]
+    check: Recheck
+
+    command = "verify index"
+    chapter = "indices"
+    side = ""
+
+    @property
+    def name(self) -> str:
+        """As that of a catalogue."""
+        return name_of_rows(self.path, self.certificate)
+
+
+Checked = CheckedRow | CheckedAtlas | CheckedWeb | CheckedCatalogue | CheckedIndex
+Entry = Certificate | Mapping[str, Any] | WebCertificate | CatalogueCertificate | IndexCertificate
 """As it is read; of a branch the document."""
 
 
-def name_of_rows(path: Path, certificate: CatalogueCertificate) -> str:
-    """What the certificate of a catalogue is called among others."""
+def name_of_rows(path: Path, certificate: CatalogueCertificate | IndexCertificate) -> str:
+    """What a certificate with the id of its curve is called among others, of a catalogue or of an index."""
     return f"{certificate.document['id']}-{path.stem}"
 
 
@@ -194,11 +217,27 @@ def check_files(
         raise InputError(f"{paths[0]}: holds no certificates; prove something first")
     names = [_name(path, entry) for path, entry in entries]
     wanted = set(names) if only is None else set(select_ids(names, only, "certificate"))
-    rests_on = {
-        name: _rests_on(path, entry, [each for _, each in entries])
-        for name, (path, entry) in zip(names, entries, strict=True) if name in wanted
+    every = [each for _, each in entries]
+    indices = {
+        each.document["digest"]: name
+        for name, each in zip(names, every, strict=True) if isinstance(each, IndexCertificate)
     }  # fmt: skip
-    needed = wanted.union(*({each.id for each in resting} for resting in rests_on.values()))
+
+    def called(each: Resting) -> str:
+        return indices[each.document["digest"]] if isinstance(each, IndexCertificate) else each.id
+
+    rests_on: dict[str, tuple[Resting, ...]] = {}
+    needed: set[str] = set()
+    # What a web needs, an index among that, needs others itself.
+    more = wanted
+    while more:
+        found_now = {
+            name: _rests_on(path, entry, every)
+            for name, (path, entry) in zip(names, entries, strict=True) if name in more
+        }  # fmt: skip
+        rests_on |= found_now
+        needed |= more
+        more = {called(each) for resting in found_now.values() for each in resting} - needed
     for name, (path, _) in zip(names, entries, strict=True):
         if name in needed and names.count(name) > 1:
             raise ArgumentError(
@@ -225,22 +264,29 @@ def check_files(
             if isinstance(entry, Mapping):
                 finished(name, conclusion_apart(entry, long))
         _refuse(given, checks)
-        for name, (_, entry) in given.items():
-            if isinstance(entry, WebCertificate | CatalogueCertificate):
-                finished(name, _joined(entry, rests_on[name], checks, long))
+        # Webs after the indices that they rest on.
+        for name, (_, entry) in sorted(given.items(), key=lambda each: isinstance(each[1][1], WebCertificate)):
+            if isinstance(entry, WebCertificate | CatalogueCertificate | IndexCertificate):
+                own = {key_of(each): checks[called(each)] for each in rests_on[name]}
+                finished(name, _joined(entry, rests_on[name], own, long))
     _refuse(given, checks)
-    known: dict[str, CheckedRow | CheckedAtlas] = {}
+    known: dict[str, CheckedRow | CheckedAtlas | CheckedIndex] = {}
     for name, (path, entry) in given.items():
         if isinstance(entry, Certificate):
             known[name] = _checked_row(path, entry, checks[name])
         elif isinstance(entry, Mapping):
             known[name] = CheckedAtlas(path, atlas_of(entry), checks[name].rendered or entry, checks[name])
+    for name, (path, entry) in given.items():
+        if isinstance(entry, IndexCertificate):
+            document, curve = checks[name].rendered or entry.document, known[rests_on[name][0].id]
+            assert isinstance(curve, CheckedAtlas)
+            known[name] = CheckedIndex(path, IndexCertificate(document), document, (curve,), checks[name])
     found: list[Checked] = []
     for name, (path, entry) in given.items():
         # Words that are not this version's follow from nothing, and are not told.
         if isinstance(entry, WebCertificate):
             document = checks[name].rendered or entry.document
-            resting = tuple(known[each.id] for each in rests_on[name])
+            resting = tuple(known[called(each)] for each in rests_on[name])
             found.append(CheckedWeb(path, WebCertificate(document), document, resting, checks[name]))
         elif isinstance(entry, CatalogueCertificate):
             document, curve = checks[name].rendered or entry.document, known[rests_on[name][0].id]
@@ -264,8 +310,9 @@ def _rests_on(path: Path, entry: Entry, given: Sequence[Entry]) -> tuple[Resting
     try:
         if isinstance(entry, WebCertificate):
             arcs = [_branch(each) for each in branches if each["id"] in entry.claim.certificates]
-            return resting(entry.claim, [*arcs, *(each for each in given if isinstance(each, Certificate))])
-        if isinstance(entry, CatalogueCertificate):
+            others = (each for each in given if isinstance(each, Certificate | IndexCertificate))
+            return resting(entry.claim, [*arcs, *others])
+        if isinstance(entry, CatalogueCertificate | IndexCertificate):
             name, digest = (entry.document["rests_on"][key] for key in ("id", "digest"))
             found = next((_branch(each) for each in branches if each["digest"] == digest), None)
             if found is None:
@@ -281,23 +328,26 @@ def _branch(document: Mapping[str, Any]) -> AtlasCertificate:
 
 
 def _joined(
-    entry: WebCertificate | CatalogueCertificate,
+    entry: WebCertificate | CatalogueCertificate | IndexCertificate,
     resting: Sequence[Resting],
-    checks: Mapping[str, Recheck],
+    checks: Mapping[Key, Recheck],
     limits: CheckLimits,
 ) -> Recheck:
     """The check of a certificate that rests on others, which were checked; of rows with a place without that again."""
-    if isinstance(entry, CatalogueCertificate):
+    if not isinstance(entry, WebCertificate):
         (curve,) = resting
-        arguments: tuple[Any, ...] = (entry.document, curve, checks[curve.id])
+        assert isinstance(curve, AtlasCertificate)
+        if isinstance(entry, IndexCertificate):
+            return index_apart(entry, curve, checks[key_of(curve)], limits)
+        arguments: tuple[Any, ...] = (entry.document, curve, checks[key_of(curve)])
         found = apart(recheck_catalogue, curve.id, arguments, limits)
     else:
         placed = [
             each for each in resting
-            if isinstance(each, Certificate) and checks[each.id].digest != each.to_json().get("digest")
+            if isinstance(each, Certificate) and checks[key_of(each)].digest != each.to_json().get("digest")
         ]  # fmt: skip
         with closing(rechecks(placed, False, 1, lambda *_: None, limits)) as again:
-            without_place = {check.id: check for check in again}
+            without_place: dict[Key, Recheck] = {("vertex", check.id): check for check in again}
         arguments = (entry.document, tuple(resting), {**checks, **without_place})
         found = apart(recheck_web, entry.id, arguments, limits)
     if isinstance(found, Failure):
@@ -321,11 +371,13 @@ def _read(path: Path) -> list[tuple[Path, Entry]]:
         return [(path, WebCertificate(read_document(path, WEB)))]
     if stated == CATALOGUE:
         return [(path, CatalogueCertificate(read_document(path, CATALOGUE)))]
+    if stated == INDEX:
+        return [(path, IndexCertificate(read_document(path, INDEX)))]
     return [(path, certificate) for certificate in read_certificates(path).values()]
 
 
 def _name(path: Path, entry: Entry) -> str:
-    if isinstance(entry, CatalogueCertificate):
+    if isinstance(entry, CatalogueCertificate | IndexCertificate):
         return name_of_rows(path, entry)
     return str(entry["id"]) if isinstance(entry, Mapping) else entry.id
 

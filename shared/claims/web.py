@@ -29,10 +29,15 @@ class Meeting:
 
 @dataclass(frozen=True)
 class WebArc:
-    """An arc: the id of its certificate, and the vertices that it is claimed to meet."""
+    """An arc: the id of its certificate, and the vertices that it is claimed to meet.
+
+    Attributes:
+        index: whether the index of its orbits is claimed to be known, by a certificate with the id of the arc.
+    """
 
     id: Id
     meets: Annotated[tuple[Meeting, ...], rules(maxItems=10000)] = ()
+    index: bool = False
 
 
 @dataclass(frozen=True)
@@ -58,8 +63,13 @@ class Web:
 
     @property
     def certificates(self) -> tuple[str, ...]:
-        """The ids of the certificates that it needs, those of the arcs first."""
+        """The ids of the certificates of its arcs and vertices, those of the arcs first."""
         return (
             *(arc.id for arc in self.arcs),
             *(name for name in self.vertices if name not in LIBRATION_POINTS),
         )
+
+    @property
+    def indices(self) -> tuple[str, ...]:
+        """The ids of the arcs of which an index is claimed to be known; its certificate has the id of the arc."""
+        return tuple(arc.id for arc in self.arcs if arc.index)

@@ -23,11 +23,12 @@ from orbitproof.figures.pictures.web import DrawnArc, States, _between, _kind_of
 from orbitproof.figures.pictures.web_page import _index_at, _list_in_words
 from orbitproof.shared.claims.web import BRANCHES, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import InputError
-from orbitproof.verify.atlas import AtlasCertificate, WebCertificate, certified_web
-from orbitproof.verify.atlas.index import IndexedOrbit, ListedPlace
+from orbitproof.verify.atlas import AtlasCertificate, WebCertificate, certified_web, key_of
+from orbitproof.verify.atlas.index import IndexedOrbit
 from orbitproof.verify.atlas.listed import ListedEnd, ListedInterval
 from orbitproof.verify.atlas.web import StoredArc
 from orbitproof.verify.certificate import Level, Recheck
+from orbitproof.verify.stability import ListedPlace
 
 MU = 1 / 80
 
@@ -41,8 +42,10 @@ def web() -> tuple[WebCertificate, AtlasCertificate]:
     one = certificate(at, name="one", kind="symmetry_breaking", k=1, symmetry="S")
     inside = certificate(circle_point(0.7), name="inside")
     claim = Web("a web", "A web", (WebArc("circle", (Meeting("one", BRANCHES), Meeting("inside", PASSES))),))
-    checks = {entry.id: Recheck(entry.id, "proved", 1, (), level=Level.CONCLUSION) for entry in (curve, one, inside)}
-    checks["circle"] = replace(checks["circle"], digest=curve.document["digest"])
+    checks = {
+        key_of(entry): Recheck(entry.id, "proved", 1, (), level=Level.CONCLUSION) for entry in (curve, one, inside)
+    }
+    checks["arc", "circle"] = replace(checks["arc", "circle"], digest=curve.document["digest"])
     return WebCertificate(certified_web(claim, (curve, one, inside), checks)), curve
 
 

@@ -14,6 +14,7 @@ from orbitproof.shared.claims.web import PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import read_catalogue_rows
 from orbitproof.verify.atlas import (
     AtlasCertificate,
+    Key,
     certified_rows,
     certified_web,
     check_of_conclusion,
@@ -21,7 +22,7 @@ from orbitproof.verify.atlas import (
     write_catalogue_certificate,
     write_web_certificate,
 )
-from orbitproof.verify.certificate import Limits, certify, recheck, write_certificates
+from orbitproof.verify.certificate import Limits, Recheck, certify, recheck, write_certificates
 
 
 def write_web(folder: Path) -> list[Path]:
@@ -30,7 +31,10 @@ def write_web(folder: Path) -> list[Path]:
     atlas, results = of_parabola()
     curve = AtlasCertificate(atlas, json.loads(json.dumps(atlas_certificate(atlas, results))))
     claim = Web("a web", "a web", (WebArc("parabola", (Meeting("near", PASSES),)),))
-    checks = {"parabola": check_of_conclusion(curve.document), "near": recheck(point)}
+    checks: dict[Key, Recheck] = {
+        ("arc", "parabola"): check_of_conclusion(curve.document),
+        ("vertex", "near"): recheck(point),
+    }
     paths = [folder / name for name in ("rows.json", "curve.json", "web.json")]
     write_certificates(paths[0], [point])
     verify.write_atlas(paths[1], curve)

@@ -39,6 +39,7 @@ from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.atlas import (
     AtlasCertificate,
+    Key,
     Resting,
     certified_web,
     check_of_conclusion,
@@ -419,15 +420,18 @@ def test_a_birth_is_a_point_of_the_list_for_its_own_reversing_symmetry_or_contra
 
 # Certificates: a parabola's, on which a point is fabricated that stands without an integration.
 
+ARC: Key = ("arc", "parabola")
+VERTEX: Key = ("vertex", "near")
+
 
 @cache
-def documents() -> tuple[Web, tuple[Resting, ...], dict[str, Recheck]]:
+def documents() -> tuple[Web, tuple[Resting, ...], dict[Key, Recheck]]:
     point = fabricated(certify(known("fs3"), Limits(max_precision=256)), ("2", "4e-2"), "near")
     atlas, results = of_parabola()
     curve = AtlasCertificate(atlas, atlas_certificate(atlas, results))
     claim = web({"parabola": {"near": PASSES}})
     certificates = resting(claim, [point, curve])
-    return claim, certificates, {"parabola": check_of_conclusion(curve.document), "near": recheck(point)}
+    return claim, certificates, {ARC: check_of_conclusion(curve.document), VERTEX: recheck(point)}
 
 
 @cache
@@ -453,7 +457,7 @@ def test_the_certificate_of_a_web_stands_as_far_as_those_that_it_rests_on() -> N
     higher = {name: replace(check, level=Level.INTEGRATION, precision=90) for name, check in checks.items()}
     integrated = recheck_web(document(), certificates, higher)
     assert (integrated.level, integrated.precision) == (Level.INTEGRATION, 90)
-    half = {**higher, "near": checks["near"]}
+    half = {**higher, VERTEX: checks[VERTEX]}
     assert recheck_web(document(), certificates, half).level is Level.CONCLUSION
 
 
@@ -473,7 +477,7 @@ def test_what_it_rests_on_has_to_stand() -> None:
     silent = AtlasCertificate(curve.atlas, {**curve.document, "verdict": "not proved"})
     assert "says 'not proved'" in certified_web(claim, resting(claim, [point, silent]), checks)["reason"]["message"]
     with pytest.raises(ValueError, match="the check of another certificate"):
-        certified_web(claim, certificates, {**checks, "near": replace(checks["near"], digest="sha256:" + 64 * "0")})
+        certified_web(claim, certificates, {**checks, VERTEX: replace(checks[VERTEX], digest="sha256:" + 64 * "0")})
 
 
 FORGED: dict[str, Callable[[dict[str, Any]], Any]] = {

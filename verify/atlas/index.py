@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
-from orbitproof.shared.claims.fields import Id, PieceId, Short, Title
+from orbitproof.shared.claims.fields import Id, PieceId, Title
 from orbitproof.shared.formats import Atlas, InputError, json_text, read_document, write_text
 from orbitproof.shared.formats import validate_document as validated
 from orbitproof.shared.stored import rules
@@ -49,7 +49,7 @@ from orbitproof.verify.index import (
     stretch_of,
 )
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import Bound, ProvedList, StabilityResult, conclude_list, name_of
+from orbitproof.verify.stability import Bound, ListedPlace, ProvedList, StabilityResult, conclude_list, name_of
 from orbitproof.verify.words import index_in_words
 
 SCHEMA = "index-certificate"
@@ -60,15 +60,6 @@ _ORDER = 2
 """Of the list: points with k = 1 are all that is wanted."""
 _MOST_ORBITS = 6
 """So many orbits of an interval are tried."""
-
-
-@dataclass(frozen=True)
-class ListedPlace:
-    """An end of an interval of the curve: what is there, on which piece, between which s."""
-
-    what: tuple[Short, ...]
-    piece: PieceId
-    interval: tuple[Fraction, Fraction]
 
 
 @dataclass(frozen=True)
@@ -146,7 +137,12 @@ class IndexCertificate:
 
     def __repr__(self) -> str:
         found = ", ".join(str(orbit.index) for orbit in self.orbits)
-        return f"<IndexCertificate {self.document['id']!r}: {self.verdict}{f', {found}' if found else ''}>"
+        return f"<IndexCertificate {self.id!r}: {self.verdict}{f', {found}' if found else ''}>"
+
+    @property
+    def id(self) -> str:
+        """That of the curve."""
+        return str(self.document["id"])
 
     @property
     def verdict(self) -> str:
@@ -174,6 +170,11 @@ class IndexCertificate:
     def orbits(self) -> tuple[IndexedOrbit, ...]:
         """The orbits at which the index was counted, with their intervals, in order along the curve."""
         return from_json(tuple[IndexedOrbit, ...], self.document["orbits"], "orbits")
+
+    @property
+    def small(self) -> tuple[int, ...]:
+        """The index of small orbits of a curve that reaches a libration point; of planar ones in the plane, across."""
+        return tuple(self.document.get("small", ()))
 
 
 @dataclass(frozen=True)

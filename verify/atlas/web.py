@@ -1,4 +1,4 @@
-"""Certificates of webs: which proved curves meet in which certified orbits (section 33.6)."""
+"""Certificates of webs: which proved curves meet in which certified orbits (section 33.7)."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar
 
 from flint import arb
 
 from orbitproof.shared.claims.fields import Crossings, Id, Identifier, PieceId, Title
-from orbitproof.shared.claims.web import LIBRATION_POINTS, How, Web, WebArc
+from orbitproof.shared.claims.web import How, Web, WebArc
 from orbitproof.shared.formats import Atlas, InputError, json_text, read_document, web_from_json, write_text
 from orbitproof.shared.formats import validate_document as validated
 from orbitproof.shared.stored import rules
@@ -19,8 +19,10 @@ from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
 from orbitproof.verify.atlas.certified import certified_point
 from orbitproof.verify.atlas.conclusion import follow, partner
+from orbitproof.verify.atlas.index import IndexCertificate
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.listed import ListedInterval
+from orbitproof.verify.atlas.rests_on import Key, Part, Resting, called, digest_of, key_of, keys_of
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,
     CannotBeCheckedError,
@@ -40,21 +42,27 @@ from orbitproof.verify.certificate.document import Digest, Software, Verdict
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.evidence import Hypothesis, Proved, Reason, software
-from orbitproof.verify.web import Arc, Incidence, KnownArc, ProvedWeb, WebTheorem, conclude_web
+from orbitproof.verify.web import (
+    Arc,
+    Incidence,
+    IndexOnArc,
+    Indices,
+    KnownArc,
+    ProvedWeb,
+    WebTheorem,
+    conclude_web,
+)
 from orbitproof.verify.words import web_in_words
 
 SCHEMA = "web-certificate"
 
-Resting = AtlasCertificate | Certificate
-"""What a web rests on: an arc's certificate, or that of a vertex."""
-
 
 @dataclass(frozen=True)
 class RestsOn:
-    """A certificate that it rests on, of an arc or of a vertex."""
+    """A certificate that it rests on, of an arc, of a vertex, or of the index along an arc, with the id of that."""
 
     id: Id
-    kind: Literal["arc", "vertex"]
+    kind: Part
     digest: Digest
 
 
@@ -87,6 +95,9 @@ class StoredArc:
         level, period: contain those of all its orbits; absent where they are not known.
         order: of its own list of resonances, if it has one, with the gaps that this names.
         stable: between which orbits that list says that they are linearly stable.
+        index: that of its orbits, if that is claimed, as its certificate has it.
+        small: the index of its small orbits around a libration point, if that is claimed and says so; of planar ones
+            in the plane, then across it.
     """
 
     id: Id
@@ -100,6 +111,8 @@ class StoredArc:
     meets: tuple[StoredMeeting, ...]
     order: int | None = None
     stable: tuple[ListedInterval, ...] = ()
+    index: Annotated[tuple[IndexOnArc, ...], rules(maxItems=100000)] = ()
+    small: Annotated[tuple[int, ...], rules(maxItems=2)] = ()
 
 
 @dataclass(frozen=True)
@@ -139,7 +152,7 @@ class WebDocument:
     Attributes:
         id: that of the claim.
         reason: why it is not proved. Failure to verify is not a proof that the claim is false.
-        rests_on: the certificates of arcs and vertices.
+        rests_on: the certificates of arcs, vertices and indices.
         arcs, vertices: what is proved of them; nothing if the claim is not proved.
         switches: where one arc branches off from another, and no other points that the same symmetry fixes are near.
         parts: the ids of arcs that hang together.
@@ -151,7 +164,7 @@ class WebDocument:
     verdict: Verdict
     reason: Reason | None
     statement: WebStatement
-    rests_on: Annotated[tuple[RestsOn, ...], rules(minItems=1, maxItems=20000)]
+    rests_on: Annotated[tuple[RestsOn, ...], rules(minItems=1, maxItems=30000)]
     hypotheses: tuple[Hypothesis, ...]
     arcs: tuple[StoredArc, ...] = ()
     vertices: tuple[StoredVertex, ...] = ()
@@ -219,56 +232,34 @@ class WebCertificate:
         return from_json(tuple[StoredVertex, ...], self.document["vertices"], "vertices")
 
 
-def resting(web: Web, given: Sequence[Resting]) -> tuple[Resting, ...]:
-    """Those of the certificates that a web names, in its order. Raises `InputError` if one is not there, or twice."""
-    arcs = {arc.id for arc in web.arcs}
-    found: dict[str, Resting] = {}
-    for entry in given:
-        if entry.id in LIBRATION_POINTS:
-            raise InputError(
-                f"the certificate {shown(entry.id)}: has the name of a libration point; give it another id"
-            )
-        if entry.id not in web.certificates:
-            continue
-        if entry.id in found:
-            raise InputError(f"the certificate {shown(entry.id)}: appears twice; give each once")
-        if isinstance(entry, AtlasCertificate) != (entry.id in arcs):
-            is_one, wanted = ("a curve", "a vertex") if entry.id not in arcs else ("one orbit", "an arc")
-            raise InputError(
-                f"the certificate {shown(entry.id)}: is about {is_one}; the web claims that it is {wanted}"
-            )
-        # Where it lies on a curve is found again.
-        found[entry.id] = entry if isinstance(entry, AtlasCertificate) else entry.without_place()
-    for name in web.certificates:
-        if name not in found:
-            raise InputError(f"the web names {shown(name)}, and no such certificate is given; give its file")
-    return tuple(found[name] for name in web.certificates)
-
-
-def certified_web(web: Web, certificates: Sequence[Resting], checks: Mapping[str, Recheck]) -> dict[str, Any]:
+def certified_web(web: Web, certificates: Sequence[Resting], checks: Mapping[Key, Recheck]) -> dict[str, Any]:
     """The certificate of a web, as JSON.
 
     Args:
         certificates: as `resting` gives them.
-        checks: of each, by id, up to the conclusion or further. Raises `ValueError` if one is that of another.
+        checks: of each, up to the conclusion or further. Raises `ValueError` if one is that of another.
     """
     for entry in certificates:
-        if checks[entry.id].stands_without_place and checks[entry.id].digest != _digest_of(entry):
+        check = checks[key_of(entry)]
+        if check.stands_without_place and check.digest != digest_of(entry):
             raise ValueError(f"checks: {entry.id!r}: is the check of another certificate")
     arcs = {entry.id: entry for entry in certificates if isinstance(entry, AtlasCertificate)}
     vertices = {entry.id: entry for entry in certificates if isinstance(entry, Certificate)}
-    points = [_arc(arcs[arc.id], arc, vertices, checks) for arc in web.arcs]
+    indices = {entry.id: entry for entry in certificates if isinstance(entry, IndexCertificate)}
+    points = [
+        replace(_arc(arcs[arc.id], arc, vertices, checks), indices=_indices(arcs[arc.id], indices.get(arc.id), checks))
+        for arc in web.arcs
+    ]
     outcome = conclude_web(web, points)
-    rests_on = tuple(
-        RestsOn(entry.id, "arc" if isinstance(entry, AtlasCertificate) else "vertex", _digest_of(entry))
-        for entry in certificates
-    )
+    rests_on = tuple(RestsOn(entry.id, key_of(entry)[0], digest_of(entry)) for entry in certificates)
     claim, reason = WebStatement(claim=web), None if isinstance(outcome, Proved) else outcome.reason
     known: dict[str, Any] = {}
     if isinstance(outcome, Proved):
         assert isinstance(outcome.theorem, WebTheorem)
         found = outcome.results
-        words = web_in_words(outcome.theorem, found, {entry.id: entry.digest for entry in rests_on})
+        words = web_in_words(
+            outcome.theorem, found, {entry.id: entry.digest for entry in rests_on if entry.kind != "index"}
+        )
         claim = WebStatement(claim=web, theorem=words)
         known = {
             "arcs": tuple(_stored_arc(each, found, arcs[each.arc.id]) for each in found.arcs),
@@ -290,31 +281,31 @@ _LISTS: Mapping[str, Any] = {name: [] for name in ("arcs", "vertices", "switches
 _NOT_CHECKED = "it was not checked up to its conclusion"
 
 
-def _digest_of(entry: Resting) -> str:
-    document = entry.document if isinstance(entry, AtlasCertificate) else entry.to_json()
-    return str(document.get("digest", ""))
+def _problem(certificate: AtlasCertificate | IndexCertificate, checks: Mapping[Key, Recheck], called: str) -> str:
+    """Why a certificate counts for nothing; empty if it says that it is proved, and stands at its conclusion."""
+    check = checks[key_of(certificate)]
+    if not certificate.is_proved:
+        return f"{called} says {certificate.verdict!r}"
+    if not check.stands or check.level < Level.CONCLUSION:
+        return f"{called} does not stand: {check.why or _NOT_CHECKED}"
+    return ""
 
 
 def _arc(
-    certificate: AtlasCertificate, claimed: WebArc, vertices: Mapping[str, Certificate], checks: Mapping[str, Recheck]
+    certificate: AtlasCertificate, claimed: WebArc, vertices: Mapping[str, Certificate], checks: Mapping[Key, Recheck]
 ) -> Arc:
     """What a certificate proves of a curve, and where on it the vertices lie that it is claimed to meet."""
-    atlas, check = certificate.atlas, checks[certificate.id]
-    problem = ""
+    atlas = certificate.atlas
     if not isinstance(atlas, Atlas) or not kind_of(atlas).holds_points:
         raise InputError(
             f"the certificate {shown(certificate.id)}: is about no curve of symmetric orbits; leave it out"
         )
-    if not certificate.is_proved:
-        problem = f"the certificate says {certificate.verdict!r}"
-    elif not check.stands or check.level < Level.CONCLUSION:
-        problem = f"the certificate does not stand: {check.why or _NOT_CHECKED}"
-    if problem:
+    if problem := _problem(certificate, checks, "the certificate"):
         return Arc(atlas, None, problem)
     wanted = [vertices[meeting.vertex] for meeting in claimed.meets if meeting.vertex in vertices]
 
     def examine(entry: Certificate) -> Recheck:
-        check = checks[entry.id]
+        check = checks[key_of(entry)]
         return check if check.level >= Level.CONCLUSION else replace(check, obstacle=check.obstacle or _NOT_CHECKED)
 
     points = [certified_point(atlas, entry, examine) for entry in wanted]
@@ -322,6 +313,24 @@ def _arc(
     if not isinstance(conclusion.outcome, Proved):
         return Arc(atlas, None, conclusion.outcome.reason.message)
     return Arc(atlas, conclusion.outcome.results, "", {entry.id: entry for entry in conclusion.bifurcations})
+
+
+def _indices(
+    curve: AtlasCertificate, certificate: IndexCertificate | None, checks: Mapping[Key, Recheck]
+) -> Indices | None:
+    """What a certificate proves of the index along the curve of an arc, or why it counts for nothing (section 33.6)."""
+    if certificate is None:
+        return None
+    problem = _problem(certificate, checks, "the certificate of its index")
+    if certificate.document["rests_on"] != {"id": curve.id, "digest": digest_of(curve)}:
+        problem = problem or "the certificate of its index rests on another certificate of a curve"
+    if problem:
+        return Indices(digest_of(certificate), problem=problem)
+    orbits = tuple(
+        IndexOnArc(tuple(turns.index for turns in orbit.turns), orbit.piece, orbit.s, orbit.begin, orbit.end)
+        for orbit in certificate.orbits
+    )
+    return Indices(digest_of(certificate), orbits, certificate.small)
 
 
 def _stored_arc(known: KnownArc, web: ProvedWeb, certificate: AtlasCertificate) -> StoredArc:
@@ -339,6 +348,8 @@ def _stored_arc(known: KnownArc, web: ProvedWeb, certificate: AtlasCertificate) 
         meets=tuple(_stored_meeting(entry) for entry in web.incidences if entry.arc == atlas.id),
         order=None if listed is None else int(listed["order"]),
         stable=certificate.stable,
+        index=() if known.indices is None else known.indices.orbits,
+        small=() if known.indices is None else known.indices.small,
     )
 
 
@@ -353,13 +364,13 @@ def _stored_meeting(entry: Incidence) -> StoredMeeting:
     return StoredMeeting(entry.vertex, entry.how, place.piece, place.s, place.mirrored, place.other_point)
 
 
-def recheck_web(document: Mapping[str, Any], certificates: Sequence[Resting], checks: Mapping[str, Recheck]) -> Recheck:
+def recheck_web(document: Mapping[str, Any], certificates: Sequence[Resting], checks: Mapping[Key, Recheck]) -> Recheck:
     """Check the certificate of a web that fits the schema again, as far as those that it rests on were checked.
 
     `certificates`, `checks` as in `certified_web`.
     """
-    levels = [checks[entry.id].level for entry in certificates]
-    stands = all(checks[entry.id].stands_without_place for entry in certificates)
+    own = [checks[key_of(entry)] for entry in certificates]
+    levels, stands = [check.level for check in own], all(check.stands_without_place for check in own)
     steps = [partial(_form, document, certificates)]
     if min(levels) >= Level.CONCLUSION or not stands:
         steps.append(partial(_conclusion, document, certificates, checks))
@@ -372,16 +383,15 @@ def _form(document: Mapping[str, Any], certificates: Sequence[Resting], examinat
     yield from digest_findings(document)
     validated(document, SCHEMA, "the certificate")
     web = web_from_json(document["statement"]["claim"], "statement.claim")
-    names = [entry["id"] for entry in document["rests_on"]]
-    if names != list(web.certificates):
+    if [(entry["kind"], entry["id"]) for entry in document["rests_on"]] != list(keys_of(web)):
         yield Finding("rests_on", "does not name the certificates that the claim needs, in its order")
         return
     for stored, entry in zip(document["rests_on"], certificates, strict=True):
-        if stored["digest"] != _digest_of(entry):
-            words = (
-                f"{shown(entry.id)}: rests on {stored['digest']}; given is {_digest_of(entry) or 'one without digest'}"
+        if stored["digest"] != digest_of(entry):
+            has = digest_of(entry) or "one without digest"
+            yield Finding(
+                "rests_on", f"the certificate {called(key_of(entry))}: rests on {stored['digest']}; given is {has}"
             )
-            yield Finding("rests_on", words)
     expected = WebTheorem(web).hypotheses
     if document["verdict"] == "proved":
         yield from other_hypotheses([each["name"] for each in document["hypotheses"]], expected, document)
@@ -393,13 +403,13 @@ def _form(document: Mapping[str, Any], certificates: Sequence[Resting], examinat
 def _conclusion(
     document: Mapping[str, Any],
     certificates: Sequence[Resting],
-    checks: Mapping[str, Recheck],
+    checks: Mapping[Key, Recheck],
     examination: Examination,
 ) -> Iterator[Finding]:
     for entry in certificates:
-        check = checks[entry.id]
+        check = checks[key_of(entry)]
         if document["verdict"] == "proved" and not check.stands_without_place:
-            raise CannotBeCheckedError(f"the certificate {shown(entry.id)} does not stand: {check.why}")
+            raise CannotBeCheckedError(f"the certificate {called(key_of(entry))} does not stand: {check.why}")
     web = web_from_json(document["statement"]["claim"], "statement.claim")
     fresh = certified_web(web, certificates, checks)
     examination.hypotheses = len(fresh["hypotheses"])
@@ -408,7 +418,7 @@ def _conclusion(
     yield from examination.in_data(differences(old, new, ""), {**new, **{key: document[key] for key in apart}})
 
 
-def _integration(checks: Mapping[str, Recheck], examination: Examination) -> Iterator[Finding]:
+def _integration(checks: Mapping[Key, Recheck], examination: Examination) -> Iterator[Finding]:
     """Nothing here rests on an integration but the certificates, which were integrated again."""
     examination.precision = min(check.precision for check in checks.values())
     yield from ()

@@ -12,12 +12,14 @@ from orbitproof.shared.formats import AnyAtlas
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import (
     AtlasCertificate,
+    IndexCertificate,
     Means,
     Placed,
     ProvedBefore,
     Result,
     Watch,
     check_of_conclusion,
+    checked_index,
     kind_of,
     places_on,
     recheck_atlas,
@@ -111,6 +113,15 @@ def conclusion_apart(document: Mapping[str, Any], limits: CheckLimits, given: Se
     name = str(document["id"])
     result = apart(check_of_conclusion, name, (document, given), limits)
     return not_checked(name, str(document["verdict"]), result) if isinstance(result, Failure) else result
+
+
+def index_apart(certificate: IndexCertificate, curve: AtlasCertificate, check: Recheck, limits: CheckLimits) -> Recheck:
+    """As `checked_index`, by the check of its curve; what is not brought to an end cannot be checked."""
+    if not check.digest:
+        why = f"the certificate {shown(curve.id)} of the curve does not stand: {check.why}"
+        return Recheck(certificate.id, certificate.verdict, 0, (), obstacle=why)
+    found = apart(checked_index, certificate.id, (certificate.document, curve, check), limits)
+    return not_checked(certificate.id, certificate.verdict, found) if isinstance(found, Failure) else found
 
 
 def places_on_apart(curve: AtlasCertificate, orbits: Sequence[Certificate], limits: CheckLimits) -> list[Placed]:

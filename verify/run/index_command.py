@@ -14,12 +14,11 @@ from orbitproof.verify.atlas import (
     AtlasCertificate,
     IndexCertificate,
     certified_index,
-    checked_index,
     read_atlas_certificate,
     read_index_certificate,
     write_index_certificate,
 )
-from orbitproof.verify.certificate import Recheck, not_checked
+from orbitproof.verify.certificate import Recheck
 from orbitproof.verify.run import (
     GIBIBYTE,
     LONG_CHECK_SECONDS,
@@ -32,7 +31,7 @@ from orbitproof.verify.run import (
     positive_seconds,
     whole_number,
 )
-from orbitproof.verify.run.branch_checks import examined
+from orbitproof.verify.run.branch_checks import examined, index_apart
 from orbitproof.verify.run.row_tables import recheck_table
 
 _EXAMPLES = """\
@@ -118,10 +117,7 @@ def check_index_again(
     """The certificate of an index checked again, up to its conclusion, or with `integrate` to the end."""
     check = examined(curve.document, (), integrate, workplace)
     limits = CheckLimits(workplace.timeout, workplace.memory, LONG_CHECK_SECONDS)
-    found = apart(checked_index, curve.id, (certificate.document, curve, check), limits)
-    if isinstance(found, Failure):
-        return not_checked(str(certificate.document["id"]), certificate.verdict, found)
-    return found
+    return index_apart(certificate, curve, check, limits)
 
 
 def certify_the_index(curve: AtlasCertificate, workplace: Workplace) -> IndexCertificate:

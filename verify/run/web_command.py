@@ -13,10 +13,15 @@ from orbitproof.shared.formats import InputError, as_options, check_writable, re
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import (
+    AtlasCertificate,
+    IndexCertificate,
+    Key,
     Resting,
     WebCertificate,
     certified_web,
+    key_of,
     read_atlas_certificate,
+    read_index_certificate,
     read_web_certificate,
     recheck_web,
     resting,
@@ -34,6 +39,7 @@ from orbitproof.verify.run import (
     positive_seconds,
     whole_number,
 )
+from orbitproof.verify.run.branch_checks import index_apart
 from orbitproof.verify.run.checking_again import checked_again
 from orbitproof.verify.run.row_tables import recheck_table
 
@@ -54,7 +60,10 @@ def _parser() -> ArgumentParser:
     words = "Join proved curves of periodic orbits into a graph: which meets which in which certified orbit."
     parser = ArgumentParser("orbitproof verify web", words, _EXAMPLES)
     parser.add_argument("file", type=Path, help="web (JSON, docs/formats.md); with --recheck, certificate of one")
-    words = "certificates of curves, and files of certificates of bifurcations and orbits, as far as the web names them"
+    words = (
+        "certificates of curves and of the index along them, and files of certificates of bifurcations and orbits, as "
+        "far as the web names them"
+    )
     parser.add_argument("--certificates", type=Path, nargs="+", required=True, metavar="FILE", help=words)
     parser.add_argument("-o", "--output", type=Path, help="certificate of the web")
     parser.add_argument("--recheck", action="store_true", help="check the certificate of a web again")
@@ -109,11 +118,14 @@ def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
 
 
 def _read(paths: Sequence[Path]) -> list[Resting]:
-    """The certificates in files of both kinds."""
+    """The certificates in files of all kinds."""
     found: list[Resting] = []
     for path in paths:
-        if stated_format(path, "give the path of a file with certificates") == "atlas-certificate":
+        stated = stated_format(path, "give the path of a file with certificates")
+        if stated == "atlas-certificate":
             found.append(read_atlas_certificate(path))
+        elif stated == "index-certificate":
+            found.append(read_index_certificate(path))
         else:
             found += read_certificates(path).values()
     return found
@@ -149,15 +161,30 @@ def check_web_again(
     return found
 
 
-def _checks(certificates: Sequence[Resting], integrate: bool, workplace: Workplace) -> dict[str, Recheck]:
-    display = Display({entry.id: 1.0 for entry in certificates}, workplace.quiet)
-    found: dict[str, Recheck] = {}
+def _checks(certificates: Sequence[Resting], integrate: bool, workplace: Workplace) -> dict[Key, Recheck]:
+    curves = {entry.id: entry for entry in certificates if isinstance(entry, AtlasCertificate)}
+    indices = [entry for entry in certificates if isinstance(entry, IndexCertificate)]
+    others = [entry for entry in certificates if not isinstance(entry, IndexCertificate)]
+    keys = {entry.id: key_of(entry) for entry in others}
+    display = Display({_called(key_of(entry)): 1.0 for entry in certificates}, workplace.quiet)
+    found: dict[Key, Recheck] = {}
+
+    def finished(key: Key, check: Recheck) -> None:
+        found[key] = check
+        display.finish(_called(key), "stands" if check.stands else "does not stand")
+
     quiet = Workplace(workplace.jobs, None, workplace.timeout, workplace.memory, True)
-    with display.shown(), closing(checked_again(certificates, None, integrate, quiet)) as checks:
+    limits = CheckLimits(workplace.timeout, workplace.memory, LONG_CHECK_SECONDS)
+    with display.shown(), closing(checked_again(others, None, integrate, quiet)) as checks:
         for check in checks:
-            found[check.id] = check
-            display.finish(check.id, "stands" if check.stands else "does not stand")
+            finished(keys[check.id], check)
+        for entry in indices:
+            finished(key_of(entry), index_apart(entry, curves[entry.id], found["arc", entry.id], limits))
     return found
+
+
+def _called(key: Key) -> str:
+    return f"index of {key[1]}" if key[0] == "index" else key[1]
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from itertools import pairwise
 
 from flint import arb
 
+from orbitproof.shared.claims.fields import PieceId, Short
 from orbitproof.verify.curve import Chain
 from orbitproof.verify.distances import Ranges, ranges_between, together
 from orbitproof.verify.evidence import enclose, is_positive
@@ -36,6 +37,15 @@ class Bound:
     point: Point | None = None
     is_one_point: bool = True
     ranges: Ranges | None = None
+
+
+@dataclass(frozen=True)
+class ListedPlace:
+    """An end of an interval of the curve: what is there, on which piece, between which s."""
+
+    what: tuple[Short, ...]
+    piece: PieceId
+    interval: tuple[Fraction, Fraction]
 
 
 @dataclass(frozen=True)

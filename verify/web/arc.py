@@ -20,6 +20,7 @@ from orbitproof.verify.curve import (
 )
 from orbitproof.verify.evidence import enclose, hull
 from orbitproof.verify.stability import point_over
+from orbitproof.verify.web.indices import Indices
 
 _PARTS = 32
 """Into so many parts a proved interval is divided for the levels of its orbits."""
@@ -36,12 +37,14 @@ class Arc:
         curve: what is proved of it; `None` if that is nothing.
         problem: why it counts for nothing, if it does.
         placed: the certificates of vertices that were looked for on it, by id.
+        indices: what is known of the index of its orbits; `None` without a certificate of that.
     """
 
     atlas: Atlas
     curve: ProvedCurve | None
     problem: str = ""
     placed: Mapping[str, Bifurcation] = field(default_factory=dict)
+    indices: Indices | None = None
 
     @property
     def id(self) -> str:

@@ -21,6 +21,7 @@ from orbitproof.verify.evidence import (
     meet,
 )
 from orbitproof.verify.web.arc import Arc, level_at
+from orbitproof.verify.web.indices import Indices
 from orbitproof.verify.web.meetings import Incidence, meeting_shown
 
 LIBRATION_POINT = "libration_point"
@@ -36,7 +37,8 @@ class WebTheorem:
     @property
     def hypotheses(self) -> tuple[str, ...]:
         """As in `evidence.Theorem`."""
-        return ("arcs", "equations", "meetings", "vertices", *(("connected",) if self.web.connected else ()))
+        connected = ("connected",) if self.web.connected else ()
+        return ("arcs", "equations", "meetings", "vertices", *connected, *(("indices",) if self.web.indices else ()))
 
 
 @dataclass(frozen=True)
@@ -63,11 +65,13 @@ class KnownArc:
         arc: its curve.
         level: a ball with the levels of all its orbits; not finite if they are not enclosed.
         period: a ball with the periods, from a point of the curve back to it; likewise.
+        indices: what is known of the index of its orbits, if that is claimed (Lemma 33.6).
     """
 
     arc: Arc
     level: arb
     period: arb
+    indices: Indices | None = None
 
 
 @dataclass(frozen=True)
@@ -116,9 +120,12 @@ def conclude_web(web: Web, arcs: Sequence[Arc]) -> Outcome[ProvedWeb]:
                 with checklist.hypothesis("connected", "33.4", statement, remedy) as evidence:
                     names = "; ".join(", ".join(map(shown, part)) for part in parts)
                     evidence.require(len(parts) == 1, f"these hang together, and no more is shown: {names}")
+            indices = _check_indices(checklist, web, arcs)
         except NotEstablishedError as error:
             return NotProved(error.reason, tuple(checklist.hypotheses))
-        known = tuple(KnownArc(arc, arc.levels(), arc.period) for arc in arcs if arc.curve is not None)
+        known = tuple(
+            KnownArc(arc, arc.levels(), arc.period, indices.get(arc.id)) for arc in arcs if arc.curve is not None
+        )
     results = ProvedWeb(known, vertices, found, _switches(arcs, found), parts)
     return Proved(WebTheorem(web), results, tuple(checklist.hypotheses))
 
@@ -207,6 +214,24 @@ def _vertex(incidence: Incidence, arc: Arc) -> Vertex:
         return Vertex(incidence.vertex, LIBRATION_POINT, 1, level_at(arc.atlas, at_rest))
     entry = arc.placed[incidence.vertex]
     return Vertex(entry.id, entry.kind, entry.k, level_at(arc.atlas, entry.point))
+
+
+def _check_indices(checklist: Checklist, web: Web, arcs: Sequence[Arc]) -> dict[str, Indices]:
+    """What is known of the indices that are claimed, by arc; nothing of others."""
+    found: dict[str, Indices] = {}
+    if not web.indices:
+        return found
+    statement = "the index along these arcs is proved, of the same certificates of their curves"
+    remedy = "prove the index along the curve, or do not claim it: index = false"
+    with checklist.hypothesis("indices", "33.6", statement, remedy) as evidence:
+        for arc, claimed in zip(arcs, web.arcs, strict=True):
+            if not claimed.index:
+                continue
+            known = arc.indices or Indices("", problem="no certificate of its index is given")
+            proved = bool(known.orbits) and not known.problem
+            evidence.require(proved, f"{shown(arc.id)}: {known.problem or 'no index is proved'}")
+            found[arc.id] = known
+    return found
 
 
 def parts_of(web: Web) -> tuple[tuple[str, ...], ...]:

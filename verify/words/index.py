@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import shown
 from orbitproof.shared.wording import itemised
 from orbitproof.verify.curve import ProvedCurve, point_name, vertical_point
 from orbitproof.verify.evidence import exact_interval_text, exact_text
 from orbitproof.verify.index import CountedOrbit, IndexTheorem, Interval, ProvedIndex
-from orbitproof.verify.stability import Bound, name_of
+from orbitproof.verify.stability import Bound, ListedPlace, name_of
 
-_CONVENTION = (
+CONVENTION = (
     "It is that of the linearised flow on the level, transverse to the orbit, in a frame that is admissible in the "
     "canonical coordinates q = (x, y, z), p = (vx - y, vy + x, vz); small positive rotations have the index 1."
 )
@@ -23,12 +24,10 @@ def index_in_words(theorem: IndexTheorem, found: ProvedIndex, curve: ProvedCurve
     values = ", ".join(f"{key} = {exact_text(value)}" for key, value in atlas.parameters.items())
     lines = [
         f"Let the curve of the certificate {shown(name)} ({digest}) be proved, of periodic orbits of the "
-        f"{atlas.system.title} with {values}. The Conley-Zehnder index of its orbits is as follows. {_CONVENTION}"
+        f"{atlas.system.title} with {values}. The Conley-Zehnder index of its orbits is as follows. {CONVENTION}"
     ]
     if found.small:
-        point = point_name(atlas.system)
-        which = f"planar orbits around {point}" if point else f"vertical orbits around {vertical_point(atlas.system)}"
-        lines.append(f"Those of its {which} that are small enough: {_sum(found.small)}.")
+        lines.append(f"Those of its {small_orbits(atlas)} that are small enough: {sum_in_words(found.small)}.")
     if theorem.with_list:
         entries = [
             f"{_between(interval, curve)}: {_index(orbit)}"
@@ -43,10 +42,17 @@ def index_in_words(theorem: IndexTheorem, found: ProvedIndex, curve: ProvedCurve
 
 
 def _index(orbit: CountedOrbit) -> str:
-    return _sum([turns.index for turns in orbit.turns])
+    return sum_in_words([turns.index for turns in orbit.turns])
 
 
-def _sum(parts: Sequence[int]) -> str:
+def small_orbits(atlas: Atlas) -> str:
+    """The orbits around a libration point to which a curve shrinks."""
+    point = point_name(atlas.system)
+    return f"planar orbits around {point}" if point else f"vertical orbits around {vertical_point(atlas.system)}"
+
+
+def sum_in_words(parts: Sequence[int]) -> str:
+    """An index; of planar orbits as a sum."""
     if len(parts) == 1:
         return str(parts[0])
     plane, across = parts
@@ -59,5 +65,9 @@ def _between(interval: Interval, curve: ProvedCurve) -> str:
 
 def _place(bound: Bound, curve: ProvedCurve) -> str:
     piece = curve.chain.stretches[bound.stretch].tube.piece.id
-    what = ", ".join(name_of(each) for each in bound.what)
-    return f"{what} (piece {piece}, s in {exact_interval_text(bound.lower, bound.upper)})"
+    return place_in_words(ListedPlace(tuple(map(name_of, bound.what)), piece, (bound.lower, bound.upper)))
+
+
+def place_in_words(place: ListedPlace) -> str:
+    """An end of an interval of a curve."""
+    return f"{', '.join(place.what)} (piece {place.piece}, s in {exact_interval_text(*place.interval)})"

@@ -11,7 +11,8 @@ from orbitproof.shared.wording import counted, itemised
 from orbitproof.verify.claim import atlas_in_words, system_in_words
 from orbitproof.verify.curve import is_planar, point_name, vertical_point
 from orbitproof.verify.evidence import exact_text, interval_text, located, range_text
-from orbitproof.verify.web import Arc, Incidence, KnownArc, ProvedWeb, Vertex, WebTheorem
+from orbitproof.verify.web import Arc, Incidence, Indices, KnownArc, ProvedWeb, Vertex, WebTheorem
+from orbitproof.verify.words.index import CONVENTION, place_in_words, small_orbits, sum_in_words
 
 _DIGITS, _FEW = 18, 5
 _KINDS = {"arc": "an arc", "loop": "a loop", "symmetric-arc": "a symmetric arc", "symmetric-loop": "a symmetric loop"}
@@ -31,8 +32,12 @@ def web_in_words(theorem: WebTheorem, web: ProvedWeb, digests: Mapping[str, str]
         f"Let the certificates named below be proved. Periodic orbits of the {of_system}, and libration points, are "
         f"here closed sets of states{family}, compared by their Hausdorff distance."
     ]
+    if any(known.indices is not None for known in web.arcs):
+        lines.append(f"The Conley-Zehnder index of an orbit is that over the period of its arc. {CONVENTION}")
     for known in web.arcs:
         lines += _arc(known, web, level, digests[known.arc.id])
+        if known.indices is not None:
+            lines += _indices(known.arc, known.indices)
     vertices = (_vertex(vertex, level, digests.get(vertex.id)) for vertex in web.vertices)
     lines += itemised("The vertices are different from each other:", vertices)
     for switch in web.switches:
@@ -67,6 +72,23 @@ def _arc(known: KnownArc, web: ProvedWeb, level: str, digest: str) -> list[str]:
     return itemised(
         f"The arc {shown(arc.id)} ({digest}), {_KINDS[claim.kind]} of orbits {about}{mirrored}{told}:",
         meetings or ["is claimed to meet no vertex"],
+    )
+
+
+def _indices(arc: Arc, known: Indices) -> list[str]:
+    """What the certificate of the index along the curve says, and nothing of other orbits (section 33.6)."""
+    entries = []
+    if known.small:
+        entries.append(f"{small_orbits(arc.atlas)} that are small enough: {sum_in_words(known.small)}")
+    mirrored = " and their mirror images" if arc.atlas.claim.is_of_symmetric_curve else ""
+    for orbit in known.orbits:
+        where = f"the orbit at s = {exact_text(orbit.s)} of piece {orbit.piece}"
+        if orbit.begin is not None and orbit.end is not None:
+            ends = f"from {place_in_words(orbit.begin)} to {place_in_words(orbit.end)}"
+            where = f"all orbits{mirrored} {ends}, these places not included"
+        entries.append(f"{where}: {sum_in_words(orbit.index)}")
+    return itemised(
+        f"The index of orbits of the arc {shown(arc.id)} ({known.digest}), of others nothing is said:", entries
     )
 
 

@@ -1,0 +1,69 @@
+"""The certificates that a web rests on (section 33.7)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+from orbitproof.shared.claims.web import LIBRATION_POINTS, Web
+from orbitproof.shared.formats import InputError
+from orbitproof.shared.systems import shown
+from orbitproof.verify.atlas.certificate import AtlasCertificate
+from orbitproof.verify.atlas.index import IndexCertificate
+from orbitproof.verify.certificate import Certificate
+
+Resting = AtlasCertificate | Certificate | IndexCertificate
+"""A certificate of an arc, of a vertex, or of the index along an arc."""
+Part = Literal["arc", "vertex", "index"]
+Key = tuple[Part, str]
+"""What a certificate is for a web, and its id; that of an index has the id of its curve."""
+
+
+def key_of(entry: Resting) -> Key:
+    """What a certificate can be for a web, by its kind alone."""
+    if isinstance(entry, AtlasCertificate):
+        return "arc", entry.id
+    return "index" if isinstance(entry, IndexCertificate) else "vertex", entry.id
+
+
+def keys_of(web: Web) -> tuple[Key, ...]:
+    """What a web rests on, in its order: arcs, vertices, indices."""
+    arcs = {arc.id for arc in web.arcs}
+    own: list[Key] = [("arc" if name in arcs else "vertex", name) for name in web.certificates]
+    return (*own, *(("index", name) for name in web.indices))
+
+
+def called(key: Key) -> str:
+    """A certificate in a sentence."""
+    return f"of the index of {shown(key[1])}" if key[0] == "index" else shown(key[1])
+
+
+def digest_of(entry: Resting) -> str:
+    """The digest that a certificate has; empty if it has none."""
+    document = entry.to_json() if isinstance(entry, Certificate) else entry.document
+    return str(document.get("digest", ""))
+
+
+def resting(web: Web, given: Sequence[Resting]) -> tuple[Resting, ...]:
+    """Those of the certificates that a web needs, in its order. Raises `InputError` if one is not there, or twice."""
+    wanted = keys_of(web)
+    found: dict[Key, Resting] = {}
+    for entry in given:
+        key = key_of(entry)
+        if entry.id in LIBRATION_POINTS:
+            raise InputError(
+                f"the certificate {shown(entry.id)}: has the name of a libration point; give it another id"
+            )
+        if key in found:
+            raise InputError(f"the certificate {called(key)}: appears twice; give each once")
+        if key in wanted:
+            # Where it lies on a curve is found again.
+            found[key] = entry.without_place() if isinstance(entry, Certificate) else entry
+        elif key[0] != "index" and entry.id in web.certificates:
+            is_one, of = ("a curve", "a vertex") if key[0] == "arc" else ("one orbit", "an arc")
+            raise InputError(f"the certificate {shown(entry.id)}: is about {is_one}; the web claims that it is {of}")
+    for key in wanted:
+        if key not in found:
+            what = f"claims the index of {shown(key[1])}" if key[0] == "index" else f"names {shown(key[1])}"
+            raise InputError(f"the web {what}, and no such certificate is given; give its file")
+    return tuple(found[key] for key in wanted)
