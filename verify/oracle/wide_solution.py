@@ -42,7 +42,7 @@ _CORRECTED_BITS = 44
 """So many more bits are right after each of them."""
 _BELOW_ERRORS = 10
 """What is so many bits below the errors that the state has already makes no difference."""
-_NARROW = 2.0**-24
+_NARROW = 2.0**-26
 """Where orbits are not so close to the curve, bounds of second derivatives limit a step, not its Taylor series."""
 
 _FACTORS = 2.0 ** (np.arange(17) / 8)
