@@ -151,7 +151,7 @@ web: $(VENV)/demo.stamp
 	  missing=; given=; indices=; \
 	  for each in $(WEB); do \
 	    file=$(WEBS)/$$each-$$mass-certificate.json; given="$$given $$file"; is_proved $$file || missing="$$missing $$each"; \
-	    [ ! -e $(WEBS)/$$each-$$mass-index.json ] || indices="$$indices $(WEBS)/$$each-$$mass-index.json"; \
+	    file=$(WEBS)/$$each-$$mass-index.json; ! is_proved $$file || indices="$$indices $$file"; \
 	  done; \
 	  echo; echo "$$mass: $${missing:+not proved yet:$$missing, }the graph"; \
 	}; \
@@ -188,10 +188,9 @@ web: $(VENV)/demo.stamp
 	  plan; \
 	  if [ -n "$$missing" ]; then failed=1; continue; fi; \
 	  step env $(VERIFY) web docs/webs/$$mass.json --certificates $$given $$indices $(WEBS)/certificates.json \
-	    $(WEBS)/vertical-births.json \
+	    $(WEBS)/vertical-births.json --indices \
 	    -o $(WEBS)/$$mass.json --jobs $(JOBS); \
-	  step $(FIGURES) web $(WEBS)/$$mass.json --certificates $$given -o $(WEBS) --page $(WEBS)/$$mass.html \
-	    $${indices:+--indices $$indices}; \
+	  step $(FIGURES) web $(WEBS)/$$mass.json --certificates $$given -o $(WEBS) --page $(WEBS)/$$mass.html; \
 	done; \
 	exit $$failed
 

@@ -31,6 +31,7 @@ from orbitproof.verify.atlas import (
     Placed,
     WebCertificate,
     certified_table,
+    claiming_indices,
     kind_of,
     read_atlas_certificate,
     read_catalogue_certificate,
@@ -300,6 +301,7 @@ def certify_web(
     web: str | Path | Web,
     certificates: Iterable[Certificate | AtlasCertificate | IndexCertificate],
     *,
+    indices: bool = False,
     output: str | Path | None = None,
     jobs: int = 1,
     timeout: float | None = None,
@@ -311,6 +313,7 @@ def certify_web(
     Arguments:
         web: a file, or a `Web`.
         certificates: of its arcs, vertices and indices, checked up to their conclusions first; others are left out.
+        indices: claim the index of each arc of which a certificate of that is given, whatever the web says of it.
         output: a file for the certificate.
         jobs, timeout, memory, quiet: as for `recheck`.
 
@@ -320,7 +323,8 @@ def certify_web(
         check_writable(Path(output))
     claim = web_from_json(to_json(web), "web") if isinstance(web, Web) else read_claim_of_web(Path(web))
     workplace = Workplace(_jobs(jobs), None, timeout, int(memory * GIBIBYTE), quiet)
-    certificate = certify_the_web(claim, list(certificates), workplace)
+    given = list(certificates)
+    certificate = certify_the_web(claiming_indices(claim, given) if indices else claim, given, workplace)
     if output is not None:
         write_web_certificate(Path(output), certificate.document)
     return certificate

@@ -8,7 +8,6 @@ from typing import Any
 
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_web, print_path
-from orbitproof.shared.formats import InputError
 
 _EXAMPLES = """\
 examples:
@@ -33,8 +32,6 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")
     words = "also write the diagram and the orbits of each arc as one HTML file"
     parser.add_argument("--page", type=Path, metavar="FILE", help=words)
-    words = "for the page: certificates of the index along arcs (orbitproof verify index)"
-    parser.add_argument("--indices", type=Path, nargs="+", default=[], metavar="FILE", help=words)
     add_file_options(parser)
     parser.set_defaults(run=run)
 
@@ -42,8 +39,5 @@ def add_parser(commands: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Read everything, then write the picture; returns the exit code. Raises `InputError`."""
     files = files_of(options)
-    if options.indices and options.page is None:
-        raise InputError("--indices: are for the page; give --page too")
-    given = {"page": options.page, "indices": options.indices}
-    draw_web(options.web, options.certificates, options.output, **given, files=files, told=print_path)
+    draw_web(options.web, options.certificates, options.output, page=options.page, files=files, told=print_path)
     return 0

@@ -29,10 +29,10 @@ from orbitproof.figures.pictures.web import (
 )
 from orbitproof.figures.pictures.web_script import PAGE
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, shown
-from orbitproof.verify.atlas import IndexCertificate, StoredArc, WebCertificate
-from orbitproof.verify.atlas.index import IndexedOrbit
+from orbitproof.verify.atlas import StoredArc, WebCertificate
 from orbitproof.verify.atlas.listed import ListedEnd
 from orbitproof.verify.evidence import range_text
+from orbitproof.verify.web import IndexOnArc
 
 ORBITS, PLACES, LINE = 28, 84, 40
 """Orbits of an arc, points of each, and points of a line of the diagram, at most."""
@@ -41,14 +41,11 @@ _SAID = {"vertical": "vertical, symmetric under R and under the half turn"}
 """Where the legend of the picture is too short."""
 
 
-def page_of(web: WebCertificate, curves: Mapping[str, Curve], indices: Mapping[str, IndexCertificate]) -> str:
-    """The page of a proved web, from the certificates of its arcs, and of the index along some, by id.
-
-    Raises `InputError`.
-    """
+def page_of(web: WebCertificate, curves: Mapping[str, Curve]) -> str:
+    """The page of a proved web, from the certificates of its arcs. Raises `InputError`."""
     drawn = drawn_arcs(web, curves)
     arcs = [
-        {**_arc(known, arc, curves[known.id], indices.get(known.id)), "beside": beside}
+        {**_arc(known, arc, curves[known.id]), "beside": beside}
         for known, arc, beside in zip(web.arcs, drawn, _beside(web), strict=True)
     ]
     vertices = {
@@ -78,16 +75,15 @@ def _beside(web: WebCertificate) -> list[list[int]]:
     return [[number for number, arc in enumerate(web.arcs) if arc.id in names] for names in wanted]
 
 
-def _arc(known: StoredArc, arc: DrawnArc, curve: Curve, index: IndexCertificate | None) -> dict[str, Any]:
+def _arc(known: StoredArc, arc: DrawnArc, curve: Curve) -> dict[str, Any]:
     states = States.of(curve)
     points = np.concatenate([stretch.points for stretch in curve.stretches])
     places = [(number, float(s)) for number, stretch in enumerate(curve.stretches) for s in stretch.s]
-    counted = () if index is None or not index.is_proved else index.orbits
     found = []
     for row in _evenly(len(points), ORBITS):
         orbit = _orbit(arc.kind, states, points[row])
         if orbit is not None:
-            found.append({**orbit, "i": _index_at(places[row], counted, curve)})
+            found.append({**orbit, "i": _index_at(places[row], known.index, curve)})
     return {
         "id": known.id,
         "name": shown(known.id),
@@ -99,12 +95,11 @@ def _arc(known: StoredArc, arc: DrawnArc, curve: Curve, index: IndexCertificate 
         "meets": [f"{meeting.how} {shown(meeting.vertex)}" for meeting in known.meets],
         "line": [point for line in arc.lines for point in _thinned(line)],
         "stable": [_thinned(line) for line in arc.stable],
-        "index": index is not None and index.is_proved,
         "orbits": found,
     }
 
 
-def _index_at(place: tuple[int, float], counted: Sequence[IndexedOrbit], curve: Curve) -> int | None:
+def _index_at(place: tuple[int, float], counted: Sequence[IndexOnArc], curve: Curve) -> int | None:
     """The index of the orbits of an interval with this place in it, by number of the piece and s; else `None`."""
     order = [stretch.piece for stretch in curve.stretches]
     for orbit in counted:
@@ -114,7 +109,7 @@ def _index_at(place: tuple[int, float], counted: Sequence[IndexedOrbit], curve: 
         end = order.index(orbit.end.piece), float(orbit.end.interval[0])
         # On a loop the interval may pass its beginning.
         if begin < place < end if begin < end else place > begin or place < end:
-            return orbit.index
+            return sum(orbit.index)
     return None
 
 

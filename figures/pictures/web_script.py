@@ -153,9 +153,8 @@ function tell() {
   const facts = [["arc", arc.name + ": " + arc.words], ["meets", arc.meets.join("; ") || "no vertex"],
     ["Jacobi constant", "all in " + arc.level + (orbit ? "; this orbit about " + orbit.c : "")],
     ["period", "all in " + arc.period + (orbit ? "; this orbit about " + orbit.t : "")],
-    ["stability", [stable, arc.list].filter(Boolean).join("; ")]];
-  if (arc.index) facts.push(["index", orbit && orbit.i !== null ? "Conley-Zehnder index of orbits about here " + orbit.i
-    : "not counted here"]);
+    ["stability", [stable, arc.list].filter(Boolean).join("; ")],
+    ["index", orbit && orbit.i !== null ? "Conley-Zehnder index of orbits about here " + orbit.i : "not counted here"]];
   list.replaceChildren(...facts.flatMap(([name, text]) => ["dt", "dd"].map((kind, i) => {
     const element = document.createElement(kind);
     element.textContent = i ? text : name;

@@ -157,15 +157,14 @@ def draw_web(
     folder: Source,
     *,
     page: Source | None = None,
-    indices: Sequence[Source] = (),
     files: Files | None = None,
     told: Told = quietly,
 ) -> list[Path]:
     """The diagram of a proved web, from its certificate and those of its arcs, with the digests that it names.
 
-    `page`: a file for it as HTML, with the orbits of each arc; `indices`: certificates of the index along arcs, for it.
+    `page`: a file for it as HTML, with the orbits of each arc.
     """
-    from orbitproof.verify.atlas import read_atlas_certificate, read_index_certificate, read_web_certificate
+    from orbitproof.verify.atlas import read_atlas_certificate, read_web_certificate
 
     known = read_web_certificate(Path(web))
     given = {certificate.id: certificate for certificate in map(read_atlas_certificate, map(Path, certificates))}
@@ -173,13 +172,6 @@ def draw_web(
         certificate = given.get(entry["id"])
         if entry["kind"] == "arc" and (certificate is None or certificate.document["digest"] != entry["digest"]):
             raise InputError(f"{web}: rests on the arc {entry['id']!r} ({entry['digest']}); give that certificate")
-    along = {str(index.document["id"]): index for index in map(read_index_certificate, map(Path, indices))}
-    for name, index in along.items():
-        digest = index.document["rests_on"]["digest"]
-        if name not in given or given[name].document["digest"] != digest:
-            raise InputError(
-                f"the index of {name!r}: rests on the curve {digest}; give the one of the arc's certificate"
-            )
 
     from orbitproof.figures.certified import Curve
     from orbitproof.figures.files import save
@@ -195,7 +187,7 @@ def draw_web(
     if page is not None:
         from orbitproof.figures.pictures.web_page import page_of
 
-        write_text(Path(page), page_of(known, curves, along))
+        write_text(Path(page), page_of(known, curves))
         written.add([Path(page)])
     return written.paths
 

@@ -10,9 +10,11 @@ from pathlib import Path
 
 import pytest
 from support.claims import known
-from support.joined import write_catalogue, write_web
+from support.forgeries import forged
+from support.joined import retrograde_index, write_catalogue, write_indexed_web, write_web
 
 from orbitproof.verify.__main__ import main as verify
+from orbitproof.verify.atlas import write_index_certificate
 from orbitproof.verify.certificate import Limits, certify, write_certificates
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -79,3 +81,29 @@ def test_folders_with_the_same_names_in_them_are_told_apart_and_what_rests_on_ot
     (webs / "curve.json").unlink()
     assert ARCHIVE([str(webs), "-o", str(tmp_path / "none"), "--no-pictures"]) == 2
     assert "parabola, and no such certificate is given" in capsys.readouterr().err
+
+
+def test_indices_are_told_and_checked_with_their_curves(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made, out = tmp_path / "made", tmp_path / "out"
+    made.mkdir()
+    _, index, _ = write_indexed_web(made)
+    assert ARCHIVE([str(made), "-o", str(out), "--no-pictures"]) == 0
+    guide = (out / "content" / "README.md").read_text("utf-8")
+    lines = [line.split()[1:] for line in guide.splitlines() if line.startswith("    orbitproof verify")]
+    assert {line[1] for line in lines} == {"atlas", "index", "web"}
+    monkeypatch.chdir(out / "content")
+    for line in lines:
+        assert verify([*line[1:], "--quiet"]) == 0
+    told = (out / "content" / "theorems.md").read_text()
+    assert told.count("in the plane 1 and across it 2") == 2
+    assert "The index of orbits of a curve" in guide
+
+    monkeypatch.chdir(tmp_path)
+    write_index_certificate(index, forged(retrograde_index().document, lambda d: d["orbits"][0].update(index=9)))
+    assert ARCHIVE([str(made), "-o", str(tmp_path / "none"), "--no-pictures"]) == 1
+    assert '"dro"' in capsys.readouterr().err
+    index.unlink()
+    assert ARCHIVE([str(made), "-o", str(tmp_path / "none"), "--no-pictures"]) == 2
+    assert "claims the index of dro, and no such certificate" in capsys.readouterr().err

@@ -15,6 +15,7 @@ import pytest
 from flint import arb
 from support.chain_cases import certificate, circle_point, line_in_plane, symmetric_loop
 from support.forgeries import atlas_certificate, forged
+from support.joined import retrograde_curve, retrograde_web
 
 from orbitproof.figures import draw_web as draw_files
 from orbitproof.figures.certified import Curve
@@ -24,11 +25,11 @@ from orbitproof.figures.pictures.web_page import _index_at, _list_in_words
 from orbitproof.shared.claims.web import BRANCHES, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import InputError
 from orbitproof.verify.atlas import AtlasCertificate, WebCertificate, certified_web, key_of
-from orbitproof.verify.atlas.index import IndexedOrbit
 from orbitproof.verify.atlas.listed import ListedEnd, ListedInterval
 from orbitproof.verify.atlas.web import StoredArc
 from orbitproof.verify.certificate import Level, Recheck
 from orbitproof.verify.stability import ListedPlace
+from orbitproof.verify.web import IndexOnArc
 
 MU = 1 / 80
 
@@ -103,7 +104,7 @@ def test_the_page_has_arcs_with_orbits_vertices_and_the_theorem(monkeypatch: pyt
     monkeypatch.setattr(web_page, "ORBITS", 2)
     known, curve = web()
     changed = forged(known.document, lambda d: d["statement"]["claim"].update(title="</script><b>a & b"))
-    page = web_page.page_of(WebCertificate(changed), {"circle": Curve.of(curve)}, {})
+    page = web_page.page_of(WebCertificate(changed), {"circle": Curve.of(curve)})
     assert page.count("</script>") == 2
     assert "&lt;/script&gt;&lt;b&gt;a &amp; b" in page
     assert "http" not in page
@@ -146,11 +147,11 @@ def test_the_index_is_told_of_the_intervals_for_which_it_is_proved() -> None:
     curve = Curve.of(web()[1])
     pieces = [stretch.piece for stretch in curve.stretches]
 
-    def counted(index: int, begin: tuple[int, int], end: tuple[int, int]) -> IndexedOrbit:
+    def counted(index: int, begin: tuple[int, int], end: tuple[int, int]) -> IndexOnArc:
         first, last = (
             ListedPlace(("an end",), pieces[number], (Fraction(s, 8), Fraction(s, 8))) for number, s in (begin, end)
         )
-        return IndexedOrbit(pieces[1], Fraction(0), (), index, first, last)
+        return IndexOnArc((1, index - 1), pieces[1], Fraction(0), first, last)
 
     orbits = [counted(2, (0, 0), (1, 2)), counted(3, (1, 3), (5, 0))]
     wanted = {(0, 0.5): 2, (1, 0.25): None, (1, 0.2): 2, (1, 0.3): None, (1, 0.4): 3, (4, -1.0): 3, (5, 0.0): None}
@@ -158,6 +159,21 @@ def test_the_index_is_told_of_the_intervals_for_which_it_is_proved() -> None:
     round_the_beginning = [counted(4, (4, 0), (1, 0))]
     assert [_index_at((number, 0.5), round_the_beginning, curve) for number in range(6)] == [4, None, None, None, 4, 4]
     assert _index_at((0, 0.5), [replace(orbits[0], begin=None)], curve) is None
+
+
+def test_the_page_has_the_index_of_the_certificate_of_the_web(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(web_page, "ORBITS", 4)
+
+    def indices(known: WebCertificate) -> list[int | None]:
+        page = web_page.page_of(known, {"dro": Curve.of(retrograde_curve())})
+        (arc,) = json.loads(page.partition('type="application/json">')[2].partition("</script>")[0])["arcs"]
+        return [orbit["i"] for orbit in arc["orbits"]]
+
+    told = indices(retrograde_web())
+    assert 2 in told
+    assert set(told) <= {2, 3, None}
+    silent = forged(retrograde_web().document, lambda d: d["arcs"][0].pop("index"))
+    assert set(indices(WebCertificate(silent))) == {None}
 
 
 def test_what_is_not_proved_is_not_drawn(tmp_path: Path) -> None:

@@ -3,26 +3,39 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 from support import catalogue_cases
 from support.claims import known
 from support.forgeries import atlas_certificate, fabricated, of_parabola
+from support.stored import values
 
 from orbitproof import verify
 from orbitproof.shared.claims.web import PASSES, Meeting, Web, WebArc
-from orbitproof.shared.formats import read_catalogue_rows
+from orbitproof.shared.formats import atlas_from_json, read_catalogue_rows
 from orbitproof.verify.atlas import (
     AtlasCertificate,
+    IndexCertificate,
     Key,
+    WebCertificate,
+    certified_index,
     certified_rows,
     certified_web,
     check_of_conclusion,
+    checked_index,
+    conclusion_of,
+    key_of,
+    make_atlas_certificate,
     resting,
     write_catalogue_certificate,
+    write_index_certificate,
     write_web_certificate,
 )
 from orbitproof.verify.certificate import Limits, Recheck, certify, recheck, write_certificates
+
+DATA = Path(__file__).parents[1] / "data"
 
 
 def write_web(folder: Path) -> list[Path]:
@@ -39,6 +52,39 @@ def write_web(folder: Path) -> list[Path]:
     write_certificates(paths[0], [point])
     verify.write_atlas(paths[1], curve)
     write_web_certificate(paths[2], certified_web(claim, resting(claim, [point, curve]), checks))
+    return paths
+
+
+@cache
+def retrograde_curve(listed: bool = True) -> AtlasCertificate:
+    """An arc of distant retrograde orbits, with its list or without."""
+    stored = json.loads((DATA / "three-body-arcs.json").read_text())["distant-retrograde"]
+    atlas, results = replace(atlas_from_json(stored["atlas"], "it"), id="dro"), values(stored["results"])
+    conclusion = conclusion_of(atlas, results, (), lambda _: (), 2 if listed else None)
+    return AtlasCertificate(atlas, make_atlas_certificate(atlas, results, conclusion))
+
+
+@cache
+def retrograde_index(listed: bool = True) -> IndexCertificate:
+    """Of the orbits of that arc."""
+    return IndexCertificate(certified_index(retrograde_curve(listed)))
+
+
+@cache
+def retrograde_web() -> WebCertificate:
+    """Of that arc alone, with its index."""
+    curve, index = retrograde_curve(), retrograde_index()
+    check = check_of_conclusion(curve.document)
+    checks = {key_of(curve): check, key_of(index): checked_index(index.document, curve, check)}
+    return WebCertificate(certified_web(Web("w", "a web", (WebArc("dro", index=True),)), (curve, index), checks))
+
+
+def write_indexed_web(folder: Path) -> list[Path]:
+    """`dro.json`, `dro-index.json`, and `web.json`, which has that index."""
+    paths = [folder / name for name in ("dro.json", "dro-index.json", "web.json")]
+    verify.write_atlas(paths[0], retrograde_curve())
+    write_index_certificate(paths[1], retrograde_index().document)
+    write_web_certificate(paths[2], retrograde_web().document)
     return paths
 
 

@@ -32,6 +32,7 @@ from orbitproof.verify.atlas import (
     Resting,
     certified_web,
     checked_index,
+    claiming_indices,
     recheck_web,
     resting,
     write_atlas_certificate,
@@ -298,3 +299,21 @@ def test_a_report_tells_the_index_with_the_web_that_rests_on_it_and_a_forged_one
     assert report_of([str(index), str(curve), *told]) == 1
     assert f"REFUSED {index}" in capsys.readouterr().err
     assert not report.exists()
+
+
+def test_the_index_is_claimed_of_all_arcs_whose_certificates_are_given(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    silent, index = Web("a web", "a web", (WebArc(NAME),)), IndexCertificate(of_index())
+    assert claiming_indices(silent, [curve_certificate(), index]) == CLAIM
+    assert claiming_indices(silent, [curve_certificate()]) == silent
+    assert claiming_indices(CLAIM, [curve_certificate()]) == CLAIM
+    files = [tmp_path / name for name in ("curve.json", "index.json", "claim.json", "web.json")]
+    write_atlas_certificate(files[0], curve_certificate().document)
+    write_index_certificate(files[1], index.document)
+    files[2].write_text(json.dumps({"format": "orbitproof-web", "version": 1, **to_json(silent)}))
+    given_files = ["--certificates", *map(str, files[:2]), "--quiet"]
+    assert main(["web", str(files[2]), *given_files, "--indices", "-o", str(files[3])]) == 0
+    assert verify.read_web(files[3]).document == document()
+    assert main(["web", "--recheck", str(files[3]), *given_files, "--indices"]) == 2
+    assert "--indices" in capsys.readouterr().err

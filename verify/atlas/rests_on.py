@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal
 
 from orbitproof.shared.claims.web import LIBRATION_POINTS, Web
@@ -42,6 +43,12 @@ def digest_of(entry: Resting) -> str:
     """The digest that a certificate has; empty if it has none."""
     document = entry.to_json() if isinstance(entry, Certificate) else entry.document
     return str(document.get("digest", ""))
+
+
+def claiming_indices(web: Web, given: Sequence[Resting]) -> Web:
+    """The claim of a web that asks for the index of each arc of which a certificate of that is given, too."""
+    there = {entry.id for entry in given if isinstance(entry, IndexCertificate)}
+    return replace(web, arcs=tuple(replace(arc, index=arc.index or arc.id in there) for arc in web.arcs))
 
 
 def resting(web: Web, given: Sequence[Resting]) -> tuple[Resting, ...]:

@@ -19,6 +19,7 @@ from orbitproof.verify.atlas import (
     Resting,
     WebCertificate,
     certified_web,
+    claiming_indices,
     key_of,
     read_atlas_certificate,
     read_index_certificate,
@@ -65,6 +66,8 @@ def _parser() -> ArgumentParser:
         "far as the web names them"
     )
     parser.add_argument("--certificates", type=Path, nargs="+", required=True, metavar="FILE", help=words)
+    words = "claim the index of each arc of which the certificates hold it, whatever the web says of it"
+    parser.add_argument("--indices", action="store_true", help=words)
     parser.add_argument("-o", "--output", type=Path, help="certificate of the web")
     parser.add_argument("--recheck", action="store_true", help="check the certificate of a web again")
     words = "with --recheck: prove all that it rests on again, in another way"
@@ -95,7 +98,8 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
         raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
     if options.output is not None:
         check_writable(options.output)
-    certificate = certify_the_web(read_web(options.file), _read(options.certificates), workplace)
+    web, given = read_web(options.file), _read(options.certificates)
+    certificate = certify_the_web(claiming_indices(web, given) if options.indices else web, given, workplace)
     if options.output is not None:
         write_web_certificate(options.output, certificate.document)
     reason = certificate.reason
@@ -109,6 +113,8 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
 def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
     if options.output is not None:
         raise InputError("--output: --recheck writes no file; leave it out")
+    if options.indices:
+        raise InputError("--indices: is about a web that is not proved yet; --recheck takes the claim as it was made")
     certificate = read_web_certificate(options.file)
     found = check_web_again(certificate, _read(options.certificates), options.integrate, workplace)
     print(recheck_table([found.id], {found.id: found}), flush=True)
