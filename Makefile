@@ -178,7 +178,7 @@ web: $(VENV)/demo.stamp
 	      lyapunov-L3) cover atlas-libration $$at;; \
 	      lyapunov-*) cover atlas-libration $$at --through axial;; \
 	      vertical-L3) cover atlas-libration $$at --vertical --end 0.98; list=;; \
-	      vertical-*) cover atlas-libration $$at --vertical; list=;; \
+	      vertical-*) cover atlas-libration $$at --vertical;; \
 	      axial-*) cover atlas-libration $$at --axial; list=;; \
 	      *) cover atlas --preset $$name-$$mass;; \
 	    esac; \
