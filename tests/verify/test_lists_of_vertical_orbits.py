@@ -8,6 +8,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,8 @@ from orbitproof.shared.claims import REVERSOR_BREAKING, Atlas
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import atlas_from_json
 from orbitproof.shared.systems import AROUND, LIFTED, VERTICAL
-from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
+from orbitproof.verify.atlas.index import certified_index
 from orbitproof.verify.certificate import Level
 from orbitproof.verify.curve import Bifurcation, PieceLimits, Place, prove_piece
 from orbitproof.verify.curve.lyapunov_family import libration_point
@@ -38,6 +40,7 @@ from orbitproof.verify.stability.kinds import Resonance
 from orbitproof.verify.stability.list_entries import Gap
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
 from orbitproof.verify.stability.units import at_other_point, units_of
+from orbitproof.verify.words.complete_list import _of_vertical_orbits
 
 ARC: dict[str, Any] = json.loads((Path(__file__).parents[1] / "data" / "vertical-arc.json").read_text())
 """The family of L1, Earth-Moon, from rest through the birth of the axial orbits."""
@@ -192,6 +195,20 @@ def test_the_theorem_says_over_which_time_its_multipliers_are() -> None:
         assert said in words, said
     assert "half period in" not in words.partition("Hypothesis level")[2]
     assert "m at most 1, are" in listed(3)["statement"]
+
+
+def test_what_is_said_of_the_whole_period_leaves_out_what_the_list_does_not_cover() -> None:
+    for gaps, said in (((), "are exactly those"), ((None,), "are, but for the places named below, exactly those")):
+        of_whole_period = " ".join(_of_vertical_orbits(arc(), SimpleNamespace(order=12, gaps=gaps)))  # type: ignore[arg-type]
+        assert said in of_whole_period
+
+
+def test_the_index_over_the_whole_period_is_told_of_single_orbits_only() -> None:
+    document = make_atlas_certificate(arc(), values(ARC["results"]), listed(12))
+    found = certified_index(AtlasCertificate(arc(), document))
+    assert found["verdict"] == "proved"
+    assert [sorted(entry) for entry in found["orbits"] if "begin" in entry or "end" in entry] == []
+    assert len(found["orbits"]) == 1
 
 
 def test_the_check_of_a_certificate_refuses_another_list() -> None:

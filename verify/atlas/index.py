@@ -41,6 +41,7 @@ from orbitproof.verify.index import (
     IndexTheorem,
     Interval,
     ProvedIndex,
+    Start,
     conclude_index,
     followed,
     intervals_of,
@@ -228,21 +229,22 @@ def certified_index(certificate: AtlasCertificate, progress: Callable[[float], N
 def _counted(known: _Known, interval: Interval | None) -> CountedOrbit | str:
     """An orbit in an interval with its half turns, or why there is none."""
     why = "there is no orbit to follow"
-    tried = 0
+    starts: list[tuple[str, Fraction, Start]] = []
     for number, s in places_in(known.curve, interval):
         stretch = known.curve.chain.stretches[number]
-        piece = stretch.tube.piece.id
         start = start_at(known.atlas, stretch, s)
-        if start is None or tried == _MOST_ORBITS:
-            continue
-        tried += 1
-        for bits in _BITS:
+        if start is not None and len(starts) < _MOST_ORBITS:
+            starts.append((stretch.tube.piece.id, s, start))
+    # Another orbit costs less than more bits.
+    for bits in _BITS:
+        for place in tuple(starts):
+            piece, s, start = place
             try:
                 return CountedOrbit(piece, s, followed(start, bits, ORACLE))
             except IntegrationFailure as failure:
                 why = f"{shown(piece)}, s = {float(s):.6g}: {failure.reason.message}"
                 if not failure.reason.needs_precision:
-                    break
+                    starts.remove(place)
     return why
 
 

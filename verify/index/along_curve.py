@@ -80,7 +80,9 @@ def places_in(curve: ProvedCurve, interval: Interval | None) -> list[tuple[int, 
         if low < high:
             parts.append((number, low, high))
     parts.sort(key=lambda part: part[1] - part[2])
-    return [(number, _few_bits(low, high, share)) for share in _SHARES for number, low, high in parts[:3]]
+    # Where any orbit will do, all of a few pieces may come too close to a primary: another piece is tried first.
+    wide = parts if interval is None else parts[:3]
+    return [(number, _few_bits(low, high, share)) for share in _SHARES for number, low, high in wide]
 
 
 def _few_bits(low: Fraction, high: Fraction, share: Fraction) -> Fraction:

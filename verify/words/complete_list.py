@@ -67,6 +67,7 @@ _A = (
     "A at a point of Fix(R) is the derivative on Fix(R) of the coordinates of P that R fixes, modulo the directions of "
     "the curve and of its image under P."
 )
+_SCALED = " P is meant here up to the scaling of section 18.14 that makes u 1 at the other end."
 _BLOCK = (
     "At each of these Sigma is one Jordan block. On one side of it along the curve, near it, the two parameters are "
     "real and different, on the other they are not real: there the four multipliers are neither real nor on the unit "
@@ -108,7 +109,7 @@ def statement(
     lines += [f"- {point_in_words(atlas, point)}" for point in listed]
     lines += _of_vertical_orbits(atlas, found)
     if any(point.kind in (Kind.HERE, Kind.THERE) for point in listed):
-        lines.append(_A)
+        lines.append(_A + (_SCALED if is_of_vertical_orbits(atlas.system) else ""))
     if found.has_few_parameters:
         collisions = [point_in_words(atlas, point) for point in found.points if not point.k]
         lines += itemised(f"{where} two stability parameters are equal at exactly these points:", collisions)
@@ -173,8 +174,8 @@ def _of_vertical_orbits(atlas: Atlas, found: CompleteList) -> list[str]:
         "The multipliers of the whole period 4 T are the lambda^2, its stability parameters 2 c^2 - 1 for the "
         "eigenvalues c of Sigma. So the points at which one of these is cos(2 pi i/m), gcd(i, m) = 1, m at most "
         f"{found.order // 2}, are{but} exactly those of the list with k = 2 m and, if m is odd, those with k = m. In "
-        "what follows the lambda are meant by multipliers; of orbits that are called linearly stable the four lambda^2 "
-        "are on the unit circle too, without Jordan blocks.",
+        "what follows multipliers are the lambda, and stability parameters the c; of orbits that are called linearly "
+        "stable the four lambda^2 are on the unit circle too, without Jordan blocks.",
         "Points with eps2 < 0 stand for no orbit of the three-body problem.",
     ]
 
