@@ -183,7 +183,7 @@ web: $(VENV)/demo.stamp
 	      *) cover atlas --preset $$name-$$mass;; \
 	    esac; \
 	    [ ! -e $$atlas ] || step env $(VERIFY) atlas $$atlas -o $(WEBS)/$$name-$$mass-certificate.json $$list $(WORKERS); \
-	    case $$name in axial-*) ;; *) count $(WEBS)/$$name-$$mass-certificate.json $(WEBS)/$$name-$$mass-index.json;; esac; \
+	    count $(WEBS)/$$name-$$mass-certificate.json $(WEBS)/$$name-$$mass-index.json; \
 	  done; \
 	  plan; \
 	  if [ -n "$$missing" ]; then failed=1; continue; fi; \

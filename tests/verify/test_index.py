@@ -23,7 +23,7 @@ from support.stored import values
 from orbitproof import verify
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.formats import InputError, atlas_from_json, read_atlas
-from orbitproof.shared.systems import AROUND, CR3BP_AXIAL, FALKNER_SKAN, MASS_PARAMETERS, VERTICAL
+from orbitproof.shared.systems import AROUND, CR3BP_AXIAL, FALKNER_SKAN, LIFTED, MASS_PARAMETERS, VERTICAL
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.atlas import (
@@ -301,6 +301,24 @@ def test_orbits_under_the_half_turn_about_the_axis(state: tuple[float, ...], cro
     (turns,) = followed(start, 128, ORACLE)
     assert turns.index == index
     assert index_of_orbit(state, float(MU), crossings) == (index,)
+
+
+def test_half_orbits_from_plane_to_plane_turn_as_those_from_the_section_of_the_axis(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The orbit of a point in units of the speed across the plane; where vy is 0, y = 0 would be no section."""
+    point = {"x": arb(AXIAL_ORBIT[0]), "vy": arb(AXIAL_ORBIT[4])}
+    atlas = replace(case(PLANAR)[0], system=LIFTED, parameters={"mu": MU})
+    start = along_curve._start(atlas, {"eps2": arb(AXIAL_ORBIT[5]) ** 2, **point})
+    assert start is not None
+    assert (start.system.section, start.system.reversing_symmetry) == ("z", CR3BP_AXIAL.reversing_symmetry)
+    assert (start.crossings, start.is_planar) == (1, False)
+    (across,) = followed(start, 128, ORACLE)
+    (along,) = followed(Start(CR3BP_AXIAL, tuple(map(arb, AXIAL_ORBIT)), MU, 1, False), 128, ORACLE)
+    assert across.index == along.index == 4
+    assert all(one.overlaps(other) for one, other in zip(across.angles, along.angles, strict=True))
+    for size in (arb(0), arb(0, 1e-9), arb(-1)):
+        assert along_curve._start(atlas, {"eps2": size, **point}) is None
 
 
 def outcome(name: str, orbits: Any, **changes: Any) -> Any:

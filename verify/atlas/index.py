@@ -15,6 +15,7 @@ from orbitproof.shared.formats import validate_document as validated
 from orbitproof.shared.stored import rules
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
+from orbitproof.verify.atlas.conclusion import follow
 from orbitproof.verify.atlas.conclusion_as_json import shortened
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,
@@ -197,7 +198,7 @@ def _known(certificate: AtlasCertificate) -> _Known:
     if not isinstance(atlas, Atlas) or atlas.system not in SYSTEMS:
         systems = ", ".join(system.name for system in SYSTEMS)
         raise InputError(f"the certificate {name}: is of no curve of symmetric orbits in {systems}; give one of these")
-    conclusion = conclude(atlas, certificate.results)
+    conclusion = conclude(atlas, certificate.results, follow=follow)
     if not (certificate.is_proved and isinstance(conclusion.outcome, Proved)):
         raise InputError(f"the certificate {name}: proves no curve; prove it first")
     found = None

@@ -12,7 +12,7 @@ from flint import arb, ctx
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.numbers import round_dyadic
-from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, VERTICAL, ReversibleSystem
+from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, LIFTED, VERTICAL, ReversibleSystem
 from orbitproof.verify.curve import ProvedCurve, Stretch, derived_parameter, is_planar, point_name, vertical_point
 from orbitproof.verify.evidence import is_positive
 from orbitproof.verify.index.following import Start
@@ -25,8 +25,12 @@ SYSTEMS: tuple[ReversibleSystem, ...] = (
     *(CR3BP, CR3BP_AXIAL, CR3BP_PLANAR),
     *AROUND.values(),
     *VERTICAL.values(),
+    LIFTED,
 )
 """Whose orbits are orbits of the CR3BP."""
+
+ACROSS_PLANE = replace(CR3BP_AXIAL, section=LIFTED.section)
+"""The CR3BP under the half turn about the x axis, with half orbits from the plane of the primaries to it."""
 
 _SHARES = tuple(Fraction(part, 16) for part in (8, 4, 12, 6, 10, 2, 14, 1, 15))
 """Where in an interval orbits are looked for, one after the other."""
@@ -92,7 +96,7 @@ def _few_bits(low: Fraction, high: Fraction, share: Fraction) -> Fraction:
 
 
 def start_at(atlas: Atlas, stretch: Stretch, s: Fraction) -> Start | None:
-    """The orbit at s as one of the CR3BP; `None` if none is shown to be there: at a libration point."""
+    """The orbit at s as one of the CR3BP; `None` if none is shown to be there, as at a libration point."""
     with ctx.workprec(PRECISION):
         names = atlas.system.centre_coordinates
         point = dict(zip(names, stretch.tube.point(stretch.run, s), strict=True))
@@ -102,6 +106,12 @@ def start_at(atlas: Atlas, stretch: Stretch, s: Fraction) -> Start | None:
 def _start(atlas: Atlas, point: Mapping[str, arb]) -> Start | None:
     system, mu, crossings = atlas.system, atlas.parameters["mu"], atlas.claim.crossings
     zero = arb(0)
+    if system is LIFTED:
+        # By Theorem 16.10 its half ends in Fix(R), where it meets the plane first.
+        size = point["eps2"]
+        if not is_positive(size):
+            return None
+        return Start(ACROSS_PLANE, (point["x"], zero, zero, zero, point["vy"], size.sqrt()), mu, crossings, False)
     if point_name(system) is None and vertical_point(system) is None:
         spatial = CR3BP if system is CR3BP_PLANAR else system
         state = tuple(point.get(name, zero) for name in spatial.state)

@@ -15,8 +15,6 @@ from orbitproof.verify.flow import advance
 from orbitproof.verify.index.half_turns import HalfTurns, Turning, Vectors, determinant, index_of
 from orbitproof.verify.poincare import Oracle, Orbits, default_order, physical
 
-_SPEED, _SECTION = 4, 1
-"""vy, which is not 0 where the section {y = 0} is crossed, and y, among the coordinates of the CR3BP."""
 _UNIT_BITS = 20
 _UNIT = Fraction(1, 2**_UNIT_BITS)
 """Size of the variations that are followed; what is wanted is linear in them."""
@@ -30,7 +28,7 @@ class Start:
     """A point of Fix(R) of the CR3BP.
 
     Attributes:
-        system: the CR3BP, with the reversing symmetry R that is meant.
+        system: the CR3BP, with the reversing symmetry R and the section that are meant.
         state: encloses the six coordinates; those that R negates are 0 exactly.
         mu: the mass parameter.
         crossings: of the section by a half orbit, its end included.
@@ -83,8 +81,11 @@ class _HalfOrbit:
     def __init__(self, start: Start, precision: int, oracle: Oracle) -> None:
         self.start, self.oracle = start, oracle
         signs, size = start.system.reversing_symmetry, len(start.state)
-        fixed = [index for index in range(size) if signs[index] == 1 and index != _SPEED]
-        negated = [index for index in range(size) if signs[index] == -1 and index != _SECTION]
+        section = start.system.section_index
+        # The velocity across the section, which is not 0 where that is crossed.
+        self.speed = section + size // 2
+        fixed = [index for index in range(size) if signs[index] == 1 and index != self.speed]
+        negated = [index for index in range(size) if signs[index] == -1 and index != section]
         self.directions = [*fixed, *negated]
         self.blocks = self._blocks(len(fixed))
         grading = Grading((1,) * len(self.directions), 1)
@@ -114,7 +115,7 @@ class _HalfOrbit:
             row = [arb(0)] * len(self.start.state)
             row[direction] = arb(1)
             if self.start.system.reversing_symmetry[direction] == 1:
-                row[_SPEED] = -gradient[direction] / gradient[_SPEED]
+                row[self.speed] = -gradient[direction] / gradient[self.speed]
             rows.append(row)
         return rows
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.shared.systems import shown
+from orbitproof.shared.systems import LIFTED, shown
 from orbitproof.shared.wording import itemised
 from orbitproof.verify.curve import ProvedCurve, point_name, vertical_point
 from orbitproof.verify.evidence import exact_interval_text, exact_text
@@ -26,6 +26,11 @@ def index_in_words(theorem: IndexTheorem, found: ProvedIndex, curve: ProvedCurve
         f"Let the curve of the certificate {shown(name)} ({digest}) be proved, of periodic orbits of the "
         f"{atlas.system.title} with {values}. The Conley-Zehnder index of its orbits is as follows. {CONVENTION}"
     ]
+    if atlas.system is LIFTED:
+        lines.append(
+            "Its orbits are those of the three-body problem that the points with eps2 > 0 stand for, over the period "
+            "2 T, T the time after which they are in the plane Z = 0 again for the first time."
+        )
     if found.small:
         lines.append(f"Those of its {small_orbits(atlas)} that are small enough: {sum_in_words(found.small)}.")
     if theorem.with_list:
