@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from orbitproof.shared.formats import SURFACE, AnyAtlas
-from orbitproof.shared.systems import MASS_PARAMETERS, shown
+from orbitproof.shared.systems import HILL_VARIED, MASS_PARAMETERS, shown
 
 _KINDS = {
     "arc": "curve",
@@ -21,4 +21,6 @@ def heading_of(atlas: AnyAtlas) -> str:
     mu = atlas.parameters.get("mu")
     masses = [name for name, value in MASS_PARAMETERS.items() if value == mu and name not in atlas.id.lower()]
     mass = "".join(f", {'-'.join(part.capitalize() for part in name.split('-'))}" for name in masses[:1])
+    if atlas.system is HILL_VARIED:
+        return f"{shown(atlas.id)}: {_KINDS[atlas.claim.kind]} of period doublings over the mass ({atlas.system.name})"
     return f"{shown(atlas.id)}: {_KINDS[atlas.claim.kind]} of {atlas.system.name}{mass}"

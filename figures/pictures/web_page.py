@@ -28,7 +28,7 @@ from orbitproof.figures.pictures.web import (
     is_around_smaller_primary,
 )
 from orbitproof.figures.pictures.web_script import PAGE
-from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, shown
+from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, System, shown
 from orbitproof.verify.atlas import StoredArc, WebCertificate
 from orbitproof.verify.atlas.listed import ListedEnd
 from orbitproof.verify.evidence import range_text
@@ -91,7 +91,7 @@ def _arc(known: StoredArc, arc: DrawnArc, curve: Curve) -> dict[str, Any]:
         "colour": COLOURS[arc.kind],
         "level": "not known" if known.level is None else range_text(known.level, 5),
         "period": "not known" if known.period is None else range_text(known.period, 5),
-        "list": _list_in_words(known, arc.kind),
+        "list": _list_in_words(known, arc.kind, curve.atlas.system),
         "meets": [f"{meeting.how} {shown(meeting.vertex)}" for meeting in known.meets],
         "line": [point for line in arc.lines for point in _thinned(line)],
         "stable": [_thinned(line) for line in arc.stable],
@@ -113,18 +113,21 @@ def _index_at(place: tuple[int, float], counted: Sequence[IndexOnArc], curve: Cu
     return None
 
 
-def _list_in_words(known: StoredArc, kind: str) -> str:
+def _list_in_words(known: StoredArc, kind: str, system: System) -> str:
     """What its certificate has of linear stability; of a planar arc it is about variations in the plane (33.5)."""
     where = " to variations in the plane" if kind == "planar" else ""
     if known.order is None:
         return "its certificate has no list"
-    ends = "; ".join(" to ".join(map(_end, (interval.start, interval.end))) for interval in known.stable)
+    ends = "; ".join(f"{_end(each.start, system)} to {_end(each.end, system)}" for each in known.stable)
     return f"proved intervals of linear stability{where}: {len(known.stable)}" + (f" ({ends})" if ends else "")
 
 
-def _end(end: ListedEnd) -> str:
-    """The Jacobi constant at an end of an interval, or what is there."""
-    return ", ".join(end.what) if end.level is None else f"{float(end.level.mid()):.6g}"
+def _end(end: ListedEnd, system: System) -> str:
+    """The Jacobi constant at an end of an interval, the size of the orbit by its name, or what is there."""
+    if end.level is None:
+        return ", ".join(end.what)
+    name = "" if system.family_parameter is None else f"{system.family_parameter} = "
+    return f"{name}{float(end.level.mid()):.6g}"
 
 
 def _orbit(kind: str, states: States, point: Array) -> dict[str, Any] | None:

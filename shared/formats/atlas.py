@@ -28,7 +28,17 @@ from orbitproof.shared.formats.candidates import find_system, read_system
 from orbitproof.shared.formats.documents import json_text, read_document, validate_document, write_text
 from orbitproof.shared.formats.periodic_curve import periodic_atlas_from_json
 from orbitproof.shared.formats.pieces import check_length, piece_from_json
-from orbitproof.shared.systems import BRANCH_SYSTEMS, HILL, ID, ID_IN_WORDS, LIFTED, LINE, ReversibleSystem, fits
+from orbitproof.shared.systems import (
+    BRANCH_SYSTEMS,
+    HILL,
+    HILL_VARIED,
+    ID,
+    ID_IN_WORDS,
+    LIFTED,
+    LINE,
+    ReversibleSystem,
+    fits,
+)
 
 
 def read_atlas(path: Path) -> AnyAtlas:
@@ -108,6 +118,8 @@ def claim_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
 
     claim = from_json(Claim, entry, source)
     known = ", ".join(system.symmetries) or "none"
+    if system is HILL_VARIED and claim.kind != "arc":
+        refuse("kind", f"{claim.kind!r} of {system.name}", "period doublings over the mass are claimed as an arc")
     if claim.symmetry is not None and claim.symmetry not in system.symmetries:
         refuse("symmetry", f"{system.name} has no symmetry {claim.symmetry!r}", f"known: {known}")
     if claim.symmetry is None and claim.needs_symmetry:

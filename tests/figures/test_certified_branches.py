@@ -24,7 +24,7 @@ from orbitproof.figures.pictures import draw_curves, draw_pieces, draw_surface, 
 from orbitproof.figures.scripting.documents import _curve_in_space as page_of_curve
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared.claims import Atlas, Claim, SurfacePiece
-from orbitproof.shared.systems import CR3BP, FALKNER_SKAN
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, HILL_VARIED
 from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.certificate import Certificate
@@ -264,6 +264,8 @@ def test_no_picture_is_headed_by_the_title_of_a_file(monkeypatch: pytest.MonkeyP
     page_of_curve(Path(path))
     assert titles == heads[:1]
     assert heading_of(replace(atlas, id="it is proved")) == '"it is proved": symmetric closed curve of cr3bp'
+    doublings = replace(atlas, system=HILL_VARIED, claim=replace(atlas.claim, kind="arc"))
+    assert heading_of(doublings) == "circle: curve of period doublings over the mass (cr3bp-hill-varied)"
     for figure in figures:
         assert not [text for text in figure.findobj(Text) if "PROVED" in text.get_text()]
         close(figure)

@@ -24,6 +24,7 @@ from orbitproof.figures.pictures.web import DrawnArc, States, _between, _kind_of
 from orbitproof.figures.pictures.web_page import _index_at, _list_in_words
 from orbitproof.shared.claims.web import BRANCHES, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import InputError
+from orbitproof.shared.systems import CR3BP, VERTICAL
 from orbitproof.verify.atlas import AtlasCertificate, WebCertificate, certified_web, key_of
 from orbitproof.verify.atlas.listed import ListedEnd, ListedInterval
 from orbitproof.verify.atlas.web import StoredArc
@@ -193,9 +194,15 @@ def test_what_is_not_proved_is_not_drawn(tmp_path: Path) -> None:
 
 def test_stability_that_is_proved_of_a_planar_arc_is_told_to_be_in_the_plane() -> None:
     known = StoredArc(id="a", system="a system", kind="arc", meets=(), order=4)
-    assert _list_in_words(known, "planar") == "proved intervals of linear stability to variations in the plane: 0"
-    assert _list_in_words(known, "R") == "proved intervals of linear stability: 0"
-    assert _list_in_words(replace(known, order=None), "planar") == "its certificate has no list"
+    assert (
+        _list_in_words(known, "planar", CR3BP) == "proved intervals of linear stability to variations in the plane: 0"
+    )
+    assert _list_in_words(known, "R", CR3BP) == "proved intervals of linear stability: 0"
+    assert _list_in_words(replace(known, order=None), "planar", CR3BP) == "its certificate has no list"
+    ends = [ListedEnd("p", ("a point",), (Fraction(0), Fraction(0)), level) for level in (arb(0.25), None)]
+    known = replace(known, stable=(ListedInterval(*ends),))
+    assert _list_in_words(known, "vertical", VERTICAL["L1"]).endswith(": 1 (eps2 = 0.25 to a point)")
+    assert _list_in_words(known, "R", CR3BP).endswith(": 1 (0.25 to a point)")
     line = np.zeros((2, 2))
     kinds = [_kind_of(atlas) for atlas in (line_in_plane()[0], symmetric_loop()[0])]
     assert kinds == ["planar", "R"]

@@ -16,8 +16,10 @@ from flint import arb, ctx
 from support.curve_cases import proof, refusal
 from support.stored import values
 
+from orbitproof.shared.claims import SURFACE
 from orbitproof.shared.claims.web import Web, WebArc
 from orbitproof.shared.formats import ArgumentError, Atlas, Covers, InputError, Piece, candidate_from_json, read_atlas
+from orbitproof.shared.formats.atlas import claim_from_json
 from orbitproof.shared.systems import CR3BP, HILL, HILL_VARIED, DescriptionError, describe
 from orbitproof.verify.atlas.certified import certified_point
 from orbitproof.verify.atlas.conclusion import conclusion_of, follow, partner
@@ -60,7 +62,9 @@ def concluded(*points: CertifiedPoint, atlas: Atlas = ATLAS, results: Any = RESU
 
 def test_the_field_is_that_of_hill_and_its_derivative() -> None:
     source = random.Random("varied")
-    check_symmetries(Checklist(), HILL_VARIED)
+    checklist = Checklist()
+    check_symmetries(checklist, HILL_VARIED)
+    assert "f(V x) = V f(x) for the V of half orbits from Fix(R) to Fix(R V)" in checklist.hypotheses[0].statement
     with mpmath.workdps(40):
         for _ in range(5):
             state, variation = ([mpmath.mpf(source.uniform(-1, 1)) for _ in range(6)] for _ in range(2))
@@ -225,6 +229,12 @@ def test_claims_and_descriptions_of_systems_whose_half_orbits_end_elsewhere_are_
         replace(candidate, system=other)
     with pytest.raises(DescriptionError, match="arrival"):
         describe(other)
+
+
+@pytest.mark.parametrize("kind", ["loop", "symmetric-arc", "symmetric-loop", SURFACE])
+def test_files_that_claim_no_arc_of_them_are_refused(kind: str) -> None:
+    with pytest.raises(InputError, match=r"field claim\.kind: .* of cr3bp-hill-varied; .* are claimed as an arc$"):
+        claim_from_json({"kind": kind, "symmetry": "V"}, HILL_VARIED, "a.json: field claim")
 
 
 def test_no_list_is_made_of_them() -> None:

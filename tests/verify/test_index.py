@@ -21,7 +21,7 @@ from support.graph_index import index_of_orbit
 from support.stored import values
 
 from orbitproof import verify
-from orbitproof.shared.claims import Atlas
+from orbitproof.shared.claims import SURFACE, Atlas
 from orbitproof.shared.formats import InputError, atlas_from_json, read_atlas
 from orbitproof.shared.systems import AROUND, CR3BP_AXIAL, FALKNER_SKAN, LIFTED, MASS_PARAMETERS, VERTICAL
 from orbitproof.verify.__main__ import main
@@ -58,6 +58,7 @@ from orbitproof.verify.index import (
 from orbitproof.verify.index.half_turns import Turning, index_of
 from orbitproof.verify.index.libration_value import _whole, index_of_small_orbits, reaches_rest
 from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.run import index_command
 from orbitproof.verify.stability import Bound, Gap, Matter, ProvedList, Resonance, StabilityResult, conclude_list
 from orbitproof.verify.words import index_in_words
 
@@ -165,9 +166,17 @@ def test_the_angles_over_a_ball_of_starts_contain_those_of_its_points(monkeypatc
     lengths: list[Fraction] = []
     delays: list[arb] = []
     to_the_section, advanced = following._HalfOrbit._to_the_section, following.advance
+    heights: list[arb] = []
 
     def noted(orbit: Any, end: Any) -> None:
         delays.append(following._Known([orbit.orbits.delay]).values(arb(0)).state[0])
+        go_on = orbit._go_on
+
+        def over_all_times(over: Any, end: Any) -> bool:
+            heights[:] = [values.state[1] for values in over]
+            return bool(go_on(over, end))
+
+        orbit._go_on = over_all_times
         to_the_section(orbit, end)
 
     def measured(*given: Any) -> Any:
@@ -179,6 +188,11 @@ def test_the_angles_over_a_ball_of_starts_contain_those_of_its_points(monkeypatc
     (wide,) = followed(Start(CR3BP_AXIAL, tuple(arb(x, radius if x else 0) for x in state), MU, 1, False), 128, ORACLE)
     # The last step leads beyond all times at which orbits of the ball come to the section.
     assert abs(delays[0]) < float(lengths[-1])
+    # The end of the step before it is followed again: y, whose speed is between 1/8 and 1/2, has either sign there.
+    reach = float(lengths[-1]) / 8
+    assert abs(delays[0]) / 2 < reach
+    assert any(height.lower() < -reach for height in heights)
+    assert any(height.upper() > reach for height in heights)
     for sign in (-1, 1):
         point = tuple(arb(x + sign * radius * (0.9 if x else 0)) for x in state)
         (sharp,) = followed(Start(CR3BP_AXIAL, point, MU, 1, False), 128, ORACLE)
@@ -598,12 +612,34 @@ def test_curves_of_other_systems_or_without_proof_have_no_index() -> None:
 
     circle, results = symmetric_loop()
     other = AtlasCertificate(circle, atlas_certificate(circle, results))
-    with pytest.raises(InputError, match="is of no curve of symmetric orbits in"):
+    with pytest.raises(InputError, match="system: no index is counted of falkner-skan; give"):
         certified_index(replace(other, atlas=replace(circle, system=FALKNER_SKAN)))
+    surface = replace(circle, claim=replace(circle.claim, kind=SURFACE))
+    with pytest.raises(InputError, match="kind: no index is counted of 'symmetry-br"):
+        certified_index(replace(other, atlas=surface))
     entry = copy.deepcopy(dict(curve_certificate().document))
     entry["verdict"] = "not proved"
     with pytest.raises(InputError, match="proves no curve"):
         certified_index(AtlasCertificate(curve_certificate().atlas, entry))
+
+
+def test_curves_without_an_index_are_refused_before_they_are_checked(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from support.chain_cases import parabola
+
+    def never(*_: Any) -> Any:
+        raise AssertionError("the curve was checked")
+
+    monkeypatch.setattr(index_command, "examined", never)
+    curve = tmp_path / "curve.json"
+    write_atlas_certificate(curve, atlas_certificate(*parabola()))
+    for words in (["-o", str(tmp_path / "index.json")], ["--recheck", str(curve)]):
+        assert main(["index", "--curve", str(curve), *words]) == 2
+    message = f"error: {curve}: field statement.atlas.system: no index is counted of falkner-skan; give the certificate"
+    assert message in capsys.readouterr().err
+    with pytest.raises(InputError, match="no index is counted"):
+        verify.certify_index(verify.read_atlas(curve), quiet=True)
 
 
 def test_the_command_and_python_say_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flint import arb, ctx
+from flint import arb, arb_poly, ctx
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 from support.conclusions import conclude, with_complete_list
@@ -25,21 +25,23 @@ from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import REVERSOR_BREAKING, Atlas
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import atlas_from_json
-from orbitproof.shared.systems import AROUND, LIFTED, VERTICAL
+from orbitproof.shared.systems import AROUND, CR3BP, LIFTED, VERTICAL
 from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
 from orbitproof.verify.atlas.index import certified_index
 from orbitproof.verify.certificate import Level
 from orbitproof.verify.curve import Bifurcation, PieceLimits, Place, prove_piece
 from orbitproof.verify.curve.lyapunov_family import libration_point
-from orbitproof.verify.evidence import EmptyIntersectionError, IntegrationFailure, Proved
-from orbitproof.verify.functions import REACH
+from orbitproof.verify.evidence import EmptyIntersectionError, IntegrationFailure, Proved, ball_from_json
+from orbitproof.verify.functions import REACH, BoundedFunction
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import Kind, Point, TubeOfOrbits, stability_of_piece, stability_slope_bits
+from orbitproof.verify.stability.complete_list import Finder, complete_list
 from orbitproof.verify.stability.confirmation import unconfirmed
 from orbitproof.verify.stability.kinds import Resonance
 from orbitproof.verify.stability.list_entries import Gap
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
 from orbitproof.verify.stability.units import at_other_point, units_of
+from orbitproof.verify.stability.zeros import Zero
 from orbitproof.verify.words.complete_list import _of_vertical_orbits
 
 ARC: dict[str, Any] = json.loads((Path(__file__).parents[1] / "data" / "vertical-arc.json").read_text())
@@ -193,6 +195,8 @@ def test_the_theorem_says_over_which_time_its_multipliers_are() -> None:
         "quarter T of the period in", "Points with eps2 < 0 stand for no orbit",
     ):  # fmt: skip
         assert said in words, said
+    assert "Hypothesis level of the list: the level is the Jacobi constant" in words
+    assert "is a coordinate" not in words
     assert "half period in" not in words.partition("Hypothesis level")[2]
     assert "m at most 1, are" in listed(3)["statement"]
 
@@ -264,6 +268,23 @@ def test_a_certified_loss_of_r_is_at_a_point_at_which_the_square_is_1() -> None:
         else:
             with pytest.raises(EmptyIntersectionError):
                 with_certificates([], [gap], [entry], True)
+
+
+def test_a_list_takes_certified_losses_of_r_for_square_roots() -> None:
+    curve = conclude(arc(), ARC["results"]).outcome
+    assert isinstance(curve, Proved)
+    (birth,) = [point for point in listed(12)["complete"]["points"] if point["k"] <= 2]
+    entry = Bifurcation("loss", REVERSOR_BREAKING, 1, Place(birth["piece"], ball_from_json(birth["s"]), False), "", {})
+    found = complete_list(arc(), curve.results.chain, values(ARC["results"]), 2, [entry])
+    assert [point.certificates for point in found.points] == [("loss",)]
+
+
+def test_of_a_zero_for_k_1_the_kind_is_not_known_along_a_curve_over_the_size_of_its_orbits() -> None:
+    extremal: Any = SimpleNamespace(level=BoundedFunction(arb_poly([0, 0, 1]), arb(0)))
+    nowhere: Any = None
+    zero = Zero(Fraction(-1, 2), Fraction(1, 2), arb(0))
+    for system, kind in ((VERTICAL["L1"], Kind.UNDECIDED), (AROUND["L1"], Kind.UNDECIDED), (CR3BP, Kind.FOLD)):
+        assert Finder(replace(arc(), system=system), nowhere, extremal)._kind(1, zero) is kind
 
 
 @pytest.mark.slow

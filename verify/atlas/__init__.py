@@ -22,6 +22,7 @@ from orbitproof.verify.atlas.index import (
     IndexCertificate,
     certified_index,
     checked_index,
+    indexed_atlas,
     read_index_certificate,
     write_index_certificate,
 )

@@ -192,15 +192,30 @@ class _Known:
         return () if self.found is None else intervals_of(self.curve, self.found)
 
 
+def indexed_atlas(certificate: AtlasCertificate, source: str = "") -> Atlas:
+    """What a certificate claims of a curve whose orbits have an index here; `source` names it in errors.
+
+    Raises `InputError` for others, and for one that says "not proved".
+    """
+    atlas = certificate.atlas
+    source = source or f"the certificate {shown(certificate.id)}"
+    field, remedy = f"{source}: field statement.atlas", "give the certificate of a curve of symmetric orbits in"
+    systems = ", ".join(system.name for system in SYSTEMS)
+    if not isinstance(atlas, Atlas) or atlas.is_surface:
+        raise InputError(f"{field}.claim.kind: no index is counted of {atlas.claim.kind!r}; {remedy} {systems}")
+    if atlas.system not in SYSTEMS:
+        raise InputError(f"{field}.system: no index is counted of {atlas.system.name}; {remedy} {systems}")
+    if not certificate.is_proved:
+        raise InputError(f"{source}: field verdict: proves no curve; prove it first")
+    return atlas
+
+
 def _known(certificate: AtlasCertificate) -> _Known:
     """Raises `InputError` for curves whose orbits have no index here, or that are not proved."""
-    atlas, name = certificate.atlas, shown(certificate.id)
-    if not isinstance(atlas, Atlas) or atlas.system not in SYSTEMS:
-        systems = ", ".join(system.name for system in SYSTEMS)
-        raise InputError(f"the certificate {name}: is of no curve of symmetric orbits in {systems}; give one of these")
+    atlas = indexed_atlas(certificate)
     conclusion = conclude(atlas, certificate.results, follow=follow)
-    if not (certificate.is_proved and isinstance(conclusion.outcome, Proved)):
-        raise InputError(f"the certificate {name}: proves no curve; prove it first")
+    if not isinstance(conclusion.outcome, Proved):
+        raise InputError(f"the certificate {shown(certificate.id)}: proves no curve; prove it first")
     found = None
     if vertical_point(atlas.system) is None and (certificate.document["conclusion"] or {}).get("complete") is not None:
         results = [result for result in certificate.results if isinstance(result, StabilityResult)]

@@ -32,11 +32,13 @@ def check_symmetries(checklist: Checklist, system: ReversibleSystem, symmetry: s
 
     R and S commute because both are diagonal.
     """
+    turn = system.arrival
+    arrival = f", f({turn} x) = {turn} f(x) for the {turn} of half orbits from Fix(R) to Fix(R {turn})" if turn else ""
     with checklist.hypothesis(
         "symmetries",
         "1.3",
-        "f(R x) = -R f(x), and f(S x) = S f(x) if a symmetry S is named, from the parities of the program; a first "
-        "integral H satisfies grad H . f = 0 identically (1.4), and R and S leave it unchanged",
+        f"f(R x) = -R f(x){arrival}, and f(S x) = S f(x) if a symmetry S is named, from the parities of the program; a "
+        "first integral H satisfies grad H . f = 0 identically (1.4), and R and S leave it unchanged",
         "correct the description of the system; a symmetry or an integral may be true and not be recognised: write "
         "sums of terms that R and S change alike, and H without divisors and roots that the vector field does not have",
     ) as evidence:

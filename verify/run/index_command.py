@@ -14,6 +14,7 @@ from orbitproof.verify.atlas import (
     AtlasCertificate,
     IndexCertificate,
     certified_index,
+    indexed_atlas,
     read_atlas_certificate,
     read_index_certificate,
     write_index_certificate,
@@ -87,7 +88,7 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
         raise InputError("FILE: is taken with --recheck only; the curve is given with --curve")
     if options.output is not None:
         check_writable(options.output)
-    certificate = certify_the_index(read_atlas_certificate(options.curve), workplace)
+    certificate = certify_the_index(_indexed_curve(options), workplace)
     if options.output is not None:
         write_index_certificate(options.output, certificate.document)
     reason = certificate.reason
@@ -103,12 +104,19 @@ def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
         raise InputError("--output: --recheck writes no file; leave it out")
     if options.file is None:
         raise InputError("FILE: missing; give the certificate of an index")
-    certificate = read_index_certificate(options.file)
-    found = check_index_again(certificate, read_atlas_certificate(options.curve), options.integrate, workplace)
+    curve = _indexed_curve(options)
+    found = check_index_again(read_index_certificate(options.file), curve, options.integrate, workplace)
     print(recheck_table([found.id], {found.id: found}), flush=True)
     for finding in found.findings[:1]:
         print(f"FAILED {shown(found.id)}: {finding.place}: {finding.message}", file=sys.stderr)
     return 0 if found.stands else 1
+
+
+def _indexed_curve(options: argparse.Namespace) -> AtlasCertificate:
+    """The certificate of the curve, which is checked before an index is counted only if it can have one."""
+    curve = read_atlas_certificate(options.curve)
+    indexed_atlas(curve, str(options.curve))
+    return curve
 
 
 def check_index_again(
@@ -125,6 +133,7 @@ def certify_the_index(curve: AtlasCertificate, workplace: Workplace) -> IndexCer
 
     Raises `InputError` if that does not stand, is of no such curve, or the work is not brought to an end.
     """
+    indexed_atlas(curve)
     display = Display({"curve": 1.0, "index": 1.0}, workplace.quiet)
     with display.shown():
         check = examined(curve.document, (), False, workplace)

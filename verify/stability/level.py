@@ -148,7 +148,12 @@ class Level:
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
         """What was shown so far, as the hypothesis `LEVEL`. Raises `NotEstablishedError` if it does not hold."""
-        if self._is_coordinate:
+        if self._is_coordinate and self._system.normalised:
+            statement = (
+                "the level is the Jacobi constant, whose derivative by vy is not 0 where the section is crossed "
+                f"transversally, as it is by the orbits of the curve (at {self._title} = 0 the limit of that)"
+            )
+        elif self._is_coordinate:
             statement = f"{self._title} is a coordinate of Fix(R), so its derivative vanishes nowhere"
         else:
             statement = (
