@@ -102,6 +102,10 @@ def test_help_has_examples_and_its_examples_parse(package: str, monkeypatch: pyt
 def test_readme_names_every_room() -> None:
     for room in ROOMS:
         assert f"    {room}/" in README
+    layout = README.partition("## Layout")[2].partition("\n## ")[0]
+    for room in (ROOT / "verify").iterdir():
+        if (room / "README.md").exists():
+            assert re.search(rf"\b{room.name}\b", layout), room.name
 
 
 def test_base_install_carries_nothing_of_the_search_side() -> None:
