@@ -230,8 +230,8 @@ lint: $(VENV)/dev.stamp
 	$(BIN)/lint-imports
 
 # Tests beside each other share what their module makes once. They start processes by the hundred, which read compiled
-# sources if those may be kept.
-PYTEST = PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n 2 --dist worksteal
+# sources if those may be kept. Some wait, for processes or limits of time: three runs of tests keep two cores busy.
+PYTEST = PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n 3 --dist worksteal
 
 # Lint has a core to itself only while the tests begin, and is read after them.
 test: $(VENV)/dev.stamp

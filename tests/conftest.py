@@ -44,11 +44,15 @@ def _as_copies() -> str:
 processes._start_method = _as_copies
 
 
+# What is imported and collected stays to the end: it is not looked through for what can be freed.
+gc.disable()
+
+
 def pytest_collection_finish() -> None:
-    """What is imported and collected stays to the end: it is not looked through again for what can be freed."""
-    gc.collect()
+    """From here on some is freed, seldom."""
     gc.freeze()
-    gc.set_threshold(20_000)
+    gc.set_threshold(200_000)
+    gc.enable()
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -51,6 +51,8 @@ class Problem:
         def height(_: float, flat: Any) -> Any:
             return flat[1]
 
+        # The start may count as one.
+        height.terminal = number + 1  # type: ignore[attr-defined]
         run = solve_ivp(self.field, (0, 20), state, "DOP853", events=height, rtol=1e-12, atol=1e-13)
         return float(run.t_events[0][run.t_events[0] > 1e-6][number - 1])
 

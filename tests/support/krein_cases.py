@@ -7,9 +7,10 @@ import random
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import product
 from math import prod
+from operator import add, itemgetter, sub
 from pathlib import Path
 from typing import Any
 
@@ -316,22 +317,26 @@ def _scaled(polynomial: Polynomial, factor: Fraction) -> Polynomial:
 
 def _times(left: Polynomial, right: Polynomial) -> Polynomial:
     result: Polynomial = {}
-    for (a, x), (b, y) in product(left.items(), right.items()):
-        index = tuple(i + j for i, j in zip(a, b, strict=True))
-        if sum(index) <= MOST:
-            result[index] = result.get(index, Fraction(0)) + x * y
+    terms = sorted(((sum(b), b, y) for b, y in right.items()), key=itemgetter(0))
+    for a, x in left.items():
+        rest = MOST - sum(a)
+        for degree, b, y in terms:
+            if degree > rest:
+                break
+            index = tuple(map(add, a, b))
+            result[index] = result.get(index, 0) + x * y
     return result
 
 
 def _composed(outer: Polynomial, inner: Sequence[Polynomial]) -> Polynomial:
-    result: Polynomial = {}
-    for index, factor in outer.items():
-        term: Polynomial = {(0,) * VARIABLES: factor}
-        for polynomial, power in zip(inner, index, strict=True):
-            for _ in range(power):
-                term = _times(term, polynomial)
-        result = _plus(result, term)
-    return result
+    @cache
+    def monomial(index: Exponents) -> Polynomial:
+        place = next((place for place, power in enumerate(index) if power), None)
+        if place is None:
+            return {index: Fraction(1)}
+        return _times(monomial(tuple(map(sub, index, unit(place)))), inner[place])
+
+    return _plus(*(_scaled(monomial(index), factor) for index, factor in outer.items()))
 
 
 def _sum(*terms: Complex) -> Complex:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from pathlib import Path
 
 from orbitproof.shared.formats import read_candidates
@@ -12,3 +13,5 @@ claim = read_candidates(Path(__file__).parents[1] / "data" / "known-bifurcations
 recheck(certify(claim, Limits(max_precision=64)))
 for format in ("atlas", "atlas-certificate"):
     validator(format)
+gc.freeze()
+gc.set_threshold(200_000)

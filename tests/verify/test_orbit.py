@@ -11,10 +11,9 @@ from typing import Any
 
 import mpmath
 import pytest
-from support.independent_flow import extrapolated_flow
+from support.reference import Orbits, three_body
 
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Candidate, Equation, read_candidates
-from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.certificate import Certificate, Level, Limits, certify, digest, is_proof_of, recheck
 from orbitproof.verify.evidence import bounds, exact_value
 from orbitproof.verify.oracle.precision import missing_digits
@@ -26,6 +25,7 @@ LIMITS = Limits(digits=12)
 
 
 MU = Fraction("1.215058560962404e-2")
+FLOW = Orbits(three_body, 1)
 
 
 @pytest.fixture(autouse=True)
@@ -60,30 +60,21 @@ def middle(ball: Any) -> Any:
     return number(exact_value(ball.mid()))
 
 
-def start_of(orbit: OrbitResults) -> list[Any]:
-    x, z, vy = (middle(ball) for ball in orbit.point.values())
-    return [x, mpmath.mpf(0), z, mpmath.mpf(0), vy, mpmath.mpf(0)]
+def start_of(orbit: OrbitResults) -> list[Fraction]:
+    x, z, vy = (exact_value(ball.mid()) for ball in orbit.point.values())
+    return [x, Fraction(0), z, Fraction(0), vy, Fraction(0)]
 
 
 @pytest.fixture(scope="module")
-def flow(orbit: OrbitResults) -> Callable[[Any], list[Any]]:
+def flow(orbit: OrbitResults) -> Callable[[Fraction], list[Any]]:
     """The state at a time, by an integrator that shares nothing with the verifier."""
-
-    def at(time: Any) -> list[Any]:
-        with mpmath.workprec(160):
-            x, z, vy = (middle(ball) for ball in orbit.point.values())
-            parameters = [number(MU)]
-            return extrapolated_flow(
-                CR3BP, parameters, [x, mpmath.mpf(0), z, mpmath.mpf(0), vy, mpmath.mpf(0)], time, 12
-            )
-
-    return at
+    return lambda time: [number(value) for value in FLOW.flow(start_of(orbit), [MU], time)]
 
 
 def test_the_other_point_is_where_an_independent_integration_arrives(
-    orbit: OrbitResults, flow: Callable[[Any], list[Any]]
+    orbit: OrbitResults, flow: Callable[[Fraction], list[Any]]
 ) -> None:
-    x, y, z, vx, vy, vz = flow(middle(orbit.half_period))
+    x, y, z, vx, vy, vz = flow(exact_value(orbit.half_period.mid()))
     assert max(map(abs, (y, vx, vz))) < 1e-16
     for ball, value in zip(orbit.other_point.values(), (x, z, vy), strict=True):
         assert contains(ball, value, 1e-16)
@@ -91,35 +82,35 @@ def test_the_other_point_is_where_an_independent_integration_arrives(
         assert high - low < Fraction(1, 10**12)
 
 
-def test_distances_are_extremal_over_the_whole_orbit(orbit: OrbitResults, flow: Callable[[Any], list[Any]]) -> None:
+def test_distances_are_extremal_over_the_whole_orbit(
+    orbit: OrbitResults, flow: Callable[[Fraction], list[Any]]
+) -> None:
     assert orbit.least is not None
     assert orbit.greatest is not None
 
-    def distance(time: Any) -> Any:
+    def distance(time: Fraction) -> Any:
         x, y, z, *_ = flow(time)
         return mpmath.sqrt((x - 1 + number(MU)) ** 2 + y**2 + z**2)
 
-    assert contains(orbit.least.distance, distance(middle(orbit.least.times[0])), 1e-14)
-    assert contains(orbit.greatest.distance, distance(middle(orbit.greatest.times[0])), 1e-14)
+    assert contains(orbit.least.distance, distance(exact_value(orbit.least.times[0].mid())), 1e-14)
+    assert contains(orbit.greatest.distance, distance(exact_value(orbit.greatest.times[0].mid())), 1e-14)
     for share in (0.1, 0.6, 0.97, 1.2):
-        here = distance(share * middle(orbit.half_period))
+        here = distance(Fraction(share) * exact_value(orbit.half_period.mid()))
         assert middle(orbit.least.distance) < here < middle(orbit.greatest.distance)
 
 
-def test_multipliers_are_those_of_the_variational_equations(
-    orbit: OrbitResults, flow: Callable[[Any], list[Any]]
-) -> None:
+def test_multipliers_are_those_of_the_variational_equations(orbit: OrbitResults) -> None:
     """Sum and sum of products of the stability parameters, from difference quotients of the whole orbit."""
-    step = mpmath.mpf(2) ** -60
+    step = Fraction(1, 2**60)
 
-    def end(start: list[Any]) -> list[Any]:
-        return extrapolated_flow(CR3BP, [number(MU)], start, middle(orbit.period), 28, 10)
+    def end(start: list[Fraction]) -> tuple[Fraction, ...]:
+        return FLOW.flow(start, [MU], exact_value(orbit.period.mid()))
 
     columns, here = [], end(start_of(orbit))
     for axis in range(6):
         start = start_of(orbit)
         start[axis] += step
-        columns.append([(a - b) / step for a, b in zip(end(start), here, strict=True)])
+        columns.append([number((a - b) / step) for a, b in zip(end(start), here, strict=True)])
     matrix = mpmath.matrix(columns).T
     square = matrix * matrix
     trace, trace_of_square = (sum(each[i, i] for i in range(6)) for each in (matrix, square))

@@ -11,10 +11,9 @@ from typing import Any
 import mpmath
 import pytest
 from support.forgeries import noticed
-from support.independent_flow import extrapolated_flow
+from support.reference import Orbits, three_body
 
 from orbitproof.shared.formats import HALF_PERIOD, Candidate, Equation, read_candidates
-from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.certificate import Certificate, certify, digest, recheck
 from orbitproof.verify.evidence import bounds, exact_value
 from orbitproof.verify.oracle import ORACLE, Limits
@@ -24,6 +23,7 @@ from orbitproof.verify.poincare import PHYSICAL, REGULARISED, IntegratorSettings
 (VERTICAL,) = read_candidates(Path(__file__).resolve().parents[1] / "data" / "orbit-vertical.json")
 LIMITS = Limits(digits=12, max_precision=256)
 BITS = 160
+FLOW = Orbits(three_body, 1)
 
 
 def number(value: Fraction) -> Any:
@@ -52,21 +52,27 @@ def orbit(certificate: Certificate) -> OrbitResults:
 
 
 @pytest.fixture(scope="module")
-def state(orbit: OrbitResults) -> Callable[[Any], list[Any]]:
+def state(orbit: OrbitResults) -> Callable[[float], list[Any]]:
     """The state at a share of the half period, by an integrator that shares nothing with the verifier."""
 
-    def at(share: Any) -> list[Any]:
+    def at(share: float) -> list[Any]:
         with mpmath.workprec(BITS):
-            x, z, vy = (middle(ball) for ball in orbit.point.values())
-            zero, mu = mpmath.mpf(0), number(VERTICAL.parameters["mu"])
-            start, time = [x, zero, z, zero, vy, zero], share * middle(orbit.half_period)
-            return extrapolated_flow(CR3BP, [mu], start, time, 16, 10)
+            return list(map(number, end(start_of(orbit), Fraction(share) * exact_value(orbit.half_period.mid()))))
 
     return at
 
 
+def start_of(orbit: OrbitResults) -> list[Fraction]:
+    x, z, vy = (exact_value(ball.mid()) for ball in orbit.point.values())
+    return [x, Fraction(0), z, Fraction(0), vy, Fraction(0)]
+
+
+def end(start: list[Fraction], time: Fraction) -> tuple[Fraction, ...]:
+    return FLOW.flow(start, [VERTICAL.parameters["mu"]], time)
+
+
 def test_the_half_orbit_ends_at_its_second_crossing(
-    orbit: OrbitResults, state: Callable[[Any], list[Any]], certificate: Certificate
+    orbit: OrbitResults, state: Callable[[float], list[Any]], certificate: Certificate
 ) -> None:
     with mpmath.workprec(BITS):
         x, y, z, vx, vy, vz = state(1)
@@ -74,7 +80,7 @@ def test_the_half_orbit_ends_at_its_second_crossing(
         for ball, value in zip(orbit.other_point.values(), (x, z, vy), strict=True):
             assert contains(ball, value, 1e-14)
         # By the orbit's second symmetry it is on the x axis halfway, crossing the section outside of Fix(R).
-        _, y, z, _, _, vz = state(mpmath.mpf(1) / 2)
+        _, y, z, _, _, vz = state(0.5)
         assert max(abs(y), abs(z)) < 1e-14
         assert abs(vz) > 0.1
     assert [item.name for item in certificate.hypotheses][3:5] == ["half-orbit", "orbit"]
@@ -83,9 +89,9 @@ def test_the_half_orbit_ends_at_its_second_crossing(
 
 
 def test_a_least_distance_between_the_ends_is_where_an_independent_integration_finds_it(
-    orbit: OrbitResults, state: Callable[[Any], list[Any]]
+    orbit: OrbitResults, state: Callable[[float], list[Any]]
 ) -> None:
-    def distance(share: Any) -> Any:
+    def distance(share: float) -> Any:
         x, y, z, *_ = state(share)
         return mpmath.sqrt((x - 1 + number(VERTICAL.parameters["mu"])) ** 2 + y**2 + z**2)
 
@@ -94,10 +100,10 @@ def test_a_least_distance_between_the_ends_is_where_an_independent_integration_f
     with mpmath.workprec(BITS):
         (time,) = orbit.least.times
         assert contains(time, middle(orbit.half_period) / 2, 1e-18)
-        assert contains(orbit.least.distance, distance(mpmath.mpf(1) / 2), 1e-14)
+        assert contains(orbit.least.distance, distance(0.5), 1e-14)
         assert contains(orbit.greatest.distance, distance(0), 1e-18)
         for share in (0.2, 0.45, 0.55, 0.9):
-            assert middle(orbit.least.distance) < distance(mpmath.mpf(share)) < middle(orbit.greatest.distance)
+            assert middle(orbit.least.distance) < distance(share) < middle(orbit.greatest.distance)
 
 
 def test_the_turning_distance_is_the_same_in_other_coordinates() -> None:
@@ -119,16 +125,15 @@ def test_the_turning_distance_is_the_same_in_other_coordinates() -> None:
 def test_multipliers_are_those_of_the_variational_equations(orbit: OrbitResults) -> None:
     """Sum and sum of squares of the multipliers, from difference quotients of the whole orbit."""
     with mpmath.workprec(BITS):
-        step, mu = mpmath.mpf(2) ** -60, number(VERTICAL.parameters["mu"])
-        x, z, vy = (middle(ball) for ball in orbit.point.values())
+        step, period = Fraction(1, 2**60), exact_value(orbit.period.mid())
         columns = []
         for axis in range(6):
             ends = []
             for sign in (1, -1):
-                start = [x, mpmath.mpf(0), z, mpmath.mpf(0), vy, mpmath.mpf(0)]
+                start = start_of(orbit)
                 start[axis] += sign * step
-                ends.append(extrapolated_flow(CR3BP, [mu], start, middle(orbit.period), 28))
-            columns.append([(a - b) / (2 * step) for a, b in zip(*ends, strict=True)])
+                ends.append(end(start, period))
+            columns.append([number((a - b) / (2 * step)) for a, b in zip(*ends, strict=True)])
         matrix = mpmath.matrix(columns).T
         square = matrix * matrix
         trace, trace_of_square = (sum(each[i, i] for i in range(6)) for each in (matrix, square))

@@ -224,7 +224,7 @@ def monodromy(state: Any, mu: float, times: Any) -> Any:
         return (np.array(values) * times).ravel()
 
     end = (
-        solve_ivp(field, (0, 1), start.ravel(), "DOP853", (1.0,), rtol=3e-14, atol=1e-16).y[:, -1].reshape(start.shape)
+        solve_ivp(field, (0, 1), start.ravel(), "DOP853", (1.0,), rtol=1e-12, atol=1e-15).y[:, -1].reshape(start.shape)
     )
     return end.imag / step, end[:, 0].real
 
