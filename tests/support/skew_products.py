@@ -324,6 +324,8 @@ class SkewProduct:
             gap = value(after) - width * s
             step = np.where(np.abs(gap) > 1e-15, gap * (after - here) / np.where(gap == there, 1, gap - there), 0)
             here, there, after = after, gap, after - step
+            if np.abs(step).max() < 1e-15 * (1 + np.abs(after).max()):
+                break
         return after
 
     def atlas(self, number: int, degree: int = 18, tube: Fraction = Fraction(1, 2**20)) -> Atlas:

@@ -33,8 +33,12 @@ def made_once() -> Iterator[None]:
 
 @contextmanager
 def few_bits(known: int = 56) -> Iterator[None]:
-    """Derivatives are known to fewer bits than those of users' proofs, where a test needs no more."""
-    with mock.patch.object(newton, "KNOWN", known), mock.patch.object(periodic, "KNOWN", known):
+    """Derivatives are known to fewer bits than those of users' proofs, where a test needs no more.
+
+    Then discs are most of the work, and coarser ones, for steps that are a little shorter, take half as long.
+    """
+    discs = mock.patch.multiple(flow, SECTORS=8, STAGES=24, LEAST_STAGES=6)
+    with mock.patch.object(newton, "KNOWN", known), mock.patch.object(periodic, "KNOWN", known), discs:
         yield
 
 

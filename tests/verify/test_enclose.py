@@ -118,7 +118,7 @@ def test_flow_encloses_closed_forms_at_random_points_of_random_boxes(form: Close
         def image(p: Sequence[Any], box: Box = box, time: Fraction = time) -> Sequence[Any]:
             return form.flow(exact(time), *at(box, form, p))
 
-        for where in points(source, box, 100):
+        for where in points(source, box, 40):
             contained(found, where, image(where))
         contained(found, [mpmath.mpf(0)] * len(box.radii), image([0] * len(box.radii)))
         jets_contained(found, image, points(source, box, 1)[0])
@@ -128,9 +128,8 @@ def test_flow_encloses_closed_forms_at_random_points_of_random_boxes(form: Close
 
 def roots(height: Any, until: float, start: float = 1e-3, parts: int = 600) -> Iterator[tuple[Any, int]]:
     """The zeros of a function of time after the start, with the direction of crossing."""
-    times = [start + (until - start) * n / parts for n in range(parts + 1)]
-    values = [height(mpmath.mpf(t)) for t in times]
-    for (t, a), (u, b) in zip(zip(times, values, strict=True), list(zip(times, values, strict=True))[1:], strict=False):
+    times = (mpmath.mpf(start + (until - start) * n / parts) for n in range(parts + 1))
+    for (t, a), (u, b) in itertools.pairwise((t, height(t)) for t in times):
         if a * b < 0:
             yield mpmath.findroot(height, (t, u), solver="anderson", tol=1e-60), 1 if b > 0 else -1
 
@@ -190,7 +189,7 @@ def test_poincare_maps_of_random_affine_sections_enclose_closed_forms(
             assert found.reason.remedy
             continue
         tried += 1
-        time = [t for t, d in roots(along, 20.0) if direction in (0, d)][number - 1]
+        time = next(itertools.islice((t for t, d in roots(along, 20.0) if direction in (0, d)), number - 1, None))
 
         def image(p: Sequence[Any], box: Box = box, section: Any = section, time: Any = time) -> Sequence[Any]:
             x, a = at(box, form, p)
@@ -225,7 +224,7 @@ def followed(system: System, box: Box, p: Sequence[Fraction], time: Any, steps: 
         for name, middle in box.centre.items()
     }
     state, parameters = [values[n] for n in system.state], [values[n] for n in system.parameters]
-    return extrapolated_flow(system, parameters, state, time, steps)
+    return extrapolated_flow(system, parameters, state, time, steps, 10)
 
 
 @pytest.mark.parametrize("number", [1, pytest.param(6, marks=pytest.mark.slow)])
@@ -250,7 +249,7 @@ def test_random_orbits_lie_in_the_enclosures_of_flow_and_poincare_map(name: str,
         assert all(holds(ball, x) for ball, x in zip(flow.value.values(), state, strict=True))
         assert all(holds(ball, x, 1e-20) for ball, x in zip(flow.over(where).value.values(), state, strict=True))
         time = returned.over(where).time
-        state = followed(system, box, p, mpmath.mpf(time.mid().str(40, radius=False)), 80)
+        state = followed(system, box, p, mpmath.mpf(time.mid().str(40, radius=False)), 60)
         near = returned.over(where).value
         for each, x in zip(system.state, state, strict=True):
             assert holds(returned.value[each], x, 1e-15)
