@@ -35,10 +35,16 @@ def with_digits(candidate: Candidate, digits: int) -> Candidate:
     return replace(candidate, centre=tuple(Fraction(round(x * ten), ten) for x in TRUE.centre))
 
 
+_GIVEN: dict[tuple[object, ...], str | None] = {}
+
+
 def advice(candidate: Candidate) -> str | None:
-    """The remedy, or `None` where the claim is proved."""
-    reason = certify(candidate, Limits()).to_json()["reason"]
-    return None if reason is None else str(reason["remedy"])
+    """The remedy, or `None` where the claim is proved; asked once about each box."""
+    box = candidate.id, candidate.centre, candidate.radii
+    if box not in _GIVEN:
+        reason = certify(candidate, Limits()).to_json()["reason"]
+        _GIVEN[box] = None if reason is None else str(reason["remedy"])
+    return _GIVEN[box]
 
 
 def number(pattern: str, text: str) -> float:
