@@ -137,7 +137,7 @@ WORKERS = $(if $(SCHEDULER),--scheduler $(SCHEDULER),--jobs $(JOBS))
 # Planar, halo, axial and vertical families of L1 and L2, planar and vertical ones of L3, and distant retrograde orbits as graphs (docs/webs).
 # What exists is kept, what was interrupted goes on. ARCS="vertical-L1 ..": only these. LISTS=4: with the lists of resonances up to
 # 1:4, and where arcs are stable. The index is counted between the points of an
-# arc's list, else at one orbit; not of axial arcs.
+# arc's list, else at one orbit.
 WEB := lyapunov-L1 l1-circle axial-L1 vertical-L1 lyapunov-L2 l2-arc axial-L2 vertical-L2 lyapunov-L3 vertical-L3 dro
 ARCS := $(WEB)
 LISTS :=
@@ -179,7 +179,7 @@ web: $(VENV)/demo.stamp
 	      lyapunov-*) cover atlas-libration $$at --through axial;; \
 	      vertical-L3) cover atlas-libration $$at --vertical --end 0.98; list=;; \
 	      vertical-*) cover atlas-libration $$at --vertical;; \
-	      axial-*) cover atlas-libration $$at --axial; list=;; \
+	      axial-*) cover atlas-libration $$at --axial;; \
 	      *) cover atlas --preset $$name-$$mass;; \
 	    esac; \
 	    [ ! -e $$atlas ] || step env $(VERIFY) atlas $$atlas -o $(WEBS)/$$name-$$mass-certificate.json $$list $(WORKERS); \

@@ -28,6 +28,8 @@ OUTER = {"L1": -1, "L2": 1}
 """On which side of the libration point the planar orbit starts: where eps2 increases all the way."""
 BEFORE = 0.01
 """How far the pieces go beyond eps2 = 0 on the other side, relative to the end."""
+WIDEST = 0.28
+"""Of all of the family on one piece: where multipliers are in the hundreds, lists want narrow pieces."""
 AMPLITUDE, LEAVES = 0.3, 0.85
 """Half-width of the piece of the birth, relative to the speed of the vertical orbit; up to which part it is used."""
 NODES = 10
@@ -225,7 +227,7 @@ def axial_atlas(point: str, mu: Fraction, label: str, tube: float) -> Atlas:
         parameters={"mu": mu},
         # A short number for the statement; the pieces go beyond it.
         claim=Claim("arc", None, ("eps2",), Covers("eps2", Fraction(0), Fraction(f"{0.9999 * goal:.5e}"))),
-        pieces=(*pieces_of(family, -BEFORE * goal, goal, tube), piece),
+        pieces=(*pieces_of(family, -BEFORE * goal, goal, tube, WIDEST), piece),
         provenance={"planar_birth": start[0], "vertical_birth": float(birth.eps2), "amplitude": used},
     )
 

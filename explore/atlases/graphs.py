@@ -58,12 +58,12 @@ def expansion(graph: Graph, low: float, high: float) -> list[Vector]:
     return [row[: np.flatnonzero(np.abs(row) > NOISE * np.abs(row).max())[-1] + 1] for row in rows]
 
 
-def pieces_of(graph: Graph, low: float, high: float, tube: float) -> tuple[Piece, ...]:
-    """Pieces over [low, high] from left to right. Raises `LibrationFailure`."""
+def pieces_of(graph: Graph, low: float, high: float, tube: float, widest: float = 1.0) -> tuple[Piece, ...]:
+    """Pieces over [low, high] from left to right, none wider than a share of it. Raises `LibrationFailure`."""
     pieces: list[Piece] = []
     begin, width = low, high - low
     while True:
-        width = min(high - begin, width / SHRINK**2)
+        width = min(high - begin, width / SHRINK**2, widest * (high - low))
         coefficients = expansion(graph, begin, begin + width)
         while decay(graph, begin, begin + width, coefficients) < LEAST_DECAY:
             width *= SHRINK

@@ -230,5 +230,5 @@ BRANCH_SYSTEMS: Mapping[str, ReversibleSystem] = {
 }  # fmt: skip
 """Systems whose branches can be proved, by name; those that are not in `SYSTEMS` not by candidates."""
 
-UNLISTED = (LIFTED, HILL_VARIED)
+UNLISTED = (HILL_VARIED,)
 """Those of whose curves no list of resonances is made."""

@@ -239,7 +239,8 @@ def test_units_are_those_of_either_end() -> None:
         assert units_of(system) == ("w", "u")
         assert at_other_point(system).normalised == {"u": 1, "w": 0}
     assert units_of(AROUND["L1"]) == ("x", "x")
-    for other in (LIFTED, replace(VERTICAL["L1"], title="another")):
+    assert units_of(LIFTED) == ("vz", "vz")
+    for other in (replace(LIFTED, title="another"), replace(VERTICAL["L1"], title="another")):
         with pytest.raises(IntegrationFailure):
             units_of(other)
 

@@ -76,7 +76,7 @@ def conclusion_of(
 
         points = [certified_point(atlas, entry, examine) for entry in bifurcations]
         conclusion = conclude(atlas, results, points, partner, follow)
-    # No theorem is about resonances of axial orbits in units of their own (16.10), or of doublings over the mass.
+    # No theorem is about resonances of the orbits at which the period doubles over the mass (15.10).
     if order is None or any(atlas.system is known for known in UNLISTED):
         return told(conclusion)
     of_curve = [result for result in results if isinstance(result, LastingResult)]

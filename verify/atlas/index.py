@@ -45,7 +45,7 @@ from orbitproof.verify.index import (
     Start,
     conclude_index,
     followed,
-    intervals_of,
+    intervals_with_orbits,
     places_in,
     start_at,
     stretch_of,
@@ -189,7 +189,7 @@ class _Known:
 
     @property
     def intervals(self) -> tuple[Interval, ...]:
-        return () if self.found is None else intervals_of(self.curve, self.found)
+        return () if self.found is None else intervals_with_orbits(self.atlas, self.curve, self.found)
 
 
 def indexed_atlas(certificate: AtlasCertificate, source: str = "") -> Atlas:

@@ -35,7 +35,14 @@ from orbitproof.verify.evidence import Proved, Reason
 from orbitproof.verify.lasting import LastingResult, twist_of_piece
 from orbitproof.verify.oracle import ORACLE, counsel
 from orbitproof.verify.periodic_curve import PeriodicLimits, prove_periodic_piece
-from orbitproof.verify.stability import TubeOfOrbits, sharpened, stability_of_piece, stability_slope_bits
+from orbitproof.verify.stability import (
+    TubeOfOrbits,
+    about_closer_polynomial,
+    sharpened,
+    stability_of_piece,
+    stability_slope_bits,
+)
+from orbitproof.verify.stability.units import is_of_axial_orbits
 from orbitproof.verify.surface import SurfaceLimits, prove_libration_piece, prove_surface_piece
 
 _MOST_SHOWN = 0.95
@@ -135,6 +142,8 @@ def _proved(
     half = known.half_return
     if argument.get("lasting"):
         tube, half = sharpened(tube, half, stepped)
+    elif is_of_axial_orbits(system):
+        tube, half = about_closer_polynomial(tube, half)
     stability = stability_of_piece(tube, stepped, half)
     twist = twist_of_piece(tube, stepped, half, stability) if argument.get("lasting") else None
     computation = replace(found.computation, seconds=round(time.monotonic() - began, 3))

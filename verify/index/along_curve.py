@@ -63,6 +63,17 @@ def intervals_of(curve: ProvedCurve, found: ProvedList) -> tuple[Interval, ...]:
     return tuple(Interval(before, after) for before, after in pairwise(bounds))
 
 
+def intervals_with_orbits(atlas: Atlas, curve: ProvedCurve, found: ProvedList) -> tuple[Interval, ...]:
+    """Those whose points stand for orbits of the CR3BP: of axial ones where eps2 > 0 (section 35.4)."""
+    intervals = intervals_of(curve, found)
+    if atlas.system is not LIFTED:
+        return intervals
+    size = LIFTED.centre_coordinates.index("eps2")
+    ends = [(curve.chain.stretches[each.end.stretch], each.end.lower) for each in intervals]
+    positive = [is_positive(stretch.tube.point(stretch.run, s)[size]) for stretch, s in ends]
+    return tuple(each for each, is_off_plane in zip(intervals, positive, strict=True) if is_off_plane)
+
+
 def _is_degenerate(point: Point) -> bool:
     return point.k == 1
 

@@ -26,7 +26,7 @@ from orbitproof.verify.evidence import (
 from orbitproof.verify.index.along_curve import (
     PRECISION,
     Interval,
-    intervals_of,
+    intervals_with_orbits,
     start_at,
     stretch_of,
 )
@@ -103,7 +103,7 @@ def conclude_index(
     with ctx.workprec(PRECISION):
         try:
             curve = _check_curve(checklist, curve, problem)
-            intervals = () if found is None else intervals_of(curve, found)
+            intervals = () if found is None else intervals_with_orbits(atlas, curve, found)
             _check_counts(checklist, atlas, curve, found, intervals, orbits, problem)
             if found is not None:
                 _check_parity(checklist, curve, found, orbits)

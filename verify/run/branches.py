@@ -299,10 +299,7 @@ def limits_of(
             kind_of(atlas).about,
         )
     if complete is not None and any(atlas.system is known for known in UNLISTED):
-        raise ArgumentError(
-            "{complete}: no list is made of axial orbits in units of their speed, or of period doublings "
-            "over the mass; leave it out"
-        )
+        raise ArgumentError("{complete}: no list is made of period doublings over the mass; leave it out")
     if combinations and (complete is None or len(atlas.curve_pieces()[0].tube) != 2):
         raise ArgumentError(
             "{combinations}: belongs to {complete}, for curves with two stability parameters; leave it out"

@@ -3,7 +3,7 @@
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.stability.across_list import ListAcross, list_across
 from orbitproof.verify.stability.along import CurveInTube
-from orbitproof.verify.stability.closer_tube import sharpened
+from orbitproof.verify.stability.closer_tube import about_closer_polynomial, sharpened
 from orbitproof.verify.stability.complete_list import PRECISION, Finder, resonant_value
 from orbitproof.verify.stability.confirmation import unconfirmed
 from orbitproof.verify.stability.extrema import BAND, extrema_on, is_in_band

@@ -34,10 +34,34 @@ def sharpened(
             return tube, half
 
 
+def about_closer_polynomial(tube: TubeOfOrbits, half: HalfReturn | None) -> tuple[TubeOfOrbits, HalfReturn | None]:
+    """A tube of the same curve about a closer polynomial, its return to be found; what is given, if there is none.
+
+    Where derivatives across the curve grow by hundreds, the distance of the polynomial from the curve at complex s,
+    times second derivatives, is too much of them.
+    """
+    with guarded(tube.limits.precision + SPARE_BITS), np.errstate(all="ignore"):
+        try:
+            return (tube, half) if half is None else (_recentred(tube, half), None)
+        except (IntegrationFailure, ArithmeticError, ValueError):
+            return tube, half
+
+
 def _closer(
     orbits: TubeOfOrbits, half: HalfReturn, progress: Callable[[float], None] | None
 ) -> tuple[TubeOfOrbits, HalfReturn]:
     """A narrower tube about a closer polynomial, inside of this one, and its return (section 18.2)."""
+    followed = _recentred(orbits, half)
+    equations = [half.state[index] for index in orbits.system.kernel_coordinates]
+    noise = max(equation.errors[0] / (equation.known[1] or 1.0) for equation in equations)
+    share = Fraction(2) ** ceil(log2(max(_SHARPER, _ABOVE_NOISE * noise)))
+    if share > _WORTH_SHARPENING:
+        raise _no_tube()
+    return followed, followed.follow([width * share for width in half.widths], progress)
+
+
+def _recentred(orbits: TubeOfOrbits, half: HalfReturn) -> TubeOfOrbits:
+    """The part of the tube about a closer polynomial that is certainly in it (section 18.2)."""
     curve = orbits.curve(half)
     polynomials, tube = [], []
     for j, omega in enumerate(curve.omega):
@@ -49,13 +73,13 @@ def _closer(
             change[1::2] = [Fraction(0)] * len(change[1::2])
         polynomials.append(plus(orbits.piece.polynomial[j], _by_s(change, orbits.middle, orbits.radius), Fraction(1)))
         tube.append(orbits.piece.tube[j] - sum(map(abs, change), Fraction(0)))
-    equations = [half.state[index] for index in orbits.system.kernel_coordinates]
-    noise = max(equation.errors[0] / (equation.known[1] or 1.0) for equation in equations)
-    share = Fraction(2) ** ceil(log2(max(_SHARPER, _ABOVE_NOISE * noise)))
-    if not min(tube) > 0 or share > _WORTH_SHARPENING:
-        raise IntegrationFailure("stability", "the curve is not shown to be in its tube", "give a wider tube")
-    followed = replace(orbits, piece=replace(orbits.piece, polynomial=tuple(polynomials), tube=tuple(tube)))
-    return followed, followed.follow([width * share for width in half.widths], progress)
+    if not min(tube) > 0:
+        raise _no_tube()
+    return replace(orbits, piece=replace(orbits.piece, polynomial=tuple(polynomials), tube=tuple(tube)))
+
+
+def _no_tube() -> IntegrationFailure:
+    return IntegrationFailure("stability", "the curve is not shown to be in its tube", "give a wider tube")
 
 
 def _by_s(coefficients: Sequence[Fraction], middle: Fraction, radius: Fraction) -> list[Fraction]:

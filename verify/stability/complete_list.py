@@ -23,7 +23,7 @@ from orbitproof.verify.stability.linear_stability import is_stable
 from orbitproof.verify.stability.list_entries import Combinations, CompleteList, Extremum, Gap, Point, Segment
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
 from orbitproof.verify.stability.stored_stability import StabilityResult
-from orbitproof.verify.stability.units import is_of_vertical_orbits
+from orbitproof.verify.stability.units import is_of_axial_orbits, is_of_vertical_orbits
 from orbitproof.verify.stability.zeros import Zero, between, ends_of, zeros_beside_double_one, zeros_on
 
 PRECISION = 192
@@ -206,8 +206,17 @@ class Finder:
             return _factor(self.segment.first_factor.value, zero, Kind.HERE, Kind.THERE)
         if self.atlas.system.normalised:
             # The level along the curve is a size there, no invariant of the flow.
-            return Kind.UNDECIDED
+            return Kind.IN_PLANE if self._is_birth(zero) else Kind.UNDECIDED
         return _factor(self.segment.level.slope, zero, Kind.FOLD, Kind.LOSS)
+
+    def _is_birth(self, zero: Zero) -> bool:
+        """Whether the one zero for k = 1 there is that at size 0, where axial orbits are born (Lemma 18.14)."""
+        if not is_of_axial_orbits(self.atlas.system):
+            return False
+        span = self.segment.s_of(between(zero.lower, zero.upper))
+        if not excludes_zero(self._coordinates(span)["vy"]):
+            return False
+        return [sign(self.segment.level.value(enclose(end))) for end in (zero.lower, zero.upper)] == [-1, 1]
 
     def _point(self, k: int, j: int, kind: Kind, tau: arb) -> Point:
         segment = self.segment

@@ -18,6 +18,7 @@ class Kind(Enum):
     FOLD = "fold"
     LOSS = "loss of R"
     SYMMETRIC = "symmetric point"
+    IN_PLANE = "birth from the plane"
     HERE = "singular at this point"
     THERE = "singular at the other point"
     COLLISION = "Krein collision"

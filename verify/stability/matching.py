@@ -13,17 +13,22 @@ from orbitproof.verify.curve import Bifurcation
 from orbitproof.verify.evidence import EmptyIntersectionError, enclose, is_below
 from orbitproof.verify.stability.kinds import Kind, Matter, Resonance, name_of
 from orbitproof.verify.stability.list_entries import Gap, Point
-from orbitproof.verify.stability.units import is_of_vertical_orbits
+from orbitproof.verify.stability.units import is_of_axial_orbits, is_of_vertical_orbits
 
-_KINDS = {FOLD: Kind.FOLD, "symmetry_breaking": Kind.SYMMETRIC, REVERSOR_BREAKING: Kind.LOSS}
+_KINDS = {
+    FOLD: (Kind.FOLD,), "symmetry_breaking": (Kind.SYMMETRIC, Kind.IN_PLANE), REVERSOR_BREAKING: (Kind.LOSS,),
+}  # fmt: skip
 """What is found where a bifurcation of a kind is certified, for k = 1, and a stability parameter is 1."""
 
 
 def about_the_list(atlas: Atlas, bifurcations: Sequence[Bifurcation], order: int) -> list[Bifurcation]:
     """The bifurcations that have to be in the list; births on a planar family lead out of the plane (18.11).
 
-    In units of the orbit these are the certified losses of R on vertical families alone (18.14).
+    In units of the orbit these are the certified losses of R on vertical families alone (18.14), and births of axial
+    orbits in the plane (18.15).
     """
+    if is_of_axial_orbits(atlas.system):
+        return [entry for entry in bifurcations if entry.kind == "symmetry_breaking"]
     if is_of_vertical_orbits(atlas.system):
         return [entry for entry in bifurcations if entry.kind == REVERSOR_BREAKING]
     return [
@@ -60,8 +65,8 @@ def with_certificates(
                 raise EmptyIntersectionError(
                     f"{shown(entry.id)} is certified at one point of the orbit, found at the other"
                 )
-            known = found.kind in (Kind.FOLD, Kind.LOSS, Kind.SYMMETRIC)
-            if known and found.kind is not _KINDS.get(entry.kind):
+            known = found.kind in (Kind.FOLD, Kind.LOSS, Kind.SYMMETRIC, Kind.IN_PLANE)
+            if known and found.kind not in _KINDS.get(entry.kind, ()):
                 names = f"certified as a {entry.kind}, found is: {name_of(found.kind)}"
                 raise EmptyIntersectionError(f"{shown(entry.id)} is {names}")
             result[here[0]] = replace(found, certificates=(*found.certificates, entry.id))

@@ -1,4 +1,4 @@
-"""Systems in units of the orbit: a point of an orbit in the units of that point (section 18.9)."""
+"""Systems in units of the orbit: a point of an orbit in the units of that point (18.9, 18.14, 18.15)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from orbitproof.shared.systems import VERTICAL, ReversibleSystem, record
+from orbitproof.shared.systems import LIFTED, VERTICAL, ReversibleSystem, record
 from orbitproof.verify.algebra import Series
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.poincare import at_start
@@ -36,12 +36,23 @@ class _Degree:
         return _Degree(self.value * exponent if whole and self.value is not None else None)
 
 
+def degrees_of(system: ReversibleSystem) -> dict[str, int]:
+    """By which power of lambda state coordinates and family parameter are multiplied, so that orbits become orbits.
+
+    Of orbits in units of their speed across the plane z and z' are, and eps2 by lambda^-2; else all of the state.
+    """
+    parameter = str(system.family_parameter)
+    if is_of_axial_orbits(system):
+        return {name: int(name in ("z", "vz")) for name in system.state} | {parameter: -2}
+    return dict.fromkeys(system.state, 1) | {parameter: -1}
+
+
 def scales(system: ReversibleSystem) -> bool:
-    """Whether f(lambda x, nu/lambda) = lambda f(x, nu) for lambda != 0, from the program; nu the family parameter."""
-    degrees = {name: Fraction(1) for name in system.state} | {str(system.family_parameter): Fraction(-1)}
-    arguments = [_Degree(degrees.get(name, Fraction(0))) for name in system.program.inputs]
+    """Whether f, as a program, is multiplied like the state where state and parameter are, lambda != 0."""
+    degrees = degrees_of(system)
+    arguments = [_Degree(Fraction(degrees.get(name, 0))) for name in system.program.inputs]
     values = system.program.evaluate(arguments, lambda _: _Degree(Fraction(0)), _Degree.power)
-    return all(value == _Degree(Fraction(1)) for value in values)
+    return all(value == _Degree(Fraction(degrees[name])) for name, value in zip(system.state, values, strict=True))
 
 
 def is_of_vertical_orbits(system: ReversibleSystem) -> bool:
@@ -49,8 +60,13 @@ def is_of_vertical_orbits(system: ReversibleSystem) -> bool:
     return any(system is known for known in VERTICAL.values())
 
 
+def is_of_axial_orbits(system: ReversibleSystem) -> bool:
+    """Whether points of a system stand for axial orbits in units of their speed across the plane (section 18.15)."""
+    return system is LIFTED
+
+
 def units_of(system: ReversibleSystem) -> tuple[str, str]:
-    """The coordinates that are 1 in the orbit's own units: at x, and at the other point (sections 18.9 and 18.14).
+    """The coordinates that are 1 in the orbit's own units: at x, and at the other point (18.9, 18.14, 18.15).
 
     Vertical orbits have w = 1 on the axis, where u = 0, and u = 1 off it, where w = 0. Raises `IntegrationFailure` for
     systems without such units.
@@ -75,16 +91,24 @@ def at_other_point(system: ReversibleSystem) -> ReversibleSystem:
 def in_own_units(system: ReversibleSystem, unit: str, point: Mapping[str, Series]) -> dict[str, Series]:
     """The coordinates of a centre for a point of Fix(R) that is not normalised: (nu x, y/x) for each other y (18.7).
 
-    x, with the name `unit`, is to be 1. Raises `IntegrationFailure` if it may be zero.
+    x, with the name `unit`, is to be 1; powers of it are those of `degrees_of`. Raises `IntegrationFailure` if it may
+    be zero, where something is divided by it.
     """
     own = [name for name in system.centre_coordinates if name in system.state]
+    degrees, parameter = degrees_of(system), str(system.family_parameter)
 
     def units(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
         size, *others = state
-        (parameter,) = parameters
-        return (parameter * size, *(value / size for value in others))
+        named = zip((parameter, *own), (*parameters, *others), strict=True)
+        return tuple(_over(value, size, degrees[name]) for name, value in named)
 
-    parameter = str(system.family_parameter)
     program = record(units, (unit, *own), (parameter,))
     values = at_start(program, [point[name] for name in program.inputs])
     return dict(zip((parameter, *own), values, strict=True))
+
+
+def _over(value: Any, size: Any, degree: int) -> Any:
+    """A value divided by a power of the size."""
+    for _ in range(abs(degree)):
+        value = value / size if degree > 0 else value * size
+    return value

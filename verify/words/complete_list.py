@@ -29,7 +29,7 @@ from orbitproof.verify.stability import (
     What,
     level_name,
 )
-from orbitproof.verify.stability.units import is_of_vertical_orbits
+from orbitproof.verify.stability.units import is_of_axial_orbits, is_of_vertical_orbits
 
 _DIGITS, _MOST_DIGITS = 14, 24
 _IN_PLANE, _ACROSS = "a stability parameter", "(lambda + 1/lambda)/2"
@@ -40,6 +40,7 @@ _POINTS = {
     Kind.FOLD: "extremum of {level} along the curve, where a stability parameter is 1",
     Kind.LOSS: "1:1, a stability parameter is 1 and {level} is not stationary: the symmetry R may be lost here",
     Kind.SYMMETRIC: "symmetric point of the curve, where a stability parameter is 1",
+    Kind.IN_PLANE: "eps2 is 0, the planar orbit from which those of the curve are born: a stability parameter is 1",
     Kind.HERE: "1:2, a stability parameter is -1, A singular at this point of the orbit on Fix(R)",
     Kind.THERE: "1:2, a stability parameter is -1, A singular at the other point of the orbit on Fix(R)",
     Kind.COLLISION: "Krein collision: two stability parameters are equal",
@@ -67,7 +68,7 @@ _A = (
     "A at a point of Fix(R) is the derivative on Fix(R) of the coordinates of P that R fixes, modulo the directions of "
     "the curve and of its image under P."
 )
-_SCALED = " P is meant here up to the scaling of section 18.14 that makes u 1 at the other end."
+_SCALED = " P is meant here up to the scaling of section {section} that makes {unit} 1 at the other end."
 _BLOCK = (
     "At each of these Sigma is one Jordan block. On one side of it along the curve, near it, the two parameters are "
     "real and different, on the other they are not real: there the four multipliers are neither real nor on the unit "
@@ -108,8 +109,9 @@ def statement(
     )
     lines += [f"- {point_in_words(atlas, point)}" for point in listed]
     lines += _of_vertical_orbits(atlas, found)
+    lines += _of_axial_orbits(atlas)
     if any(point.kind in (Kind.HERE, Kind.THERE) for point in listed):
-        lines.append(_A + (_SCALED if is_of_vertical_orbits(atlas.system) else ""))
+        lines.append(_A + _scaled(atlas))
     if found.has_few_parameters:
         collisions = [point_in_words(atlas, point) for point in found.points if not point.k]
         lines += itemised(f"{where} two stability parameters are equal at exactly these points:", collisions)
@@ -178,6 +180,24 @@ def _of_vertical_orbits(atlas: Atlas, found: CompleteList) -> list[str]:
         "stable the four lambda^2 are on the unit circle too, without Jordan blocks.",
         "Points with eps2 < 0 stand for no orbit of the three-body problem.",
     ]
+
+
+def _of_axial_orbits(atlas: Atlas) -> list[str]:
+    """What the list of axial orbits is not about (section 18.15)."""
+    if not is_of_axial_orbits(atlas.system):
+        return []
+    births = [
+        f" Of the orbits of piece {piece.id}, beyond the end of the curve, nothing is said here."
+        for piece in atlas.birth_pieces()
+    ]
+    return ["Points with eps2 < 0 stand for no orbit of the three-body problem." + "".join(births)]
+
+
+def _scaled(atlas: Atlas) -> str:
+    """Up to what P is meant."""
+    if is_of_vertical_orbits(atlas.system):
+        return _SCALED.format(section="18.14", unit="u")
+    return _SCALED.format(section="18.15", unit="z'") if is_of_axial_orbits(atlas.system) else ""
 
 
 def half(atlas: Atlas) -> str:
@@ -270,6 +290,8 @@ def _held(atlas: Atlas) -> str:
             "on its level of the Jacobi constant, after half its period, 2 T, followed by z -> -z (at eps2 = 0 the "
             "limit of that)"
         )
+    if is_of_axial_orbits(atlas.system):
+        return "on its level of the Jacobi constant, after its period, 2 T (at eps2 = 0 the limit of that)"
     if atlas.system.normalised:
         return f"in the plane and on its level of the Jacobi constant (at {level_name(atlas)} = 0 the limit of that)"
     if atlas.system.fixed_level is not None:
