@@ -308,12 +308,16 @@ def test_the_index_along_curves_is_that_of_graphs_of_the_flow(name: str) -> None
         assert orbit.index == sum(expected)
 
 
+@cache
+def half_turns_along(state: tuple[float, ...], crossings: int) -> HalfTurns:
+    """From an exact start the numbers of half turns are whole to many digits."""
+    (turns,) = followed(Start(CR3BP_AXIAL, tuple(arb(x) for x in state), MU, crossings, False), 128, ORACLE)
+    return turns
+
+
 @pytest.mark.parametrize(("state", "crossings", "index"), [(VERTICAL_ORBIT, 2, 5), (AXIAL_ORBIT, 1, 4)])
 def test_orbits_under_the_half_turn_about_the_axis(state: tuple[float, ...], crossings: int, index: int) -> None:
-    # From an exact start the numbers of half turns are whole to many digits.
-    start = Start(CR3BP_AXIAL, tuple(arb(x) for x in state), MU, crossings, False)
-    (turns,) = followed(start, 128, ORACLE)
-    assert turns.index == index
+    assert half_turns_along(state, crossings).index == index
     assert index_of_orbit(state, float(MU), crossings) == (index,)
 
 
@@ -328,7 +332,7 @@ def test_half_orbits_from_plane_to_plane_turn_as_those_from_the_section_of_the_a
     assert (start.system.section, start.system.reversing_symmetry) == ("z", CR3BP_AXIAL.reversing_symmetry)
     assert (start.crossings, start.is_planar) == (1, False)
     (across,) = followed(start, 128, ORACLE)
-    (along,) = followed(Start(CR3BP_AXIAL, tuple(map(arb, AXIAL_ORBIT)), MU, 1, False), 128, ORACLE)
+    along = half_turns_along(AXIAL_ORBIT, 1)
     assert across.index == along.index == 4
     assert all(one.overlaps(other) for one, other in zip(across.angles, along.angles, strict=True))
     for size in (arb(0), arb(0, 1e-9), arb(-1)):
