@@ -200,6 +200,7 @@ def test_the_list_has_the_birth_and_nothing_else() -> None:
     assert abs(float(parse_exact(birth["level"]["mid"]))) < 1e-6
     assert complete["stable"] == complete["undecided"] == []
     said = listed()["statement"].partition("Hypothesis level")[2]
+    assert "derivative by eps2 z'^2 on Fix(R) is -1" in said
     assert "after its period, 2 T" in said
     assert "- eps2 is 0, the planar orbit from which those of the curve are born: a stability parameter is 1" in said
     assert "Points with eps2 < 0 stand for no orbit of the three-body problem.\n" in said

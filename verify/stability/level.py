@@ -16,6 +16,7 @@ from orbitproof.verify.evidence import Checklist, Hypothesis, enclose, excludes_
 from orbitproof.verify.stability.kinds import Matter
 from orbitproof.verify.stability.known_functions import point_over
 from orbitproof.verify.stability.list_entries import Gap, Segment, level_name
+from orbitproof.verify.stability.units import is_of_axial_orbits
 from orbitproof.verify.stability.zeros import between
 
 LEVEL = "level"
@@ -148,7 +149,9 @@ class Level:
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
         """What was shown so far, as the hypothesis `LEVEL`. Raises `NotEstablishedError` if it does not hold."""
-        if self._is_coordinate and self._system.normalised:
+        if is_of_axial_orbits(self._system):
+            statement = "the level is the Jacobi constant, whose derivative by eps2 z'^2 on Fix(R) is -1"
+        elif self._is_coordinate and self._system.normalised:
             statement = (
                 "the level is the Jacobi constant, whose derivative by vy is not 0 where the section is crossed "
                 f"transversally, as it is by the orbits of the curve (at {self._title} = 0 the limit of that)"
