@@ -37,6 +37,7 @@ class Regularisation:
             one of two formulas, each valid on a part of the section.
         branch: which of them suits a point, called with float values (state, parameters).
         projection: the system's state, called with (v, parameters).
+        section: the section coordinate as it follows from the others, called with v.
     """
 
     name: str
@@ -47,6 +48,7 @@ class Regularisation:
     embedding: Embedding
     branch: Callable[[Sequence[float], Sequence[float]], int]
     projection: Callable[[Sequence[Any], Sequence[Any]], Sequence[Any]]
+    section: Callable[[Sequence[Any]], Any]
 
     @cached_property
     def section_index(self) -> int:
@@ -75,6 +77,11 @@ class Regularisation:
     def projection_program(self) -> Program:
         """The system's state; inputs: v, parameters."""
         return record(self.projection, self.state, tuple(self.system.parameters))
+
+    @cached_property
+    def section_program(self) -> Program:
+        """The section coordinate from the others; inputs: v."""
+        return record(lambda v: (self.section(v),), self.state)
 
 
 def _square(value: Any) -> Any:
@@ -153,6 +160,11 @@ def _branch(state: Sequence[float], parameters: Sequence[float]) -> int:
     return 1 if state[0] - (1 - parameters[0]) >= 0 else -1
 
 
+def _second_coordinate(v: Sequence[Any]) -> Any:
+    u1, u2, u3, u4 = v[:4]
+    return 2 * (u1 * u2 - u3 * u4)
+
+
 def _from_spinors(v: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
     u1, u2, u3, u4, w1, w2, w3, w4, y, _ = v
     (mu,) = parameters
@@ -177,6 +189,7 @@ KUSTAANHEIMO_STIEFEL = Regularisation(
     embedding=_onto_spinors,
     branch=_branch,
     projection=_from_spinors,
+    section=_second_coordinate,
 )
 
 REGULARISATIONS: Mapping[str, Regularisation] = {CR3BP.name: KUSTAANHEIMO_STIEFEL}

@@ -108,6 +108,11 @@ def test_the_equations_are_those_of_the_three_body_problem(seed: int) -> None:
         for along, wanted in zip(moved, CR3BP.program.evaluate([*state, mu], ball, power), strict=True):
             assert vanishes(along[1] - distance * wanted)
         assert vanishes(bilinear(u, slopes[4:8]))
+        # The section coordinate follows from the others, and so does its derivative.
+        (own,) = KUSTAANHEIMO_STIEFEL.section_program.evaluate(v, ball, power)
+        (shift,) = KUSTAANHEIMO_STIEFEL.section_program.evaluate(line, lambda value: arb_series([ball(value)], 2))
+        assert vanishes(own - rho2)
+        assert vanishes(shift[1] - slopes[8])
         assert all(vanishes(slope - value) for slope, value in zip(slopes[:4], w, strict=True))
         assert vanishes(slopes[9] - distance)
 
@@ -313,7 +318,14 @@ def test_each_step_starts_from_the_whole_enclosure(monkeypatch: pytest.MonkeyPat
         return advance(program, state, parameters, expansion, step)
 
     def check_last(*arguments: Any) -> tuple[list[Series], Series]:
-        assert arguments[3] is running.state
+        # The section coordinate is formed from the others where it is known better so.
+        close, index = list(arguments[3]), KUSTAANHEIMO_STIEFEL.section_index
+        own, carried = close.pop(index), [*running.state]
+        assert own.errors[0] <= carried.pop(index).errors[0]
+        assert all(a is b for a, b in zip(close, carried, strict=True))
+        xi = [Fraction(1, 3)] * len(own.arithmetic.grading.weights)
+        y, *u = (series_at(element, Fraction(0), xi) for element in (own, *close[:4]))
+        assert y.overlaps(2 * (u[0] * u[1] - u[2] * u[3]))
         assert arguments[4] is running.constants
         steps.append(Fraction(0))
         return onto_section(*arguments)

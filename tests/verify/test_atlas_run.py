@@ -267,7 +267,7 @@ def test_a_cluster_without_workers_or_with_other_software_is_refused(
 
 
 def test_an_interval_on_which_a_list_is_open_is_tried_again_and_halved() -> None:
-    """With more precision, then twice as narrow; in the end what is proved counts."""
+    """Twice as narrow, then with more precision, then narrower once more; in the end what is proved counts."""
     piece = CURVE.pieces[1]
     attempts = [{"precision": 80}, {"precision": 128}]
 
@@ -282,11 +282,12 @@ def test_an_interval_on_which_a_list_is_open_is_tried_again_and_halved() -> None
 
     whole_one = [entry(("-1", "1"), 80)]
     assert left(whole_one, "", 1).is_proved
-    assert left(whole_one, "zeros").missing == (((Fraction(-1), Fraction(1)), 1),)
-    assert [attempt for _, attempt in left(whole_one, "stability").missing] == [0, 0]
+    first, second = halves((Fraction(-1), Fraction(1)))
+    assert left(whole_one, "zeros").missing == left(whole_one, "stability").missing == ((first, 0), (second, 0))
+    narrower = entry((format_exact(first[0]), format_exact(first[1])), 80)
+    assert left([*whole_one, narrower], "zeros").missing == ((first, 1), (second, 0))
+    assert plan(piece, values(whole_one), attempts, 0, lambda _: "zeros").missing == (((Fraction(-1), Fraction(1)), 1),)
     results = [entry(("-1", "1"), precision) for precision in (80, 128)]
-    first, second = (interval for interval, _ in left(results, "zeros").missing)
-    assert (first, second) == halves((Fraction(-1), Fraction(1)))
     for interval in (first, second, *halves(first), *halves(second)):
         names = (format_exact(interval[0]), format_exact(interval[1]))
         results += [entry(names, precision) for precision in (80, 128)]

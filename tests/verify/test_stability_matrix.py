@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flint import arb, ctx
+from flint import arb, arb_series, ctx, fmpq
 from scipy.integrate import solve_ivp
 from support.stability_cases import (
     HALO_INTERVALS,
@@ -27,12 +27,14 @@ from orbitproof.shared.claims import Piece
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import piece_from_json
 from orbitproof.shared.systems import AROUND, CR3BP, FALKNER_SKAN
-from orbitproof.verify.algebra import Grading, WideArithmetic
+from orbitproof.verify.algebra import Grading, Series, WideArithmetic
 from orbitproof.verify.curve import PieceLimits, derived_parameter, prove_piece
 from orbitproof.verify.evidence import IntegrationFailure, Proved
-from orbitproof.verify.functions import REACH, bounded, function, restricted
+from orbitproof.verify.functions import REACH, bounded, function, known_part, restricted
 from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.poincare import first_integral
 from orbitproof.verify.stability import OtherPoint, TubeOfOrbits, orbit_functions
+from orbitproof.verify.stability.along import level_around
 from orbitproof.verify.stability.matrix import SHARE
 from orbitproof.verify.stability.units import scales
 
@@ -300,3 +302,52 @@ def test_sigma_of_halo_orbits_contains_independent_monodromy(name: str) -> None:
 @pytest.mark.parametrize("name", ["symmetric", "regularised"])
 def test_sigma_of_whole_pieces_contains_independent_monodromy(name: str) -> None:
     check_three_body(name, (Fraction(-1), Fraction(1)), PieceLimits(96, 40, 48), 1000)
+
+
+def test_of_a_known_level_the_part_on_the_curve_alone_is_taken() -> None:
+    """Its value at omega = 0 and its derivatives there lie within the bounds of their own grades."""
+    lines = {"x": ("0.99", "0.002"), "z": ("0.01", "0.001"), "vy": ("0.7", "-0.03")}
+    across = {"x": (0.001, 0), "z": (0, 0.002), "vy": (0.1, 0.1)}
+    mu, program = Fraction(1, 80), CR3BP.first_integral_program
+    assert program is not None
+
+    def element(arithmetic: WideArithmetic, name: str, share: int, away: Fraction) -> Series:
+        terms = [share * Fraction(value) for value in across[name]]
+        start, slope = map(Fraction, lines[name])
+        line = arithmetic.polynomial({(0, 0): [start + away, slope], (1, 0): terms[0], (0, 1): terms[1]})
+        return line.widened(away)
+
+    def points(bits: int, width: int, share: int, away: Fraction) -> dict[str, Series]:
+        arithmetic = WideArithmetic(Grading((1, 1), 1), bits, 0, 0, width=width)
+        return {"mu": arithmetic.constant(mu), **{name: element(arithmetic, name, share, away) for name in lines}}
+
+    fine = points(160, 60, 0, Fraction(0))
+    exact = first_integral(CR3BP, fine["mu"].arithmetic, fine)
+    assert exact is not None
+    one = WideArithmetic(Grading((1,), 0), 160, 0, 0, width=60)
+    moved = Fraction(1, 2**20)
+    on_curve = function(one, [a + (not n) * moved for n, a in enumerate(known_part(exact, 0))], moved)
+    level = level_around(points(96, 20, 1, Fraction(1, 2**14)), CR3BP, on_curve)
+    assert level is not None
+    # On the curve the level is known better than the points are.
+    assert level.errors[0] < 2**-18
+    for sigma in (arb(n) / 5 for n in range(-5, 6)):
+        known = [
+            sum((arb(fmpq(a.numerator, a.denominator)) * sigma**n for n, a in enumerate(known_part(level, m))), arb(0))
+            for m in range(3)
+        ]
+        for j, position in ((0, (1, 0)), (1, (0, 1))):
+            values = {}
+            for name, (start, slope) in lines.items():
+                at = arb(start) + arb(slope) * sigma
+                values[name] = arb_series(
+                    [at, arb(Fraction(across[name][j]).numerator) / Fraction(across[name][j]).denominator], 2
+                )
+            state = [values.get(name, arb_series([0], 2)) for name in CR3BP.state]
+            (found,) = program.evaluate(
+                [*state, arb_series([arb(1) / 80], 2)],
+                lambda value: arb_series([arb(value.numerator) / value.denominator], 2),
+                lambda base, e: base ** (arb(e.numerator) / e.denominator),
+            )
+            assert abs(found[0] - known[0]) < arb(level.errors[0])
+            assert abs(found[1] - known[level.arithmetic.grading.index[position]]) < arb(level.errors[1])

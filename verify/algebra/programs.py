@@ -176,6 +176,7 @@ class Evaluation(Recurrence[fmpz_poly]):
         self.lost: list[list[float]] = [arithmetic.zero_errors() for _ in program.nodes]
         self._inverse: dict[int, fmpz_poly] = {}
         self._inner: dict[tuple[int, int], Products] = {}
+        self._counts = True
 
     def fill(self, position: int, inputs: Sequence[fmpz_poly]) -> None:
         """Compute the coefficient of monomial `position` at every node from those of the inputs.
@@ -193,9 +194,9 @@ class Evaluation(Recurrence[fmpz_poly]):
         The products of monomials of lower grade, which will be the same, are kept.
         """
         lost, self.lost = self.lost, [self.arithmetic.zero_errors() for _ in self.program.nodes]
-        inner = self._inner
+        inner, self._counts = self._inner, False
         self.fill(position, inputs)
-        self.lost, self._inner = lost, inner
+        self.lost, self._inner, self._counts = lost, inner, True
 
     def reciprocal(self, index: int) -> fmpz_poly:
         """An approximation of 1 / base at the centre, for a node that is a power."""
@@ -215,6 +216,8 @@ class Evaluation(Recurrence[fmpz_poly]):
         """See `Recurrence`."""
         if (index, n) not in self._inner:
             self._inner[index, n] = self.arithmetic.inner_products(left, right, n)
+        if not self._counts:
+            return self.arithmetic.approximate_slice(left, right, n, self._inner[index, n])
         value, loss = self.arithmetic.product_slice(left, right, n, self._inner[index, n])
         self.lost[index][self.arithmetic.grading.grades[n]] += loss
         return value

@@ -216,10 +216,20 @@ class Arithmetic:
         value, rounding = self.round_product(exact, position)
         return value, inflate(rounding + lost)
 
+    def approximate_slice(
+        self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int, inner: Products
+    ) -> fmpz_poly:
+        """As `product_slice`, with the same roundings; nothing is said of what is lost."""
+        return self.reduced(self._exact(left, right, self.grading.outer_factors[position]) + inner[0])
+
     def inner_products(self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int) -> Products:
         """The part of one monomial of a product that comes from other monomials than it and the constant."""
         factors = self.grading.inner_factors[position]
         return self._products(left, right, position, factors) if factors else _NOTHING
+
+    def _exact(self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], factors: Pairs) -> fmpz_poly:
+        """The sum of products as `_products` gives it."""
+        return self._products(left, right, 0, factors)[0]
 
     def _products(
         self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int, factors: Pairs

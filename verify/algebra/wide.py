@@ -7,7 +7,7 @@ minor index. Powers are approximations only: `correct_power` bounds how far they
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import reduce
@@ -73,23 +73,25 @@ class WideArithmetic(Arithmetic):
             rest += coefs[middle : start + stride]
         return fmpz_poly(kept), int(sum(map(abs, rest)))
 
+    def _exact(self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], factors: Pairs) -> fmpz_poly:
+        """As for every arithmetic: products up to the largest degree."""
+        length = (self.degree + 1) * self.stride
+        exact = ZERO
+        for i, j, times in _counted(left, right, factors):
+            term = left[i].mul_low(right[j], length)
+            exact += term if times == 1 else term * times
+        return exact
+
     def _products(
         self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int, factors: Pairs
     ) -> Products:
         """As for every arithmetic; what is not found exactly is bounded by the sizes of the factors."""
-        exact = ZERO
-        beyond: list[float] = []
-        length = (self.degree + 1) * self.stride
-        square = left is right
-        for i, j in factors:
-            a, b = left[i], right[j]
-            if a.length() and b.length() and (i <= j or not square):
-                times = 1 if i == j or not square else 2
-                exact += a.mul_low(b, length) * times
-                sizes = _sizes(a, self.stride, self.scales[i]), _sizes(b, self.stride, self.scales[j])
-                beyond.append(times * self._beyond(*sizes))
+        beyond = []
+        for i, j, times in _counted(left, right, factors):
+            sizes = (_sizes(p, self.stride, self.scales[n]) for p, n in ((left[i], i), (right[j], j)))
+            beyond.append(times * self._beyond(*sizes))
         # Sums that underflow to zero are still not zero.
-        return exact, inflate(sum(beyond)) if beyond else 0.0
+        return self._exact(left, right, factors), inflate(sum(beyond)) if beyond else 0.0
 
     def _beyond(self, left: _Sizes, right: _Sizes) -> float:
         """A bound of what a packed product of bounded length lacks, and of what runs into the wrong powers."""
@@ -165,6 +167,14 @@ class WideArithmetic(Arithmetic):
         one = fmpz_poly([self.one])
         value = reduce(lambda product, factor: self.reduced(product * factor), factors, one)
         return power + self.reduced(power * (one - value)) // fmpz(root)
+
+
+def _counted(left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], factors: Pairs) -> Iterator[tuple[int, int, int]]:
+    """Pairs of factors that are not zero, and how often they count: in a square, those of both orders at once."""
+    square = left is right
+    for i, j in factors:
+        if left[i].length() and right[j].length() and (i <= j or not square):
+            yield i, j, 1 if i == j or not square else 2
 
 
 @dataclass(frozen=True)

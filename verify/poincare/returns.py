@@ -136,7 +136,12 @@ class Orbits:
             raise may_touch(f"the orbit at time {self._clock():.6g} was not proved to be at crossing {number}")
         coordinates = self.coordinates
         self.image, self.delay = onto_section(
-            coordinates.section_program, coordinates.section, self.arithmetic, self.state, self.constants, self.oracle
+            coordinates.section_program,
+            coordinates.section,
+            self.arithmetic,
+            self._close_to_section(),
+            self.constants,
+            self.oracle,
         )
         for counter, arrival in zip(self.counters, arrivals, strict=True):
             delay = range_of(self.delay, counter.wide)
@@ -155,6 +160,15 @@ class Orbits:
         else:
             time = range_of(self.image[coordinates.regularisation.time_index])
         return self._leave(self.image), time
+
+    def _close_to_section(self) -> Sequence[Series]:
+        """The state now, its section coordinate from the others if that is known better (section 14.3)."""
+        regularisation, section = self.coordinates.regularisation, self.coordinates.section
+        if regularisation is None:
+            return self.state
+        (found,) = at_start(regularisation.section_program, self.state)
+        better = found if found.errors[0] < self.state[section].errors[0] else self.state[section]
+        return [*self.state[:section], better, *self.state[section + 1 :]]
 
     def rate_on(self, part: arb | None) -> arb:
         """The system's time by that of the integration, on a part of the wide variable's interval."""

@@ -74,7 +74,7 @@ def closer_look_of(attempts: Sequence[Settings]) -> Settings:
 
 _CLOSER_BITS, _CLOSER_ORDER, _CLOSER_WIDTH = 48, 12, 12
 _MORE_BITS, _MORE_ORDER, _MORE_WIDTH = 48, 8, 8
-_FOR_STABILITY = {"precision": 96, "order": 40, "width": 60}
+_FOR_STABILITY = {"precision": 88, "order": 36, "width": 56}
 """More than a proof takes: of n parameters of stability one may be small and the others large."""
 _FOR_LASTING = {"precision": 96, "order": 40, "width": 36}
 """Where it is not enough, shorter intervals take less time than more bits; exceptions are looked at closer anyway."""

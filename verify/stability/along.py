@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, log2
 
+from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Series, WideArithmetic
 from orbitproof.verify.evidence import IntegrationFailure
-from orbitproof.verify.functions import determinant, finite, function, inverse, known_part, norm_of
+from orbitproof.verify.functions import determinant, error_of, finite, function, inverse, known_part, norm_of
+from orbitproof.verify.poincare import first_integral
 
 _HALF = Fraction(1, 2)
 
@@ -51,6 +53,14 @@ def at_origin(element: Series, variable: int, arithmetic: WideArithmetic) -> Ser
     """The derivative in omega_variable at omega = 0 of a function of (sigma, omega)."""
     _, variables, errors = _parts(element)
     return function(arithmetic, variables[variable], errors[1])
+
+
+def level_around(points: Mapping[str, Series], system: ReversibleSystem, on_curve: Series) -> Series | None:
+    """The first integral of points of Fix(R), where that of those with omega = 0 is known already (section 18.3)."""
+    flow = next(iter(points.values())).arithmetic
+    level = first_integral(system, flow, points)
+    known = flow.polynomial({flow.grading.monomials[0]: known_part(on_curve, 0)}).widened(error_of(on_curve))
+    return level and Series(flow, [known.coefs[0], *level.coefs[1:]], [known.errors[0], *level.errors[1:]])
 
 
 def solve(arithmetic: WideArithmetic, equations: Sequence[Series]) -> CurveInTube:

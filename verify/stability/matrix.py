@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import combinations
-from math import floor, log2
+from math import ceil, floor, log2
 
 import numpy as np
 from flint import arb, fmpq, fmpq_mat
@@ -55,14 +55,16 @@ from orbitproof.verify.poincare import (
     first_integral,
     initial_values,
 )
-from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
+from orbitproof.verify.stability.along import CurveInTube, at_origin, level_around, solve
 from orbitproof.verify.stability.stored_stability import StabilityFunctions
 from orbitproof.verify.stability.units import at_other_point, in_own_units, units_of
 
 SHARE = 1 / BEYOND * REACH
 """sigma = SHARE tau."""
 
-_LEAST_SLOPE_BITS, _BITS_LEFT_OUT = 64, 32
+_LEAST_SLOPE_BITS, _BITS_LEFT_OUT = 56, 32
+_BELOW_ERROR, _LEAST_BITS, _LEAST_ORDER = 44, 64, 24
+"""An integration whose points are known with an error has so many bits beyond it: few are lost at the start."""
 SPARE_BITS = 48
 """The algebra of functions of sigma has so many bits more than the flow."""
 _WIDER = 8
@@ -152,12 +154,21 @@ class TubeOfOrbits:
 
     def follow(self, widths: Sequence[Fraction], progress: Callable[[float], None] | None) -> HalfReturn:
         """The return of a tube of other widths about the same polynomial."""
-        limits, system = self.limits, self.system
-        bits = floor(-log2(max(widths))) - max(0, limits.precision - stability_slope_bits(limits.precision))
-        flow = WideArithmetic(Grading((1,) * len(widths), 1), limits.precision, bits, limits.order, width=limits.width)
+        system, flow = self.system, self._format(max(widths))
         tube = tube_points(flow, system.centre_coordinates, self.piece, (self.middle, self.radius), widths)
         start = {**parameter_series(flow, system, self.parameters), **tube}
         return HalfReturn.of(system, start, widths, self.coordinates, self.oracle, None, progress, self.crossings)
+
+    def _format(self, width: Fraction, error: Fraction = Fraction(0)) -> WideArithmetic:
+        """That of an integration of a tube of this width, whose points are known with this error."""
+        limits, count = self.limits, len(self.piece.tube)
+        bits, order = limits.precision, limits.order
+        slope_bits = stability_slope_bits(bits)
+        if error:
+            bits = slope_bits = min(bits, max(_LEAST_BITS, _BELOW_ERROR - floor(log2(error))))
+            order = min(order, max(_LEAST_ORDER, ceil(order * bits / limits.precision)))
+        grade_bits = floor(-log2(width)) - max(0, bits - slope_bits)
+        return WideArithmetic(Grading((1,) * count, 1), bits, grade_bits, order, width=limits.width)
 
     @cached_property
     def arithmetic(self) -> WideArithmetic:
@@ -181,9 +192,12 @@ class TubeOfOrbits:
         ]
         out = other.modulo(images)
         around = _as_wide(out, max(widths))
-        begun = {**half.start, **other.tube(flow, system.centre_coordinates, around)}
+        second_flow = self._format(max(around), max(map(error_of, there)))
+        parameters = parameter_series(second_flow, system, self.parameters)
+        begun = {**parameters, **other.tube(second_flow, system.centre_coordinates, around)}
 
-        returns = HalfOrbits(beyond, flow, begun, self.oracle, self.coordinates)
+        known_level = None if integral is None else level_around(begun, beyond, curve.value(integral))
+        returns = HalfOrbits(beyond, second_flow, begun, self.oracle, self.coordinates, known_level)
         along = DistanceAlongCurve(returns, SHARE) if is_distance_of_orbits(system, self.symmetry) else None
 
         def after_step(number: float) -> None:
