@@ -88,6 +88,7 @@ DOORS = {
         "verify.curve.lyapunov_family",
     ),
     "axial families from birth to birth": ("verify.curve.lifted_family",),
+    "families of doubled period from their birth": ("verify.curve.doubling_birth",),
     "period doublings over the mass": ("verify.curve.doubled_family",),
     "motion in a plane of a larger system": ("verify.out_of_plane.out_of_plane", "verify.stability.across_list"),
 }

@@ -90,14 +90,14 @@ def build_atlas(request: AtlasRequest, progress: Progress | None = None) -> Atla
     places = family.arclengths
     if first is not None:
         start = first.point(1 - overlap)
-        start_place = _place_near(curve, start, places[0], first.chart.half_width)
+        start_place = place_near(curve, start, places[0], first.chart.half_width)
         width = first.chart.half_width
     else:
         start_place = places[0] if request.covers is None else _place(curve, request.covers, request.covers.start)
         start, width = curve.at(start_place).point, FIRST_WIDTH * curve.scale(curve.at(start_place).point)
     if last is not None:
         end = last.point(overlap - 1)
-        end_place = _place_near(curve, end, places[-1], -last.chart.half_width)
+        end_place = place_near(curve, end, places[-1], -last.chart.half_width)
     else:
         end_place = places[-1] if request.covers is None else _place(curve, request.covers, request.covers.end)
         end = curve.at(end_place).point
@@ -245,7 +245,7 @@ def _place(curve: Curve, covers: Covers, value: Fraction) -> float:
     return high
 
 
-def _place_near(curve: Curve, point: Vector, origin: float, width: float) -> float:
+def place_near(curve: Curve, point: Vector, origin: float, width: float) -> float:
     """The family's arclength of a point on it, near `origin`, about `width` away in the coordinates."""
     places = np.array(curve.family.arclengths)
     near = np.array([np.linalg.norm(orbit.unknowns[:-1] - point) for orbit in curve.family.orbits])

@@ -11,7 +11,10 @@ from orbitproof.shared.systems import ReversibleSystem
 
 @dataclass(frozen=True)
 class Source:
-    """The curve that is asked for; `system` is `None` only together with `path`, a family file."""
+    """The curve that is asked for; `system` is `None` only together with `path`, a family file.
+
+    `birth`: whether it ends at the doubling from which its orbits are born, whatever it covers.
+    """
 
     system: ReversibleSystem | None
     family: str | None
@@ -20,6 +23,7 @@ class Source:
     covers: Covers | None
     increasing: tuple[str, ...]
     title: str | None
+    birth: bool = False
 
 
 def check_names(system: ReversibleSystem, covers: Covers | None, increasing: tuple[str, ...]) -> None:

@@ -10,6 +10,8 @@ from math import inf
 
 from orbitproof.explore.atlases.build import BEYOND, AtlasRequest, IncompleteAtlas, build_atlas
 from orbitproof.explore.atlases.cover import CoverControl, CoverFailure
+from orbitproof.explore.atlases.doubled import doubled_atlas
+from orbitproof.explore.atlases.lyapunov import LibrationFailure
 from orbitproof.explore.atlases.request import Source, check_names
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import Family, FamilyFailure, Limits, family_of, trace_family
@@ -44,12 +46,12 @@ def run_source(source: Source, options: argparse.Namespace) -> int:
                 provenance={"family": name, "degree": options.degree, "decay": options.decay},
             )
             report.stage("covering")
-            atlas = build_atlas(request, report.update)
+            atlas = (doubled_atlas if source.birth else build_atlas)(request, report.update)
         except IncompleteAtlas as error:
             write_atlas(options.output, error.atlas)
             report.error(f"{error}; {options.output} holds the part up to there: {summary(error.atlas)}")
             return 1
-        except (FamilyFailure, CorrectionFailure, CoverFailure) as error:
+        except (FamilyFailure, CorrectionFailure, CoverFailure, LibrationFailure) as error:
             report.error(f"{error}")
             return 1
         write_atlas(options.output, atlas)

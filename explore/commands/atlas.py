@@ -37,6 +37,7 @@ class AtlasPreset:
         covers: coordinate, from and to of an arc, or `None`.
         increasing: coordinates claimed to increase.
         title: for the atlas.
+        birth: whether the arc ends at the doubling from which its orbits are born.
     """
 
     system: str
@@ -45,6 +46,7 @@ class AtlasPreset:
     covers: tuple[str, str, str] | None
     increasing: tuple[str, ...]
     title: str
+    birth: bool = False
 
 
 ATLAS_PRESETS = {
@@ -101,6 +103,15 @@ ATLAS_PRESETS = {
         ("x", "1.008", "1.788"),
         ("x",),
         "Distant retrograde orbits of the Moon, from 0.02 to 0.8 from it",
+    ),
+    "butterfly-earth-moon": AtlasPreset(
+        "cr3bp",
+        "earth-moon",
+        "L2-butterfly",
+        ("x", "0.925", "1"),
+        ("x",),
+        "L2 butterfly orbits of the Earth-Moon system from x = 0.925 to their birth at a period doubling",
+        True,
     ),
     "dro-sun-jupiter": AtlasPreset(
         "cr3bp-planar",
@@ -160,6 +171,12 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument(
         "--increasing", nargs="+", default=[], metavar="NAME", help="coordinates claimed to increase along the curve"
+    )
+    parser.add_argument(
+        "--birth",
+        action="store_true",
+        help="of a family of doubled period that is traced here: the arc goes on to the doubling at which its orbits "
+        "are born, from FROM of --covers or, without it, from where its half orbits no longer meet the section twice",
     )
     limits = parser.add_argument_group("limits of a family that is traced here, each optional")
     limits.add_argument("--max-orbits", type=common.count, default=5000, metavar="N", help="default: %(default)s")
@@ -245,14 +262,20 @@ def _source(options: argparse.Namespace) -> Source:
         "--from-family": options.from_family,
     }
     if options.preset is not None:
+        if options.birth:
+            raise InputError(f"--birth: --preset {options.preset} says which arc; leave out one of the two")
         for option, given in chosen.items():
             if given is not None:
                 raise InputError(f"{option}: given by --preset {options.preset}; leave out one of the two")
         preset = ATLAS_PRESETS[options.preset]
         system = SYSTEMS[preset.system]
         covers = None if preset.covers is None else _covers(preset.covers, system)
-        return Source(system, preset.family, preset.mass or None, None, covers, preset.increasing, preset.title)
+        return Source(
+            system, preset.family, preset.mass or None, None, covers, preset.increasing, preset.title, preset.birth
+        )
     if options.from_family is not None:
+        if options.birth:
+            raise InputError("--birth: goes with a family that is traced here; leave out --from-family, or --birth")
         if options.system is not None:
             raise InputError("--system: --from-family says which; leave it out")
         covers = None if options.covers is None else _covers(options.covers, None)
@@ -275,7 +298,9 @@ def _source(options: argparse.Namespace) -> Source:
     check_names(system, covers, tuple(options.increasing))
     if system.family_parameter is not None and covers is None:
         raise InputError(f"--covers: missing; give a range of {system.family_parameter}")
-    return Source(system, family, options.mass, None, covers, tuple(options.increasing), None)
+    if options.birth and not family.endswith(("-butterfly", "-dragonfly")):
+        raise InputError(f"--birth: {family} is not of doubled period; leave it out")
+    return Source(system, family, options.mass, None, covers, tuple(options.increasing), None, options.birth)
 
 
 def _covers(words: Any, system: ReversibleSystem | None) -> Covers:

@@ -73,8 +73,9 @@ class Atlas:
         system: the reversible system.
         parameters: exact values of the system's fixed parameters, by name; empty for a surface.
         claim: what the pieces are together.
-        pieces: all of them `Piece`, and last a `BirthPiece` if orbits in units of the speed across the plane go on to
-            where they are born; or for a surface `SurfacePiece`, and `LibrationPiece` in Hill's units.
+        pieces: all of them `Piece`, and last a `BirthPiece` if orbits in units of the speed across the plane, or those
+            of two crossings in a half orbit, go on to where they are born; or for a surface `SurfacePiece`, and
+            `LibrationPiece` in Hill's units.
         provenance: free-form, ignored by the verifier.
     """
 

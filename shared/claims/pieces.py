@@ -135,14 +135,14 @@ class LibrationPiece:
 
 @dataclass(frozen=True)
 class BirthPiece:
-    """Orbits near one that S maps to itself, shifted by half its period, from which they are born (section 16.12).
+    """Orbits near one from which they are born: axial ones near a vertical orbit, or others near a period doubling.
 
     For s in [-1, 1] and abs(w_j) <= 1 its points lie in the plane y = 0 and have
 
         (x, z, vy, b) = (polynomial_j(s) + tube_j w_j),    (vx, vz) = half_width s directions (1, b).
 
-    Its claim: for every s there is exactly one w for which the orbits of the points of s and of -s meet the axis at a
-    right angle when they are in that plane next.
+    Its claim: for every s there is exactly one w for which the orbits of the points of s and of -s, when they are in
+    that plane next, meet the axis at a right angle (section 16.12), or the plane itself near a doubling (16.14).
 
     Attributes:
         id: unique name within the atlas.

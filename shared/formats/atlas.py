@@ -30,6 +30,7 @@ from orbitproof.shared.formats.periodic_curve import periodic_atlas_from_json
 from orbitproof.shared.formats.pieces import check_length, piece_from_json
 from orbitproof.shared.systems import (
     BRANCH_SYSTEMS,
+    CR3BP,
     HILL,
     HILL_VARIED,
     ID,
@@ -92,9 +93,11 @@ def atlas_from_json(
             refuse(f"{place}.kind", why, "symmetry_breaking belongs to surfaces, and libration; the others to curves")
         if item["kind"] == LibrationPiece.kind and system is not HILL:
             refuse(f"{place}.kind", f"'libration' in a surface of {system.name}", f"it belongs to {HILL.name}")
-        if item["kind"] == BirthPiece.kind and not (system is LIFTED and index == len(entry["pieces"]) - 1 > 0):
+        takes_birth = system is LIFTED or (system is CR3BP and claim.kind == "arc" and claim.crossings == 2)
+        if item["kind"] == BirthPiece.kind and not (takes_birth and index == len(entry["pieces"]) - 1 > 0):
             why = f"'birth' in a curve of {system.name}"
-            refuse(f"{place}.kind", why, f"it stands last, after other pieces, in an arc of {LIFTED.name}")
+            others = f"in an arc of {LIFTED.name}, or of {CR3BP.name} with 2 crossings"
+            refuse(f"{place}.kind", why, f"it stands last, after other pieces, {others}")
         piece = piece_from_json(item, system, f"{source}: field {place}")
         if piece.id in seen:
             refuse(f"{place}.id", f"{piece.id!r} appears twice", "give each piece its own id")

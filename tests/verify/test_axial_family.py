@@ -216,7 +216,7 @@ def test_false_pieces_of_a_birth_are_refused_before_they_are_integrated() -> Non
         (BIRTH, {}, whole),
         (BIRTH, ATLAS.parameters, (Fraction(-2), Fraction(1))),
     ):
-        found = prove_birth_piece(parameters, piece, interval, ORACLE)
+        found = prove_birth_piece(LIFTED, parameters, piece, interval, ORACLE)
         assert isinstance(found.outcome, NotProved)
         assert found.outcome.reason.condition == "piece"
 
@@ -224,18 +224,18 @@ def test_false_pieces_of_a_birth_are_refused_before_they_are_integrated() -> Non
 @pytest.mark.slow
 def test_the_piece_of_a_birth_is_proved_and_a_false_one_is_not() -> None:
     interval = (Fraction(-1), Fraction(1))
-    found = prove_birth_piece(ATLAS.parameters, BIRTH, interval, ORACLE)
+    found = prove_birth_piece(LIFTED, ATLAS.parameters, BIRTH, interval, ORACLE)
     assert isinstance(found.outcome, Proved), found.outcome
     (stored,) = (result for result in RESULTS if result.piece == BIRTH.id)
     assert found.outcome.results.time.overlaps(stored.time)
     beside = replace(BIRTH, polynomial=((BIRTH.polynomial[0][0] + Fraction(1, 10**6),), *BIRTH.polynomial[1:]))
-    assert isinstance(prove_birth_piece(ATLAS.parameters, beside, interval, ORACLE).outcome, NotProved)
+    assert isinstance(prove_birth_piece(LIFTED, ATLAS.parameters, beside, interval, ORACLE).outcome, NotProved)
 
 
 @pytest.mark.slow
 def test_a_piece_whose_ends_are_not_shown_to_differ_is_not_proved(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("orbitproof.verify.curve.birth_piece.range_of_odd", lambda function: arb(0, 1))
-    outcome = prove_birth_piece(ATLAS.parameters, BIRTH, (Fraction(-1), Fraction(1)), ORACLE).outcome
+    outcome = prove_birth_piece(LIFTED, ATLAS.parameters, BIRTH, (Fraction(-1), Fraction(1)), ORACLE).outcome
     assert isinstance(outcome, NotProved)
     assert outcome.reason.condition == "side"
 

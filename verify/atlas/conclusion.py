@@ -20,6 +20,7 @@ from orbitproof.verify.curve import (
     conclude,
     enclose_crossings,
     enclose_other_point,
+    is_born_at_doubling,
 )
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, conclude_lasting
@@ -76,8 +77,9 @@ def conclusion_of(
 
         points = [certified_point(atlas, entry, examine) for entry in bifurcations]
         conclusion = conclude(atlas, results, points, partner, follow)
-    # No theorem is about resonances of the orbits at which the period doubles over the mass (15.10).
-    if order is None or any(atlas.system is known for known in UNLISTED):
+    # No theorem is about resonances of the orbits at which the period doubles over the mass (15.10), nor about those of
+    # a curve that goes on to a doubling from which its orbits are born (16.14).
+    if order is None or any(atlas.system is known for known in UNLISTED) or is_born_at_doubling(atlas):
         return told(conclusion)
     of_curve = [result for result in results if isinstance(result, LastingResult)]
     with _stretches(conclusion, "resonances", watch) as begun:

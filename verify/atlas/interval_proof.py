@@ -128,7 +128,7 @@ def _proved(
     parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
     limits, crossings = PieceLimits(**argument["integrator"]), argument.get("crossings", 1)
     if isinstance(piece, BirthPiece):
-        return prove_birth_piece(parameters, piece, (start, end), ORACLE, limits, stepped).stored
+        return prove_birth_piece(system, parameters, piece, (start, end), ORACLE, limits, stepped).stored
     slopes = {"slope_bits": stability_slope_bits(limits.precision)} if argument.get("stability") else {}
     more = {"crossings": crossings, **slopes}
     found = prove_piece(system, parameters, piece, (start, end), ORACLE, limits, stepped, argument["symmetry"], **more)

@@ -139,6 +139,25 @@ class Bifurcation:
     reversor: str | None = None
     stability: tuple[acb, ...] = ()
 
+    def found(self, place: Place | str) -> Bifurcation:
+        """The same where it lies on the curve, or with why not."""
+        return replace(self, place=place) if isinstance(place, Place) else replace(self, reason=place)
+
+
+def entry_of(certified: CertifiedPoint) -> Bifurcation:
+    """A certificate before its point is looked for; with a reason if it counts for nothing."""
+    entry = Bifurcation(certified.id, certified.kind, certified.k, None, certified.problem, {})
+    if certified.problem:
+        return replace(entry, is_foreign=certified.is_foreign)
+    return replace(
+        entry,
+        point=certified.point,
+        parameter_name=certified.parameter_name,
+        parameter=certified.parameter,
+        reversor=certified.reversor,
+        stability=certified.stability,
+    )
+
 
 def place_bifurcation(
     atlas: Atlas, chain: Chain | None, certified: CertifiedPoint, partner: Partner = no_partner

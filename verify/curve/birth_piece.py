@@ -1,7 +1,8 @@
-"""A piece of axial orbits about a vertical one, from which they are born, proved (section 16.12).
+"""A piece of orbits about the one from which they are born, proved (sections 16.12 and 16.14).
 
-One integration follows the points of s and of -s at once, from the plane y = 0 to where they are in it next: what
-vanishes on the axis is divided into its even and its odd part in s, and the odd part by s.
+Axial orbits are born from a vertical one, others at a period doubling. One integration follows the points of s and of
+-s at once, from the plane y = 0 to where they are in it next: what vanishes on the axis, or on Fix(R), is divided into
+its even and its odd part in s, and the odd part by s.
 """
 
 from __future__ import annotations
@@ -12,30 +13,77 @@ from fractions import Fraction
 
 from flint import arb, arb_poly
 
-from orbitproof.shared.formats import BirthPiece, is_regular
-from orbitproof.shared.systems import CR3BP_AXIAL
+from orbitproof.shared.formats import Atlas, BirthPiece, is_regular
+from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, LIFTED, ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series, ball_polynomial, recentred
+from orbitproof.verify.curve.bifurcations_on_it import Place
 from orbitproof.verify.curve.equation import BEYOND, TUBE, Equation, HalfReturn, divided_by_wide, parameter_series
-from orbitproof.verify.curve.piece import PieceLimits, Progress, check_newton, in_units
+from orbitproof.verify.curve.piece import SLOPE_BITS, PieceLimits, Progress, check_newton, in_units
 from orbitproof.verify.curve.piece_result import Account, Interval, IntervalResult, PieceResult, attempt
 from orbitproof.verify.curve.proved_intervals import ProvedInterval, read_results
-from orbitproof.verify.evidence import Checklist, dot, enclose, excludes_zero, guarded, is_inside
+from orbitproof.verify.evidence import Checklist, Evidence, dot, enclose, excludes_zero, guarded, is_inside
 from orbitproof.verify.poincare import PHYSICAL, WideOracle
 
 ACROSS = ("x", "z", "vy", "b")
 """What the columns of a piece are: coordinates that R fixes, and the direction off Fix(R)."""
 
 
+_SPARE_BITS = 32
+"""Where orbits begin close to a primary, as they may at a doubling, derivatives have all but so many of the bits."""
+
+TWICE = 2
+"""How often half orbits that are born at a period doubling meet the section."""
+
+
 @dataclass(frozen=True)
 class BirthTheorem:
     """For every s of the interval the tube contains exactly one point whose orbit, and that of whose image under R,
-    meet the axis at a right angle when they are in the plane y = 0 next; it depends smoothly on s (Lemma 16.11).
+    are in the fixed set of the reversing symmetry when they are in the plane y = 0 next; it depends smoothly on s.
+
+    That symmetry is R `at_doubling` (Lemma 16.15), and the half turn for axial orbits (Lemma 16.11).
     """
 
-    hypotheses = ("piece", "half-return", "newton", "side")
+    at_doubling: bool
+
+    @property
+    def hypotheses(self) -> tuple[str, ...]:
+        """As in `evidence.Theorem`."""
+        return ("piece", "half-return", "newton", *(() if self.at_doubling else ("side",)))
+
+
+@dataclass(frozen=True)
+class Birth:
+    """Where the orbits of a curve come from at its end, and how the curve gets there (Theorems 16.12 and 16.16).
+
+    Attributes:
+        tube: its piece, proved.
+        s: of the orbit in that piece which is the one at the end of the curve, or one of the curve near its end.
+        mirrored: whether it is the mirror image of the end's orbit that lies there.
+    """
+
+    tube: BirthTube
+    s: arb
+    mirrored: bool = False
+
+
+def takes_birth(atlas: Atlas) -> bool:
+    """Whether a curve can end in a piece of a birth: one of axial orbits, or of half orbits of two crossings."""
+    claim, is_born_twice = atlas.claim, atlas.system is CR3BP and atlas.claim.crossings == TWICE
+    return claim.kind == "arc" and (atlas.system is LIFTED or is_born_twice)
+
+
+def is_born_at_doubling(atlas: Atlas) -> bool:
+    """Whether a curve has a piece of a birth at a doubling."""
+    return atlas.system is not LIFTED and bool(atlas.birth_pieces())
+
+
+def is_at_birth(atlas: Atlas, place: Place) -> bool:
+    """Whether a place is in the piece of the birth of a curve, not on the curve itself."""
+    return place.piece in {piece.id for piece in atlas.birth_pieces()}
 
 
 def prove_birth_piece(
+    system: ReversibleSystem,
     parameters: Mapping[str, Fraction],
     piece: BirthPiece,
     interval: Interval,
@@ -45,16 +93,19 @@ def prove_birth_piece(
 ) -> PieceResult[ProvedInterval]:
     """Prove the claim of a piece for s in an interval, which is made symmetric about 0, or say why it is not proved.
 
-    Arguments as of `prove_piece`.
+    Arguments as of `prove_piece`; `system` is that of the curve.
     """
+    if system is not LIFTED and system is not CR3BP:
+        raise ValueError(f"no births of orbits of {system.name} are proved")
+    followed = CR3BP_AXIAL if system is LIFTED else CR3BP
     limits = PieceLimits() if limits is None else limits
     computation: Account = {**asdict(limits), "steps": 0, "coordinates": PHYSICAL}
-    proof = _Proof(parameters, piece, max(map(abs, interval)), oracle, limits)
+    proof = _Proof(followed, parameters, piece, max(map(abs, interval)), oracle, limits)
     with guarded(limits.precision):
         return attempt(
             piece.id,
             interval,
-            BirthTheorem(),
+            BirthTheorem(followed is CR3BP),
             computation,
             lambda checklist: proof.check_all(checklist, interval, computation, progress),
         )
@@ -62,8 +113,9 @@ def prove_birth_piece(
 
 @dataclass(frozen=True)
 class _Proof:
-    """The claim of a piece for |s| <= reach, and how to integrate it."""
+    """The claim of a piece for |s| <= reach, and how to integrate it; R of the `system` is where the orbits end."""
 
+    system: ReversibleSystem
     parameters: Mapping[str, Fraction]
     piece: BirthPiece
     reach: Fraction
@@ -82,18 +134,22 @@ class _Proof:
         self.check_claim(checklist, asked)
         half = self._half_return(checklist, computation, progress)
         radius = self.reach * BEYOND
-        at_end = dict(zip(CR3BP_AXIAL.state, half.state, strict=True))
-        equations = [part for name in ("z", "vx") for part in (even_part(at_end[name]), divided_by_wide(at_end[name]))]
+        vanishing = [half.state[index] for index in self.system.kernel_coordinates]
+        equations = [part for element in vanishing for part in (even_part(element), divided_by_wide(element))]
         deviation, slope_deviation = check_newton(checklist, equations, radius, divided=True)
+        if self.system is CR3BP_AXIAL:
+            self._check_side(checklist, dict(zip(self.system.state, half.state, strict=True)))
+        bounds = in_units(self.tube, deviation), in_units(self.tube, slope_deviation)
+        return ProvedInterval(-self.reach, self.reach, *bounds, half.time_of_all, half)
+
+    def _check_side(self, checklist: Checklist, at_end: Mapping[str, Series]) -> None:
         statement = "the points of the piece have z != 0, and z -> -z maps no orbit's one end to its other one"
         with checklist.hypothesis("side", "16.12", statement, "a narrower piece") as evidence:
             odd = [range_of_odd(at_end[name]) for name in ("x", "vy", "vz")]
             for name, value in zip(("x", "vy", "vz"), odd, strict=True):
-                evidence.record(f"derivative of {name} at the end in s", value / enclose(radius))
+                evidence.record(f"derivative of {name} at the end in s", value / enclose(self.reach * BEYOND))
             evidence.require(self.is_off_plane(), "z is not shown to have one sign on the piece")
             evidence.require(any(map(excludes_zero, odd)), "that its ends differ is not shown")
-        bounds = in_units(self.tube, deviation), in_units(self.tube, slope_deviation)
-        return ProvedInterval(-self.reach, self.reach, *bounds, half.time_of_all, half)
 
     def is_off_plane(self) -> bool:
         """Whether z has no zero on the tube, exactly."""
@@ -118,8 +174,9 @@ class _Proof:
 
     def _half_return(self, checklist: Checklist, computation: Account, progress: Progress | None) -> HalfReturn:
         """The orbits of the tube up to where they meet the section next."""
-        arithmetic = self.limits.arithmetic(self.tube)
-        start = {**parameter_series(arithmetic, CR3BP_AXIAL, self.parameters), **self.points(arithmetic)}
+        slope_bits = SLOPE_BITS if self.system is CR3BP_AXIAL else max(SLOPE_BITS, self.limits.precision - _SPARE_BITS)
+        arithmetic = self.limits.arithmetic(self.tube, slope_bits)
+        start = {**parameter_series(arithmetic, self.system, self.parameters), **self.points(arithmetic)}
 
         def after_step(steps: int) -> None:
             computation["steps"] = steps
@@ -129,7 +186,7 @@ class _Proof:
         with checklist.hypothesis(
             "half-return", "15.1", "the orbits of the tube meet the section again and are enclosed", "a narrower piece"
         ) as evidence:
-            half = HalfReturn.of(CR3BP_AXIAL, start, self.tube, PHYSICAL, self.oracle, progress=after_step)
+            half = HalfReturn.of(self.system, start, self.tube, PHYSICAL, self.oracle, progress=after_step)
             evidence.record("time", half.time_of_all)
             evidence.require(half.time_of_all.is_finite(), "the times are not enclosed")
         return half
@@ -222,6 +279,16 @@ class BirthTube:
     @property
     def _polynomials(self) -> list[arb_poly]:
         return [ball_polynomial(row) for row in self.piece.polynomial]
+
+
+def tube_of_birth(evidence: Evidence, atlas: Atlas, results: Sequence[IntervalResult]) -> BirthTube | None:
+    """The piece of the birth of a curve where it is proved; else `None`, with why in `evidence`."""
+    (piece,) = atlas.birth_pieces()
+    tube = read_birth(piece, [result for result in results if result.piece == piece.id])
+    if isinstance(tube, BirthTube):
+        return tube
+    evidence.require(False, tube)
+    return None
 
 
 def read_birth(piece: BirthPiece, results: Sequence[IntervalResult]) -> BirthTube | str:

@@ -9,6 +9,7 @@ from flint import arb
 from orbitproof.shared.formats import Atlas, Covers
 from orbitproof.shared.systems import HILL_VARIED, LIFTED, System
 from orbitproof.verify.claim import check_symmetries, names_in_words, signs_on
+from orbitproof.verify.curve.birth_piece import takes_birth
 from orbitproof.verify.curve.gluing import Chain, follow
 from orbitproof.verify.curve.piece_claim import require_piece
 from orbitproof.verify.curve.piece_result import IntervalResult
@@ -103,7 +104,7 @@ def _check_pieces(evidence: Evidence, atlas: Atlas) -> None:
     evidence.require(len({piece.id for piece in pieces}) == len(pieces), "two pieces have the same id")
     births = atlas.birth_pieces()
     at_end = len(births) <= 1 and len(atlas.curve_pieces()) == len(pieces) - len(births) > 0
-    last = at_end and (not births or (pieces[-1] is births[0] and atlas.system is LIFTED))
+    last = at_end and (not births or (pieces[-1] is births[0] and takes_birth(atlas)))
     evidence.require(last, "pieces of another kind are among them, or a piece of a birth is not the last one")
     for number, piece in enumerate(atlas.curve_pieces()):
         wanted = "symmetric" if number in at_ends else "regular"

@@ -11,7 +11,7 @@ from flint import arb
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import HILL, HILL_VARIED
-from orbitproof.verify.curve.bifurcations_on_it import LACKS_COORDINATES, Bifurcation, CertifiedPoint, Place, locate
+from orbitproof.verify.curve.bifurcations_on_it import LACKS_COORDINATES, Bifurcation, CertifiedPoint, entry_of, locate
 from orbitproof.verify.curve.gluing import Chain
 from orbitproof.verify.curve.other_point import Follow
 from orbitproof.verify.evidence import Checklist, all_finite, enclose
@@ -39,23 +39,19 @@ def check_doubled(checklist: Checklist, atlas: Atlas, chain: Chain) -> None:
 
 def place_doubling(atlas: Atlas, chain: Chain | None, certified: CertifiedPoint, follow: Follow) -> Bifurcation:
     """Whether the point of a certificate is a period doubling of the curve (Lemma 15.8)."""
-    entry = Bifurcation(certified.id, certified.kind, certified.k, None, certified.problem, {})
-    if certified.problem:
-        return replace(entry, is_foreign=certified.is_foreign)
-    entry = replace(
-        entry, point=certified.point, parameter_name=certified.parameter_name, parameter=certified.parameter
-    )
+    entry = entry_of(certified)
+    if entry.reason:
+        return entry
     if chain is None:
         return replace(entry, reason="the curve itself is not proved")
+    carried = doubling_with_variation(certified, follow)
+    return entry.found(carried if isinstance(carried, str) else locate(atlas, chain, list(carried.values())))
+
+
+def doubling_with_variation(certified: CertifiedPoint, follow: Follow) -> dict[str, arb] | str:
+    """A certified period doubling by the coordinates of `HILL_VARIED` (Lemma 15.8), or why there are none."""
     if (certified.kind, certified.k, certified.crossings) != ("period_tupling", 2, 1):
-        return replace(entry, reason="only period doublings of first returns are looked for")
-    carried = _carried(certified, follow)
-    found = carried if isinstance(carried, str) else locate(atlas, chain, list(carried.values()))
-    return replace(entry, place=found) if isinstance(found, Place) else replace(entry, reason=found)
-
-
-def _carried(certified: CertifiedPoint, follow: Follow) -> dict[str, arb] | str:
-    """A certified period doubling by the coordinates of the curve, or why there are none."""
+        return "only period doublings of first returns are looked for"
     if not {"x", "z", "vy"} <= set(certified.point):
         return LACKS_COORDINATES
     orbit = in_hill_units(certified.parameters["mu"], certified.point)

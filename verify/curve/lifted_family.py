@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 
 from flint import arb
 
 from orbitproof.shared.formats import REVERSOR_BREAKING, Atlas
 from orbitproof.shared.systems import AXIAL, CR3BP, CR3BP_AXIAL, LIFTED
-from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint, Place, locate
-from orbitproof.verify.curve.birth_piece import BirthTube, read_birth
+from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint, Place, entry_of, locate
+from orbitproof.verify.curve.birth_piece import Birth, tube_of_birth
 from orbitproof.verify.curve.gluing import Chain
 from orbitproof.verify.curve.other_point import Follow, meets_section_once
 from orbitproof.verify.curve.piece_result import IntervalResult
@@ -27,21 +27,6 @@ _SIGNS = dict(zip(CR3BP.state, CR3BP.symmetries[ACROSS_PLANE], strict=True))
 _NOT_FIRST = "the variation out of the plane is not shown to vanish first at the end of its half orbit"
 _OF_VERTICAL = 2
 """How often half orbits of vertical orbits meet the section y = 0."""
-
-
-@dataclass(frozen=True)
-class Birth:
-    """Where the orbits of a curve come from at its end, and how the curve gets there (Theorem 16.12).
-
-    Attributes:
-        tube: its piece, proved.
-        s: of the orbit at the end of the curve, in that piece.
-        mirrored: whether it is the mirror image of the end's orbit that lies there.
-    """
-
-    tube: BirthTube
-    s: arb
-    mirrored: bool
 
 
 def check_from_plane(checklist: Checklist, atlas: Atlas) -> None:
@@ -77,10 +62,8 @@ def _birth_at_end(
     evidence: Evidence, atlas: Atlas, chain: Chain, results: Sequence[IntervalResult], follow: Follow
 ) -> Birth | None:
     """The place of the orbit at the end of the curve in the piece of the birth; else `None`, with why in `evidence`."""
-    (piece,) = atlas.birth_pieces()
-    tube = read_birth(piece, [result for result in results if result.piece == piece.id])
-    if isinstance(tube, str):
-        evidence.require(False, tube)
+    tube = tube_of_birth(evidence, atlas, results)
+    if tube is None:
         return None
     last = chain.stretches[-1]
     end = dict(zip(LIFTED.centre_coordinates, last.tube.point(last.run, last.leaves), strict=True))
@@ -118,20 +101,13 @@ def place_birth(
     atlas: Atlas, chain: Chain | None, birth: Birth | None, certified: CertifiedPoint, follow: Follow
 ) -> Bifurcation:
     """Whether the point of a certificate is one of those at which the orbits of the curve are born (16.13)."""
-    entry = Bifurcation(certified.id, certified.kind, certified.k, None, certified.problem, {})
-    if certified.problem:
-        return replace(entry, is_foreign=certified.is_foreign)
-    entry = replace(
-        entry,
-        point=certified.point,
-        parameter_name=certified.parameter_name,
-        parameter=certified.parameter,
-        reversor=certified.reversor,
-    )
+    entry = entry_of(certified)
+    if entry.reason:
+        return entry
     if chain is None:
         return replace(entry, reason="the curve itself is not proved")
     if certified.kind == REVERSOR_BREAKING:
-        return _placed(entry, _at_vertical_orbit(birth, certified))
+        return entry.found(_at_vertical_orbit(birth, certified))
     elif certified.kind == "symmetry_breaking":
         found: Place | str = "it is no birth of axial orbits"
         for carried in _carried(certified, follow, atlas.parameters):
@@ -141,11 +117,7 @@ def place_birth(
                 break
     else:
         found = "only orbits at which those of the curve are born are looked for"
-    return _placed(entry, found)
-
-
-def _placed(entry: Bifurcation, found: Place | str) -> Bifurcation:
-    return replace(entry, place=found) if isinstance(found, Place) else replace(entry, reason=found)
+    return entry.found(found)
 
 
 def _carried(certified: CertifiedPoint, follow: Follow, parameters: Mapping[str, Fraction]) -> Iterator[dict[str, arb]]:

@@ -35,7 +35,7 @@ from orbitproof.verify.evidence import (
 )
 
 if TYPE_CHECKING:
-    from orbitproof.verify.curve.lifted_family import Birth
+    from orbitproof.verify.curve.birth_piece import Birth
 
 PRECISION = 256
 """Bits of the ball arithmetic: far more than double numbers in the pieces, and certificates, have."""
@@ -62,7 +62,7 @@ class ProvedCurve:
         ends: enclosures of the coordinates of its first and last point.
         half_period: contains the half periods of all its orbits; not finite if they are not all known.
         x_l: the libration point on its axis, if the system is written around one.
-        birth: where the orbits at its end come from, if that is claimed (16.12).
+        birth: where the orbits at its end come from, if that is claimed (16.12, 16.14).
     """
 
     chain: Chain
@@ -94,11 +94,11 @@ def conclude(
             from orbitproof.verify.curve.doubled_family import place_doubling
 
             return tuple(place_doubling(atlas, chain, entry, follow) for entry in bifurcations)
-        if atlas.system is not LIFTED:
-            return tuple(place_bifurcation(atlas, chain, entry, partner) for entry in bifurcations)
-        from orbitproof.verify.curve.lifted_family import place_birth
+        if atlas.system is LIFTED:
+            from orbitproof.verify.curve.lifted_family import place_birth
 
-        return tuple(place_birth(atlas, chain, birth, entry, follow) for entry in bifurcations)
+            return tuple(place_birth(atlas, chain, birth, entry, follow) for entry in bifurcations)
+        return tuple(_placed(atlas, chain, birth, entry, partner, follow) for entry in bifurcations)
 
     checklist = Checklist()
     with ctx.workprec(PRECISION):
@@ -119,15 +119,30 @@ def conclude(
     return Conclusion(Proved(CurveTheorem(atlas), curve, tuple(checklist.hypotheses)), placed)
 
 
+def _placed(
+    atlas: Atlas, chain: Chain | None, birth: Birth | None, entry: CertifiedPoint, partner: Partner, follow: Follow
+) -> Bifurcation:
+    """Whether the point of a certificate lies on the curve, or is the doubling at which its orbits are born."""
+    if birth is None or entry.k == 1 or entry.crossings == atlas.claim.crossings:
+        return place_bifurcation(atlas, chain, entry, partner)
+    from orbitproof.verify.curve.doubling_birth import place_doubling_at_birth
+
+    return place_doubling_at_birth(birth, entry, follow)
+
+
 def _birth(
     checklist: Checklist, atlas: Atlas, chain: Chain, results: Sequence[IntervalResult], follow: Follow
 ) -> Birth | None:
     """Where the orbits at the end of the curve come from, if that is claimed."""
     if not atlas.birth_pieces():
         return None
-    from orbitproof.verify.curve.lifted_family import check_birth
+    if atlas.system is LIFTED:
+        from orbitproof.verify.curve.lifted_family import check_birth
 
-    return check_birth(checklist, atlas, chain, results, follow)
+        return check_birth(checklist, atlas, chain, results, follow)
+    from orbitproof.verify.curve.doubling_birth import check_birth_at_doubling
+
+    return check_birth_at_doubling(checklist, atlas, chain, results, follow)
 
 
 def _libration_point(atlas: Atlas) -> arb | None:

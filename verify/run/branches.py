@@ -33,7 +33,7 @@ from orbitproof.verify.atlas import (
 from orbitproof.verify.atlas.certificate import results_for
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate
-from orbitproof.verify.curve import SINGULAR, Interval
+from orbitproof.verify.curve import SINGULAR, Interval, is_born_at_doubling
 from orbitproof.verify.evidence import exact_interval_text
 from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, exceptions_to_sharpen, is_known_of, twist_open_on
 from orbitproof.verify.oracle import steps_about
@@ -300,6 +300,10 @@ def limits_of(
         )
     if complete is not None and any(atlas.system is known for known in UNLISTED):
         raise ArgumentError("{complete}: no list is made of period doublings over the mass; leave it out")
+    if complete is not None and isinstance(atlas, Atlas) and is_born_at_doubling(atlas):
+        raise ArgumentError(
+            "{complete}: no list is made of a curve with a piece of a birth; leave it out, or that piece"
+        )
     if combinations and (complete is None or len(atlas.curve_pieces()[0].tube) != 2):
         raise ArgumentError(
             "{combinations}: belongs to {complete}, for curves with two stability parameters; leave it out"

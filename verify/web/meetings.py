@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from orbitproof.shared.claims.web import BRANCHES, ENDS, LIBRATION_POINTS, PASSES, How, Meeting
 from orbitproof.shared.systems import LIFTED
-from orbitproof.verify.curve import Place, lower_end, upper_end
+from orbitproof.verify.curve import Place, is_at_birth, lower_end, upper_end
 from orbitproof.verify.web.arc import Arc, libration_vertex
 
 
@@ -37,7 +37,7 @@ def meeting_shown(arc: Arc, meeting: Meeting) -> Incidence | str:
     entry = arc.placed.get(meeting.vertex)
     if entry is None or entry.place is None:
         return "its certificate was not looked for" if entry is None else entry.reason
-    if arc.atlas.system is LIFTED:
+    if arc.atlas.system is LIFTED or is_at_birth(arc.atlas, entry.place):
         if meeting.how != BRANCHES:
             return "the orbits of the arc are born there: it branches off"
         return Incidence(arc.id, meeting.vertex, meeting.how, entry.place)

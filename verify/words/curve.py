@@ -10,7 +10,16 @@ from orbitproof.shared.formats import ORBIT_KINDS, Atlas
 from orbitproof.shared.systems import HILL_VARIED, LIFTED, ReversibleSystem, shown
 from orbitproof.shared.wording import itemised
 from orbitproof.verify.claim import atlas_in_words, keyed_in_words, names_in_words, sheet_in_words, signs_on
-from orbitproof.verify.curve import Bifurcation, Birth, CurveTheorem, Ends, ProvedCurve, point_name, vertical_point
+from orbitproof.verify.curve import (
+    Bifurcation,
+    Birth,
+    CurveTheorem,
+    Ends,
+    ProvedCurve,
+    is_at_birth,
+    point_name,
+    vertical_point,
+)
 from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text, range_text
 
 _DIGITS = 18
@@ -34,7 +43,7 @@ def curve_in_words(theorem: CurveTheorem, curve: ProvedCurve) -> str:
     if further:
         paragraphs.append(further)
     if curve.birth is not None:
-        paragraphs.append(_birth(curve.birth))
+        paragraphs.append(_birth(atlas, curve.birth))
     if half_period.is_finite():
         said = "All these T" if times_are_of_quarters(atlas.system) else "All half periods"
         paragraphs.append(f"{said} lie in {range_text(half_period, 4)}.")
@@ -158,7 +167,7 @@ def _bifurcation(atlas: Atlas, entry: Bifurcation) -> str:
     where = "at the symmetric point of" if entry.place.s.is_zero() and entry.place.piece in symmetric else "in"
     which = "the other point of the orbit on Fix(R), " if entry.place.other_point else ""
     mirror = " (its mirror image)" if entry.place.mirrored else ""
-    if atlas.system is LIFTED:
+    if atlas.system is LIFTED or is_at_birth(atlas, entry.place):
         return f"{shown(entry.id)}: {what}{value}, at which the orbits of piece {entry.place.piece} are born{mirror}"
     return f"{shown(entry.id)}: {what}{value}, {which}{where} piece {entry.place.piece}{mirror}"
 
@@ -254,9 +263,16 @@ def meaning(atlas: Atlas) -> str:
     )
 
 
-def _birth(birth: Birth) -> str:
-    """How the curve goes on to where its orbits are born (Theorem 16.12)."""
+def _birth(atlas: Atlas, birth: Birth) -> str:
+    """How the curve goes on to where its orbits are born (Theorems 16.12 and 16.16)."""
     piece = birth.tube.piece
+    if atlas.system is not LIFTED:
+        return (
+            f"Towards its end the curve of orbits goes on, in piece {piece.id}, to an R-symmetric periodic orbit whose "
+            "half orbits meet the section once, and which has the multiplier -1: each orbit on the way is periodic and "
+            "symmetric under R, and its half orbits meet the section twice, first off Fix(R). The least periods of "
+            "these tend to twice that of the last orbit."
+        )
     return (
         f"From its end the curve of orbits goes on, in piece {piece.id}, to a periodic orbit that z -> -z maps to "
         "itself, shifted by half its period, and that is symmetric under R and under the half turn about the x axis: "

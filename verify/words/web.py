@@ -9,7 +9,7 @@ from orbitproof.shared.formats import REVERSOR_BREAKING
 from orbitproof.shared.systems import AXIAL, LIFTED, shown
 from orbitproof.shared.wording import counted, itemised
 from orbitproof.verify.claim import atlas_in_words, system_in_words
-from orbitproof.verify.curve import is_planar, point_name, vertical_point
+from orbitproof.verify.curve import is_at_birth, is_planar, point_name, vertical_point
 from orbitproof.verify.evidence import exact_text, interval_text, located, range_text
 from orbitproof.verify.web import Arc, Incidence, Indices, KnownArc, ProvedWeb, Vertex, WebTheorem
 from orbitproof.verify.words.index import CONVENTION, place_in_words, small_orbits, sum_in_words
@@ -103,6 +103,8 @@ def _meeting(entry: Incidence, arc: Arc) -> str:
     if arc.atlas.system is LIFTED:
         born = "vertical" if arc.placed[entry.vertex].kind == REVERSOR_BREAKING else "planar"
         return f"{meets}: from that {born} orbit, on piece {place.piece}, its orbits are born"
+    if is_at_birth(arc.atlas, place):
+        return f"{meets}: from that orbit, on piece {place.piece}, its orbits, of about twice the period, are born"
     if entry.how == BRANCHES:
         symmetry = atlas_in_words(arc.atlas).claim.symmetry
         return (

@@ -1,0 +1,193 @@
+"""Families of doubled period from the orbit at which they are born (section 16.14)."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import arb, ctx
+from support.curve_cases import proof, refusal
+from support.stored import values
+
+from orbitproof.shared.claims.web import Meeting, Web, WebArc
+from orbitproof.shared.formats import ArgumentError, Atlas, InputError, atlas_from_json, atlas_to_json, read_atlas
+from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR, HILL_VARIED
+from orbitproof.verify.atlas.conclusion import follow, partner
+from orbitproof.verify.curve import (
+    CertifiedPoint,
+    Conclusion,
+    IntervalResult,
+    PieceLimits,
+    ProvedCurve,
+    conclude,
+    prove_birth_piece,
+)
+from orbitproof.verify.curve.other_point import Crossing
+from orbitproof.verify.evidence import NotProved, Proved
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.run.branches import limits_of
+from orbitproof.verify.web import Arc, conclude_web
+from orbitproof.verify.words import conclusion_in_words, web_in_words
+
+DATA = Path(__file__).resolve().parents[1] / "data"
+ATLAS = read_atlas(DATA / "atlas-butterfly.json")
+assert isinstance(ATLAS, Atlas)
+RESULTS = tuple(values(json.loads((DATA / "results-butterfly.json").read_text())))
+(BIRTH,) = ATLAS.birth_pieces()
+WHOLE = (Fraction(-1), Fraction(1))
+
+
+def ball(text: str) -> arb:
+    with ctx.workprec(256):
+        return arb(f"{text} +/- 1e-30")
+
+
+DOUBLING = CertifiedPoint(
+    "doubling",
+    "period_tupling",
+    2,
+    parameters=ATLAS.parameters,
+    point={
+        "x": ball("1.011828910825970876794883963275550995834"),
+        "z": ball("-0.1739136939779881097941602389760336581148"),
+        "vy": ball("-0.07993101486005905057552844934789991244051"),
+    },
+)
+
+
+def concluded(
+    *points: CertifiedPoint, atlas: Atlas = ATLAS, results: tuple[IntervalResult, ...] = RESULTS, watch: Any = follow
+) -> Conclusion[ProvedCurve]:
+    return conclude(atlas, results, points, partner, watch)
+
+
+def changed(**changes: Any) -> Atlas:
+    return replace(ATLAS, pieces=(*ATLAS.curve_pieces(), replace(BIRTH, **changes)))
+
+
+def test_the_curve_goes_to_the_doubling_at_which_its_orbits_are_born() -> None:
+    conclusion = concluded(DOUBLING)
+    curve = proof(conclusion)
+    assert curve.birth is not None
+    assert not curve.birth.s.contains(0)
+    (entry,) = conclusion.bifurcations
+    assert entry.place is not None, entry.reason
+    assert (entry.place.piece, entry.place.s) == (BIRTH.id, 0)
+    words = conclusion_in_words(conclusion)
+    assert "goes on, in piece birth, to an R-symmetric periodic orbit whose half orbits meet the section once" in words
+    assert "doubling: period 2-tupling, at which the orbits of piece birth are born" in words
+
+
+@pytest.mark.parametrize(
+    ("point", "why"),
+    [
+        (replace(DOUBLING, k=4), "only period doublings"),
+        (replace(DOUBLING, kind="touch_and_go", k=3), "only period doublings"),
+        (replace(DOUBLING, kind="symmetry_breaking", k=1), "half orbits meet the section 1 times"),
+        (replace(DOUBLING, point={**DOUBLING.point, "x": DOUBLING.point["x"] + 1e-9}), "beside the tube"),
+        (replace(DOUBLING, point={"x": DOUBLING.point["x"]}), "does not have all coordinates"),
+        (replace(DOUBLING, problem="it is of another mass", is_foreign=True), "another mass"),
+    ],
+)  # fmt: skip
+def test_certificates_of_other_points_are_not_at_its_birth(point: CertifiedPoint, why: str) -> None:
+    (entry,) = concluded(point).bifurcations
+    assert entry.place is None
+    assert why in entry.reason
+
+
+def test_a_doubling_in_another_direction_is_not_its_birth() -> None:
+    """The orbit is the same one, but its new orbits leave it differently."""
+
+    def turned(system: Any, parameters: Any, point: Any, crossings: int) -> Any:
+        found = follow(system, parameters, point, crossings)
+        if system is not HILL_VARIED or found is None:
+            return found
+        return [Crossing({**each.state, "dvzeta": each.state["dvzeta"] * 1.001}, each.time) for each in found]
+
+    (entry,) = concluded(DOUBLING, watch=turned).bifurcations
+    assert entry.place is None
+
+
+def test_a_curve_that_does_not_reach_the_piece_of_its_birth_is_refused() -> None:
+    further = tuple(
+        tuple(value + (Fraction(1, 10**6) if not n else 0) for n, value in enumerate(row)) for row in BIRTH.polynomial
+    )
+    assert "lies beyond the ends of all pieces" in refusal(concluded(atlas=changed(polynomial=further)))
+    unproved = tuple(result for result in RESULTS if result.piece != BIRTH.id)
+    assert "nothing is proved of it" in refusal(concluded(results=unproved))
+    assert "not enclosed" in refusal(concluded(watch=lambda *of: None))
+    (own,) = (result for result in RESULTS if result.piece == BIRTH.id)
+    short = replace(own, interval=(-Fraction(1, 2), Fraction(1, 2)))
+    assert "does not reach it" in refusal(concluded(results=(*unproved, short)))
+
+
+def test_only_arcs_of_half_orbits_with_two_crossings_take_such_a_piece() -> None:
+    claim = ATLAS.claim
+    first, *_ = ATLAS.pieces
+    for wrong in (
+        replace(ATLAS, claim=replace(claim, crossings=1)),
+        replace(ATLAS, claim=replace(claim, kind="loop"), pieces=(first, *ATLAS.pieces)),
+        replace(ATLAS, pieces=(*ATLAS.pieces, replace(BIRTH, id="again"))),
+        replace(ATLAS, pieces=(BIRTH, *ATLAS.curve_pieces())),
+    ):
+        assert "pieces: " in refusal(concluded(atlas=wrong))
+    document = atlas_to_json(ATLAS)
+    assert atlas_from_json(document, "file") == ATLAS
+    for wrong_claim in ({**document["claim"], "crossings": 3}, {**document["claim"], "kind": "loop"}):
+        with pytest.raises(InputError, match="'birth' in a curve"):
+            atlas_from_json({**document, "claim": wrong_claim}, "file")
+
+
+def test_no_list_is_made_of_it() -> None:
+    with pytest.raises(ArgumentError, match="piece of a birth"):
+        limits_of(ATLAS, complete=4)
+
+
+def test_false_pieces_are_refused_before_they_are_integrated() -> None:
+    odd = ((Fraction(1), Fraction(1)), *BIRTH.polynomial[1:])
+    for piece in (replace(BIRTH, polynomial=odd), replace(BIRTH, tube=BIRTH.tube[1:])):
+        outcome = prove_birth_piece(CR3BP, ATLAS.parameters, piece, WHOLE, ORACLE).outcome
+        assert isinstance(outcome, NotProved)
+        assert outcome.reason.condition == "piece"
+    with pytest.raises(ValueError, match="no births"):
+        prove_birth_piece(CR3BP_PLANAR, ATLAS.parameters, BIRTH, WHOLE, ORACLE)
+
+
+def test_levels_and_periods_hold_those_of_the_doubling() -> None:
+    with ctx.workprec(128):
+        arc = Arc(ATLAS, proof(concluded()))
+        assert arc.levels().contains(arb("3.058022175989393155490"))
+        # Twice its period.
+        assert arc.period.contains(arb("2.748655"))
+
+
+def test_in_a_web_it_branches_off_there_and_in_no_other_way() -> None:
+    conclusion = concluded(DOUBLING)
+    arc = Arc(ATLAS, proof(conclusion), "", {entry.id: entry for entry in conclusion.bifurcations})
+
+    def claim(how: Any) -> Web:
+        return Web("a web", "a web", (WebArc(ATLAS.id, (Meeting("doubling", how),)),))
+
+    outcome = conclude_web(claim("branches off at"), [arc])
+    assert isinstance(outcome, Proved), outcome
+    assert outcome.results.switches == ()
+    words = web_in_words(outcome.theorem, outcome.results, {ATLAS.id: "d", "doubling": "e"})  # type: ignore[arg-type]
+    assert "its orbits, of about twice the period, are born" in words
+    for how in ("passes through", "ends at"):
+        assert isinstance(conclude_web(claim(how), [arc]), NotProved)
+
+
+@pytest.mark.slow
+def test_the_piece_is_proved_and_a_false_one_is_not() -> None:
+    limits = PieceLimits(128, 48, 40)
+    found = prove_birth_piece(CR3BP, ATLAS.parameters, BIRTH, WHOLE, ORACLE, limits)
+    assert isinstance(found.outcome, Proved), found.outcome
+    (stored,) = (result for result in RESULTS if result.piece == BIRTH.id)
+    assert found.outcome.results.time.overlaps(stored.time)
+    beside = replace(BIRTH, polynomial=((BIRTH.polynomial[0][0] + Fraction(1, 10**9),), *BIRTH.polynomial[1:]))
+    outcome = prove_birth_piece(CR3BP, ATLAS.parameters, beside, WHOLE, ORACLE, limits).outcome
+    assert isinstance(outcome, NotProved)
