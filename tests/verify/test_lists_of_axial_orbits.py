@@ -8,7 +8,8 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from support.stored import function_of, stability_of, values
 from test_lists_of_vertical_orbits import after, motion, sums
 
 from orbitproof.shared import format_exact, parse_exact
-from orbitproof.shared.claims import REVERSOR_BREAKING, Atlas
+from orbitproof.shared.claims import FOLD, REVERSOR_BREAKING, Atlas
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import atlas_from_json, read_atlas
 from orbitproof.shared.systems import LIFTED
@@ -51,6 +52,7 @@ from orbitproof.verify.stability.complete_list import Finder
 from orbitproof.verify.stability.confirmation import unconfirmed
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
 from orbitproof.verify.stability.units import _over, degrees_of, scales
+from orbitproof.verify.stability.zeros import Zero
 
 DATA = Path(__file__).parents[1] / "data"
 ARC: dict[str, Any] = json.loads((DATA / "axial-arc.json").read_text())
@@ -213,6 +215,20 @@ def test_an_orbit_that_may_be_at_rest_is_no_birth(monkeypatch: pytest.MonkeyPatc
     assert [point["kind"] for point in document["complete"]["points"]] == ["undecided"]
 
 
+@pytest.mark.parametrize(
+    ("slope", "offset", "speed", "is_birth"),
+    [(1, 0, 2, True), (1, 3, 2, False), (1, -3, 2, False), (-1, 0, 2, False), (1, -1, 2, False), (1, 0, 0.5, False)],
+)
+def test_only_where_eps2_increases_through_0_and_y_is_crossed_is_the_birth(
+    monkeypatch: pytest.MonkeyPatch, slope: int, offset: int, speed: float, is_birth: bool
+) -> None:
+    size = SimpleNamespace(value=lambda tau: slope * tau + offset)
+    finder = Finder(arc(), cast(Any, None), cast(Any, SimpleNamespace(level=size, s_of=lambda tau: tau)))
+    monkeypatch.setattr(finder, "_coordinates", lambda s: {"vy": s + arb(speed)})
+    zero = Zero(Fraction(-1), Fraction(1), arb(0))
+    assert finder._kind(1, zero) is (Kind.IN_PLANE if is_birth else Kind.UNDECIDED)
+
+
 def test_of_the_piece_of_a_birth_the_list_says_nothing() -> None:
     entries = json.loads((DATA / "results-axial-family.json").read_text())
     found = conclusion_of(family(), values(entries), (), lambda _: (), 2)
@@ -238,6 +254,9 @@ def test_certified_births_are_in_the_list() -> None:
         else:
             with pytest.raises(EmptyIntersectionError):
                 with_certificates(points, [], [entry])
+    birth = [Point(0, "p001", 1, 1, Kind.IN_PLANE, at_, at_, at_, {})]
+    with pytest.raises(EmptyIntersectionError):
+        with_certificates(birth, [], [replace(entry, kind=FOLD)])
 
 
 def test_the_index_is_that_of_all_orbits_from_the_birth_on() -> None:
@@ -300,6 +319,13 @@ def test_a_new_integration_confirms_what_is_stored_and_nothing_else() -> None:
     )
     closer, half = about_closer_polynomial(tube, known.half_return)
     assert (closer.piece.polynomial, half) != (piece.polynomial, known.half_return)
+    for old, new, outer, inner in zip(
+        piece.polynomial, closer.piece.polynomial, piece.tube, closer.piece.tube, strict=True
+    ):
+        # At both ends of the interval, too, the closer tube is in that of the piece.
+        for s in (known.start, known.end):
+            moved = sum((b * s**n for n, b in enumerate(new)), -sum(a * s**n for n, a in enumerate(old)))
+            assert abs(moved) + inner <= outer
     fresh = stability_of_piece(closer, half=half)
     assert agrees(dict(to_json(fresh)), -0.3)
     assert list(unconfirmed(stability_of(stored["stability"]), fresh)) == []
