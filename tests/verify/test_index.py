@@ -12,6 +12,7 @@ from fractions import Fraction
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -245,13 +246,13 @@ def test_every_part_of_a_step_is_followed(monkeypatch: pytest.MonkeyPatch) -> No
         return True
 
     monkeypatch.setattr(following._HalfOrbit, "_go_on", short_ones)
-    following._HalfOrbit._cover(object.__new__(following._HalfOrbit), Cells())  # type: ignore[arg-type]
+    following._HalfOrbit._cover(object.__new__(following._HalfOrbit), Cells())
     assert covered[0][0] <= 0
     assert covered[-1][1] == 1
     assert all(before[1] >= after[0] >= before[0] for before, after in pairwise(covered))
     monkeypatch.setattr(following._HalfOrbit, "_go_on", lambda *_: False)
     with pytest.raises(IntegrationFailure, match="not enclosed well enough"):
-        following._HalfOrbit._cover(object.__new__(following._HalfOrbit), Cells())  # type: ignore[arg-type]
+        following._HalfOrbit._cover(object.__new__(following._HalfOrbit), Cells())
 
 
 def test_what_is_known_of_a_step_has_the_errors_of_its_grades() -> None:
@@ -289,6 +290,20 @@ def counted(name: str) -> Along:
             assert start is not None
             orbits.append(CountedOrbit(curve.chain.stretches[number].tube.piece.id, s, followed(start, 128, ORACLE)))
     return curve, listed.results, tuple(orbits)
+
+
+def test_orbits_of_an_interval_are_tried_far_from_each_other() -> None:
+    curve: Any = SimpleNamespace(
+        chain=SimpleNamespace(stretches=[SimpleNamespace(entered=Fraction(-1), leaves=Fraction(1)) for _ in range(24)])
+    )
+    interval: Any = SimpleNamespace(
+        begin=SimpleNamespace(stretch=10, upper=Fraction(-3, 4)), end=SimpleNamespace(stretch=23, lower=Fraction(0))
+    )
+    places = places_in(curve, interval)
+    assert [number for number, _ in places[:6]] == [11, 15, 19, 11, 15, 19]
+    assert all(10 < number < 23 and -1 < s < 1 for number, s in places)
+    interval.end.stretch = 10
+    assert all(number == 10 and Fraction(-3, 4) < s < 0 for number, s in places_in(curve, interval))
 
 
 EXPECTED = {
@@ -475,7 +490,7 @@ def test_small_orbits_have_the_index_of_the_linear_flow(mass: str, monkeypatch: 
     assert reaches_rest(atlas)
     reached = conclude_index(atlas, curve, found, orbits)
     assert isinstance(reached, Proved)
-    words = index_in_words(reached.theorem, reached.results, curve, "a", "b")  # type: ignore[arg-type]
+    words = index_in_words(reached.theorem, reached.results, curve, "a", "b")
     assert "Those of its planar orbits around L1 that are small enough: 3, in the plane 2 and across it 1." in words
     for wrong in ((2, 3), (1, 1), (2, 2)):
         monkeypatch.setattr(proved_index, "index_of_small_orbits", lambda *_, found=wrong: found)

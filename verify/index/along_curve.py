@@ -95,8 +95,8 @@ def places_in(curve: ProvedCurve, interval: Interval | None) -> list[tuple[int, 
         if low < high:
             parts.append((number, low, high))
     parts.sort(key=lambda part: part[1] - part[2])
-    # Where any orbit will do, all of a few pieces may come too close to a primary: another piece is tried first.
-    wide = parts if interval is None else parts[:3]
+    # Where all orbits of some pieces come too close to a primary, others are tried, in an interval far from each other.
+    wide = parts if interval is None else parts[:: max(1, len(parts) // 3)][:3]
     return [(number, _few_bits(low, high, share)) for share in _SHARES for number, low, high in wide]
 
 
