@@ -279,7 +279,7 @@ def test_stability_is_enclosed_as_the_piece_was_proved_and_on_the_interval_that_
     assert tube.interval == (-QUARTER, QUARTER)
     assert (tube.symmetry, tube.crossings, tube.coordinates) == ("S", 3, "regularised")
     assert (tube.limits.precision, tube.limits.order) == (80, 20)
-    assert asked == [{"crossings": 3, "slope_bits": 64}]
+    assert asked == [{"crossings": 3, "slope_bits": 56}]
     assert answer["interval"] == ["-0x1p-2", "0x1p-2"]
     assert answer["stability"] == {"reason": {"condition": "stability", "message": "not here", "remedy": ""}}
     assert answer["computation"]["seconds"] == 0.25
