@@ -78,6 +78,8 @@ def test_the_curve_goes_to_the_doubling_at_which_its_orbits_are_born() -> None:
     assert entry.place is not None, entry.reason
     assert (entry.place.piece, entry.place.s) == (BIRTH.id, 0)
     words = conclusion_in_words(conclusion)
+    # Half periods are said of the points of the curve alone.
+    assert words.index("All half periods lie in") < words.index("From one of its orbits the curve of orbits goes on")
     assert "goes on, in piece birth, to an R-symmetric periodic orbit whose half orbits meet the section once" in words
     assert "doubling: period 2-tupling, at which the orbits of piece birth are born" in words
 
@@ -123,6 +125,20 @@ def test_a_curve_that_does_not_reach_the_piece_of_its_birth_is_refused() -> None
     (own,) = (result for result in RESULTS if result.piece == BIRTH.id)
     short = replace(own, interval=(-Fraction(1, 2), Fraction(1, 2)))
     assert "does not reach it" in refusal(concluded(results=(*unproved, short)))
+
+
+def test_a_curve_with_a_false_piece_of_its_birth_is_refused_whatever_results_say() -> None:
+    first, *others = BIRTH.polynomial
+    for wrong in (
+        {"polynomial": ((*first, *[Fraction(0)] * (len(first) % 2 == 0), Fraction(1, 10**25)), *others)},
+        {"directions": ((Fraction(1), Fraction(2)), (Fraction(2), Fraction(4)))},
+        {"directions": BIRTH.directions[:1]},
+        {"half_width": -BIRTH.half_width},
+        {"tube": (*BIRTH.tube[1:], Fraction(0))},
+    ):
+        conclusion = concluded(atlas=changed(**wrong))
+        assert isinstance(conclusion.outcome, NotProved)
+        assert conclusion.outcome.reason.condition == "pieces"
 
 
 def test_only_arcs_of_half_orbits_with_two_crossings_take_such_a_piece() -> None:
@@ -177,6 +193,7 @@ def test_in_a_web_it_branches_off_there_and_in_no_other_way() -> None:
     assert outcome.results.switches == ()
     words = web_in_words(outcome.theorem, outcome.results, {ATLAS.id: "d", "doubling": "e"})  # type: ignore[arg-type]
     assert "its orbits, of about twice the period, are born" in words
+    assert "; a period in [" in words
     for how in ("passes through", "ends at"):
         assert isinstance(conclude_web(claim(how), [arc]), NotProved)
 

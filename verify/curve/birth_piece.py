@@ -13,20 +13,17 @@ from fractions import Fraction
 
 from flint import arb, arb_poly
 
-from orbitproof.shared.formats import Atlas, BirthPiece, is_regular
+from orbitproof.shared.formats import Atlas, BirthPiece
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, LIFTED, ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series, ball_polynomial, recentred
 from orbitproof.verify.curve.bifurcations_on_it import Place
 from orbitproof.verify.curve.equation import BEYOND, TUBE, Equation, HalfReturn, divided_by_wide, parameter_series
 from orbitproof.verify.curve.piece import SLOPE_BITS, PieceLimits, Progress, check_newton, in_units
+from orbitproof.verify.curve.piece_claim import ACROSS, require_birth_piece
 from orbitproof.verify.curve.piece_result import Account, Interval, IntervalResult, PieceResult, attempt
 from orbitproof.verify.curve.proved_intervals import ProvedInterval, read_results
 from orbitproof.verify.evidence import Checklist, Evidence, dot, enclose, excludes_zero, guarded, is_inside
 from orbitproof.verify.poincare import PHYSICAL, WideOracle
-
-ACROSS = ("x", "z", "vy", "b")
-"""What the columns of a piece are: coordinates that R fixes, and the direction off Fix(R)."""
-
 
 _SPARE_BITS = 32
 """Where orbits begin close to a primary, as they may at a doubling, derivatives have all but so many of the bits."""
@@ -159,18 +156,12 @@ class _Proof:
 
     def check_claim(self, checklist: Checklist, asked: Interval) -> None:
         """The exact conditions on the piece."""
-        piece, sizes = self.piece, (len(self.piece.polynomial), len(self.piece.tube))
         statement = "the piece has regular directions, a tube, and polynomials that are even"
         with checklist.hypothesis("piece", "16.12", statement, "correct the piece") as evidence:
             start, end = asked
             evidence.require(-1 <= start < end <= 1, f"[{start}, {end}] is no interval within [-1, 1]")
             evidence.require(set(self.parameters) == {"mu"}, "the mass parameter is not given, or others are")
-            evidence.require(sizes == (len(ACROSS), len(ACROSS)), f"it does not have {len(ACROSS)} coordinates")
-            square = len(piece.directions) == 2 and all(len(row) == 2 for row in piece.directions)
-            evidence.require(square and is_regular(piece.directions), "its directions are singular")
-            evidence.require(min(piece.half_width, *piece.tube) > 0, "half_width and tube have to be positive")
-            odd = any(value for coefficients in piece.polynomial for value in coefficients[1::2])
-            evidence.require(not odd, "a polynomial has an odd coefficient")
+            require_birth_piece(evidence, self.piece)
 
     def _half_return(self, checklist: Checklist, computation: Account, progress: Progress | None) -> HalfReturn:
         """The orbits of the tube up to where they meet the section next."""

@@ -11,7 +11,7 @@ from orbitproof.shared.systems import HILL_VARIED, LIFTED, System
 from orbitproof.verify.claim import check_symmetries, names_in_words, signs_on
 from orbitproof.verify.curve.birth_piece import takes_birth
 from orbitproof.verify.curve.gluing import Chain, follow
-from orbitproof.verify.curve.piece_claim import require_piece
+from orbitproof.verify.curve.piece_claim import require_birth_piece, require_piece
 from orbitproof.verify.curve.piece_result import IntervalResult
 from orbitproof.verify.curve.tube import lower_end, read_tube, upper_end
 from orbitproof.verify.evidence import Checklist, Evidence, all_finite, exact_text, excludes_zero
@@ -106,6 +106,8 @@ def _check_pieces(evidence: Evidence, atlas: Atlas) -> None:
     at_end = len(births) <= 1 and len(atlas.curve_pieces()) == len(pieces) - len(births) > 0
     last = at_end and (not births or (pieces[-1] is births[0] and takes_birth(atlas)))
     evidence.require(last, "pieces of another kind are among them, or a piece of a birth is not the last one")
+    for birth in births:
+        require_birth_piece(evidence, birth)
     for number, piece in enumerate(atlas.curve_pieces()):
         wanted = "symmetric" if number in at_ends else "regular"
         evidence.require(

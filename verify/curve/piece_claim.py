@@ -1,11 +1,14 @@
-"""Exact conditions on a piece, for its proof and for the theorem about the curve (section 15.2)."""
+"""Exact conditions on a piece, for its proof and for the theorem about the curve (sections 15.2 and 16.12)."""
 
 from __future__ import annotations
 
-from orbitproof.shared.formats import Piece
+from orbitproof.shared.formats import BirthPiece, Piece, is_regular
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.claim import determinant, is_adapted, quadratic_coefficient, signs_on
 from orbitproof.verify.evidence import Evidence
+
+ACROSS = ("x", "z", "vy", "b")
+"""What the columns of a piece of a birth are: coordinates that R fixes, and the direction off Fix(R)."""
 
 
 def require_piece(evidence: Evidence, system: ReversibleSystem, piece: Piece, symmetry: str | None) -> None:
@@ -39,6 +42,19 @@ def require_piece(evidence: Evidence, system: ReversibleSystem, piece: Piece, sy
     )
     odd = [index for index in system.kernel_coordinates if system.symmetries[symmetry][index] < 0]
     evidence.require(bool(odd), f"piece {piece.id} is not symmetric: {symmetry} negates no equation")
+
+
+def require_birth_piece(evidence: Evidence, piece: BirthPiece) -> None:
+    """Require that a piece of a birth has regular directions, a tube, and polynomials that are even."""
+    sizes = (len(piece.polynomial), len(piece.tube), len(piece.directions), *map(len, piece.directions))
+    if sizes != (len(ACROSS), len(ACROSS), 2, 2, 2):
+        evidence.require(False, f"piece {piece.id} does not have {len(ACROSS)} coordinates and two directions")
+        return
+    evidence.require(is_regular(piece.directions), f"the directions of piece {piece.id} are singular")
+    widths = (piece.half_width, *piece.tube)
+    evidence.require(min(widths) > 0, f"half_width and tube of piece {piece.id} have to be positive")
+    odd = any(value for coefficients in piece.polynomial for value in coefficients[1::2])
+    evidence.require(not odd, f"a polynomial of piece {piece.id} has an odd coefficient")
 
 
 def _require_level(evidence: Evidence, system: ReversibleSystem, piece: Piece, symmetry: str | None) -> None:

@@ -42,11 +42,12 @@ def curve_in_words(theorem: CurveTheorem, curve: ProvedCurve) -> str:
     further = meaning(atlas)
     if further:
         paragraphs.append(further)
-    if curve.birth is not None:
-        paragraphs.append(_birth(atlas, curve.birth))
     if half_period.is_finite():
         said = "All these T" if times_are_of_quarters(atlas.system) else "All half periods"
         paragraphs.append(f"{said} lie in {range_text(half_period, 4)}.")
+    # What is said of all half periods is about the points of the curve alone.
+    if curve.birth is not None:
+        paragraphs.append(_birth(atlas, curve.birth))
     return "\n".join(paragraphs)
 
 
@@ -268,10 +269,10 @@ def _birth(atlas: Atlas, birth: Birth) -> str:
     piece = birth.tube.piece
     if atlas.system is not LIFTED:
         return (
-            f"Towards its end the curve of orbits goes on, in piece {piece.id}, to an R-symmetric periodic orbit whose "
-            "half orbits meet the section once, and which has the multiplier -1: each orbit on the way is periodic and "
-            "symmetric under R, and its half orbits meet the section twice, first off Fix(R). The least periods of "
-            "these tend to twice that of the last orbit."
+            f"From one of its orbits the curve of orbits goes on, in piece {piece.id}, to an R-symmetric periodic "
+            "orbit whose half orbits meet the section once, and which has the multiplier -1: each orbit on the way is "
+            "periodic and symmetric under R, and its half orbits meet the section twice, first off Fix(R). The least "
+            "periods of these tend to twice that of the last orbit."
         )
     return (
         f"From its end the curve of orbits goes on, in piece {piece.id}, to a periodic orbit that z -> -z maps to "

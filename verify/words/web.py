@@ -9,7 +9,7 @@ from orbitproof.shared.formats import REVERSOR_BREAKING
 from orbitproof.shared.systems import AXIAL, LIFTED, shown
 from orbitproof.shared.wording import counted, itemised
 from orbitproof.verify.claim import atlas_in_words, system_in_words
-from orbitproof.verify.curve import is_at_birth, is_planar, point_name, vertical_point
+from orbitproof.verify.curve import is_at_birth, is_born_at_doubling, is_planar, point_name, vertical_point
 from orbitproof.verify.evidence import exact_text, interval_text, located, range_text
 from orbitproof.verify.web import Arc, Incidence, Indices, KnownArc, ProvedWeb, Vertex, WebTheorem
 from orbitproof.verify.words.index import CONVENTION, place_in_words, small_orbits, sum_in_words
@@ -66,7 +66,9 @@ def _arc(known: KnownArc, web: ProvedWeb, level: str, digest: str) -> list[str]:
     if vertical is not None:
         about = f"around {vertical} that are vertical, symmetric under R and the half turn about the x axis"
     mirrored = ", mirror images included" if claim.is_of_symmetric_curve or arc.atlas.system is LIFTED else ""
-    ranges = {level: known.level, "period": known.period}
+    # Once around an orbit of doubled period is twice around the one from which it is born.
+    period = "a period" if is_born_at_doubling(arc.atlas) else "period"
+    ranges = {level: known.level, period: known.period}
     told = "".join(f"; {name} in {range_text(ball, _FEW)}" for name, ball in ranges.items() if ball.is_finite())
     meetings = [_meeting(entry, arc) for entry in web.incidences if entry.arc == arc.id]
     return itemised(
