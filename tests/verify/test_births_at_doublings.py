@@ -30,7 +30,7 @@ from orbitproof.verify.curve.other_point import Crossing
 from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.run.branches import limits_of
-from orbitproof.verify.web import Arc, conclude_web
+from orbitproof.verify.web import Arc, conclude_web, level_at
 from orbitproof.verify.words import conclusion_in_words, web_in_words
 
 DATA = Path(__file__).resolve().parents[1] / "data"
@@ -88,6 +88,7 @@ def test_the_curve_goes_to_the_doubling_at_which_its_orbits_are_born() -> None:
     ("point", "why"),
     [
         (replace(DOUBLING, k=4), "only period doublings"),
+        (replace(DOUBLING, crossings=3), "only period doublings"),
         (replace(DOUBLING, kind="touch_and_go", k=3), "only period doublings"),
         (replace(DOUBLING, kind="symmetry_breaking", k=1), "half orbits meet the section 1 times"),
         (replace(DOUBLING, point={**DOUBLING.point, "x": DOUBLING.point["x"] + 1e-9}), "beside the tube"),
@@ -123,6 +124,8 @@ def test_a_curve_that_does_not_reach_the_piece_of_its_birth_is_refused() -> None
     assert "nothing is proved of it" in refusal(concluded(results=unproved))
     assert "not enclosed" in refusal(concluded(watch=lambda *of: None))
     (own,) = (result for result in RESULTS if result.piece == BIRTH.id)
+    one_sided = replace(own, interval=(Fraction(0), Fraction(1)))
+    assert "nothing is proved of it" in refusal(concluded(results=(*unproved, one_sided)))
     short = replace(own, interval=(-Fraction(1, 2), Fraction(1, 2)))
     assert "does not reach it" in refusal(concluded(results=(*unproved, short)))
 
@@ -196,6 +199,37 @@ def test_in_a_web_it_branches_off_there_and_in_no_other_way() -> None:
     assert "; a period in [" in words
     for how in ("passes through", "ends at"):
         assert isinstance(conclude_web(claim(how), [arc]), NotProved)
+
+
+def test_states_of_a_birth_hold_the_deviation_and_nothing_lies_beyond_what_is_proved() -> None:
+    birth = proof(concluded()).birth
+    assert birth is not None
+    tube = birth.tube
+    with ctx.workprec(256):
+        at = tube.states(arb(0))
+        for name, row, bound in zip(("x", "z", "vy"), BIRTH.polynomial, tube.proved.deviation, strict=False):
+            middle = arb(row[0].numerator) / row[0].denominator
+            assert at[name].contains(middle + arb(bound.numerator) / bound.denominator)
+            assert at[name].contains(middle - arb(bound.numerator) / bound.denominator)
+        place = [at["x"], at["z"], at["vy"], arb(BIRTH.polynomial[3][0].numerator) / BIRTH.polynomial[3][0].denominator]
+        assert tube.contains(arb(0), place)
+        short = replace(tube, proved=replace(tube.proved, start=-Fraction(1, 10**9), end=Fraction(1, 10**9)))
+        assert short.contains(arb(0), place)
+        assert not short.contains(arb("1e-8"), place)
+
+
+def test_levels_and_periods_are_of_the_orbits_of_its_birth_too() -> None:
+    curve = proof(concluded())
+    assert curve.birth is not None
+    tube = curve.birth.tube
+    (first, *rest), *others = BIRTH.polynomial
+    away = replace(BIRTH, polynomial=((first + 1, *rest), *others))
+    other = replace(tube, piece=away, proved=replace(tube.proved, time=arb(5)))
+    with ctx.workprec(128):
+        arc = Arc(ATLAS, replace(curve, birth=replace(curve.birth, tube=other)))
+        assert arc.period.contains(20)
+        assert arc.levels().contains(level_at(ATLAS, other.states(arb(0))))
+        assert not Arc(ATLAS, curve).levels().overlaps(level_at(ATLAS, other.states(arb(0))))
 
 
 @pytest.mark.slow
