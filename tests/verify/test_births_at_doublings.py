@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -15,7 +16,7 @@ from support.stored import values
 
 from orbitproof.shared.claims.web import Meeting, Web, WebArc
 from orbitproof.shared.formats import ArgumentError, Atlas, InputError, atlas_from_json, atlas_to_json, read_atlas
-from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR, HILL_VARIED
+from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR, HILL_VARIED, LIFTED
 from orbitproof.verify.atlas.conclusion import follow, partner
 from orbitproof.verify.curve import (
     CertifiedPoint,
@@ -23,6 +24,7 @@ from orbitproof.verify.curve import (
     IntervalResult,
     PieceLimits,
     ProvedCurve,
+    birth_piece,
     conclude,
     prove_birth_piece,
 )
@@ -230,6 +232,24 @@ def test_levels_and_periods_are_of_the_orbits_of_its_birth_too() -> None:
         assert arc.period.contains(20)
         assert arc.levels().contains(level_at(ATLAS, other.states(arb(0))))
         assert not Arc(ATLAS, curve).levels().overlaps(level_at(ATLAS, other.states(arb(0))))
+
+
+def test_what_r_negates_vanishes_at_the_ends_of_its_orbits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of axial orbits what the half turn negates."""
+    asked: list[Any] = []
+
+    def newton(checklist: Any, equations: Any, *rest: Any, **more: Any) -> Any:
+        asked.append(equations)
+        raise ArithmeticError
+
+    half = SimpleNamespace(state=CR3BP.state, time_of_all=arb(1))
+    monkeypatch.setattr(birth_piece, "HalfReturn", SimpleNamespace(of=lambda *rest, **more: half))
+    monkeypatch.setattr(birth_piece, "even_part", lambda name: ("even", name))
+    monkeypatch.setattr(birth_piece, "divided_by_wide", lambda name: ("odd", name))
+    monkeypatch.setattr(birth_piece, "check_newton", newton)
+    for system, names in ((CR3BP, ("vx", "vz")), (LIFTED, ("z", "vx"))):
+        assert isinstance(prove_birth_piece(system, ATLAS.parameters, BIRTH, WHOLE, ORACLE).outcome, NotProved)
+        assert asked.pop() == [(part, name) for name in names for part in ("even", "odd")]
 
 
 @pytest.mark.slow
