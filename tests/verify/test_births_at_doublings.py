@@ -17,7 +17,7 @@ from support.stored import values
 from orbitproof.shared.claims.web import Meeting, Web, WebArc
 from orbitproof.shared.formats import ArgumentError, Atlas, InputError, atlas_from_json, atlas_to_json, read_atlas
 from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR, HILL_VARIED, LIFTED
-from orbitproof.verify.atlas.conclusion import follow, partner
+from orbitproof.verify.atlas.conclusion import conclusion_of, follow, partner
 from orbitproof.verify.curve import (
     CertifiedPoint,
     Conclusion,
@@ -166,6 +166,9 @@ def test_only_arcs_of_half_orbits_with_two_crossings_take_such_a_piece() -> None
 def test_no_list_is_made_of_it() -> None:
     with pytest.raises(ArgumentError, match="piece of a birth"):
         limits_of(ATLAS, complete=4)
+    found = conclusion_of(ATLAS, RESULTS, [], lambda entries: [], 4)
+    assert found["verdict"] == "proved"
+    assert "complete" not in found
 
 
 def test_false_pieces_are_refused_before_they_are_integrated() -> None:
