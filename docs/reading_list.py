@@ -81,6 +81,13 @@ DOORS = {
         "verify.poincare.level_set",
         "verify.poincare.sheets",
     ),
+    "certified bifurcations and orbits on the curve": (
+        "verify.curve.bifurcations_on_it",
+        "verify.stability.between_orbits",
+        "verify.stability.matching",
+    ),
+    "distances from a body": ("verify.distances.distances",),
+    "half orbits that meet the section more than once": ("verify.poincare.half_orbit",),
     "orbits that are followed in regularised coordinates": ("verify.poincare.regularised",),
     "families around a libration point, in units of their orbits": (
         "verify.curve.libration_point",

@@ -54,6 +54,15 @@ def test_what_a_theorem_rests_on_is_listed() -> None:
     assert not any(name.startswith(("verify.oracle", "verify.certificate", "verify.words")) for name in (*row, *whole))
 
 
+LONGEST = {"bifurcation": 5500, "curve": 8000, "list": 11000}
+
+
+@pytest.mark.parametrize(("chapter", "longest"), LONGEST.items())
+def test_what_has_to_be_read_for_all_claims_of_a_kind_stays_short(chapter: str, longest: int) -> None:
+    listed = reading_list.reading_list(reading_list.CHAPTERS[chapter])
+    assert 1000 < sum(map(reading_list.length, listed)) <= longest
+
+
 def entered(work: Callable[[], object]) -> set[str]:
     """The modules of the proof side and of the shared statement of which a function is called."""
     files: set[str] = set()

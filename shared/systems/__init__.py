@@ -3,7 +3,7 @@
 from orbitproof.shared.systems.completion import completed, functions_in_floats, level_root
 from orbitproof.shared.systems.defined_coordinates import with_functions
 from orbitproof.shared.systems.described_functions import DescriptionError, program_function
-from orbitproof.shared.systems.description import KEYS, describe, described, described_plainly
+from orbitproof.shared.systems.description import KEYS, describe, described, described_plainly, is_title
 from orbitproof.shared.systems.examination import fault
 from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.hill import HILL, HILL_AXIAL, IN_HILL_UNITS
@@ -34,6 +34,6 @@ from orbitproof.shared.systems.system import (
     System,
 )
 from orbitproof.shared.systems.three_body import AXIAL, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, THREE_BODY
-from orbitproof.shared.systems.titles import SYSTEM, TITLE, is_title, shown
+from orbitproof.shared.systems.titles import SYSTEM, TITLE, shown
 from orbitproof.shared.systems.units import UNITS, SystemUnits
 from orbitproof.shared.systems.varied import HILL_VARIED

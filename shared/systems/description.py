@@ -29,7 +29,7 @@ from orbitproof.shared.systems.names import fits
 from orbitproof.shared.systems.parity_of_functions import signs_with_functions
 from orbitproof.shared.systems.program import record
 from orbitproof.shared.systems.system import Defined, ParameterRange, ReversibleSystem, Reversor, System
-from orbitproof.shared.systems.titles import LONGEST_TITLE, SYSTEM, is_title
+from orbitproof.shared.systems.titles import SYSTEM, TITLE
 
 _OPTIONAL = (
     "title", "parameters", "symmetries", "where", "family_parameter", "first_integral", "first_integral_name",
@@ -41,6 +41,9 @@ KEYS = ("name", "state", "field", "R", "section", *_OPTIONAL)
 PLAIN_KEYS = ("name", "state", "field", "title", "parameters", "where", "first_integral", "first_integral_name",
               "defined")  # fmt: skip
 """What the description of a system without R and section has; those after the field may be missing."""
+
+_LONGEST_TITLE = 64
+"""Of what is not known to every installation."""
 
 _INTERNED: dict[str, System] = {}
 
@@ -287,11 +290,16 @@ def _names_of(entry: Mapping[str, Any]) -> tuple[str, str, tuple[str, ...], dict
     return name, entry.get("title") or name, state, ranges
 
 
+def is_title(text: object) -> bool:
+    """Whether a value is a title that a user may give."""
+    return isinstance(text, str) and len(text) <= _LONGEST_TITLE and fits(TITLE, text)
+
+
 def _check_titles(entry: Mapping[str, Any]) -> None:
     for key in ("title", "first_integral_name", "distance_name"):
         text = entry.get(key)
         if text is not None and not is_title(text):
-            what = f"{LONGEST_TITLE} letters, digits and signs such as . , ' ( ) + - * / ^ = at most, and no sentences"
+            what = f"{_LONGEST_TITLE} letters, digits and signs such as . , ' ( ) + - * / ^ = at most, and no sentences"
             raise DescriptionError(f"{key}: {text!r} is no title; give {what}")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from orbitproof.shared.systems.names import END, fits
+from orbitproof.shared.systems.names import END
 
 SYSTEM = r"^[A-Za-z][A-Za-z0-9_-]{0,59}" + END
 """Of a system, a short one."""
@@ -13,9 +13,6 @@ TITLE = (
 )
 """What people call a system, its first integral, a body; with no second sentence."""
 
-LONGEST_TITLE = 64
-"""Of what is not known to every installation."""
-
 
 def shown(name: str) -> str:
     """An id as sentences and tables have it: one of several words in quotes, which no id contains.
@@ -24,8 +21,3 @@ def shown(name: str) -> str:
     ('L1-k4', '"L1 k=4"')
     """
     return f'"{name}"' if " " in name else name
-
-
-def is_title(text: object) -> bool:
-    """Whether a value is a title that a user may give."""
-    return isinstance(text, str) and len(text) <= LONGEST_TITLE and fits(TITLE, text)

@@ -12,8 +12,9 @@ from random import Random
 from flint import acb, arb
 
 from orbitproof.verify.evidence import indices_of_degree
-from orbitproof.verify.newton import Jet, compose, derivatives_of, inverse_jets
+from orbitproof.verify.newton import Jet, compose, derivatives_of
 from orbitproof.verify.newton.jets import unit
+from orbitproof.verify.orbit import inverse_jets
 
 Matrix = Sequence[Sequence[arb]]
 

@@ -27,6 +27,7 @@ from orbitproof.verify.bifurcation import (
     check_reduction,
     check_transversality,
     coordinates_in_box,
+    enclose_first_integral,
     level_form,
     locate,
     narrowed_zero,
@@ -44,7 +45,6 @@ from orbitproof.verify.evidence import (
     symmetric,
 )
 from orbitproof.verify.newton import BoxFunction, ImplicitGraph, Jet
-from orbitproof.verify.poincare import enclose_first_integral
 
 Function = Callable[[Sequence[Any], Callable[[F], Any]], Any]
 

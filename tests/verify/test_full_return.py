@@ -22,9 +22,9 @@ from orbitproof.shared.systems import FALKNER_SKAN
 from orbitproof.verify.certificate import Limits, certify
 from orbitproof.verify.certificate.rechecking import _conclude
 from orbitproof.verify.evidence import Proved, bounds, guarded, indices_up_to
-from orbitproof.verify.newton import Jet, compose, derivatives_of, inverse_jets
+from orbitproof.verify.newton import Jet, compose, derivatives_of
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.orbit import OrbitResults, full_return_jets, half_return_jets
+from orbitproof.verify.orbit import OrbitResults, full_return_jets, half_return_jets, inverse_jets
 from orbitproof.verify.poincare import HalfReturn, IntegratorSettings, enclose_half_return
 
 W = 2

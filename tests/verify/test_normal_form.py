@@ -10,9 +10,9 @@ import pytest
 from flint import acb, arb, ctx
 
 from orbitproof.verify.evidence import indices_up_to
-from orbitproof.verify.newton import Jet, compose, derivatives_of, inverse_jets
+from orbitproof.verify.newton import Jet, compose, derivatives_of
 from orbitproof.verify.newton.jets import increment
-from orbitproof.verify.orbit import full_return_jets
+from orbitproof.verify.orbit import full_return_jets, inverse_jets
 from orbitproof.verify.periodic_bifurcation import coefficients_of_torus
 from orbitproof.verify.twist import NotEllipticError, rotation_of, stability_parameter, twist_of
 

@@ -20,6 +20,7 @@ from support.wide_checks import OSCILLATOR, TWIST
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.algebra import Arithmetic, Grading
+from orbitproof.verify.bifurcation import enclose_first_integral
 from orbitproof.verify.evidence import Checklist, DerivativeTable, IntegrationFailure, NotEstablishedError
 from orbitproof.verify.flow import FlowStep, advance
 from orbitproof.verify.oracle import ORACLE
@@ -33,7 +34,6 @@ from orbitproof.verify.poincare import (
     Returns,
     box_of,
     check_half_orbit,
-    enclose_first_integral,
     enclose_iterates,
     kernel_components,
 )

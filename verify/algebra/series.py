@@ -19,7 +19,7 @@ from flint import arb, arb_series, ctx, fmpz, fmpz_poly
 
 from orbitproof.verify.algebra.grading import Grading, Pairs
 from orbitproof.verify.algebra.norms import GradedNorm, add, convolve, float_above, fraction_above, geometric, inflate
-from orbitproof.verify.evidence import GUARD_BITS, IntegrationFailure, guarded
+from orbitproof.verify.evidence import IntegrationFailure, guarded
 
 Products = tuple[fmpz_poly, float]
 """An exact sum of products, with the fractional bits of both factors, and a bound for what it lacks."""
@@ -83,10 +83,6 @@ class Arithmetic:
         """For each grade, a bound for the rounding of one polynomial: one unit for every coefficient."""
         top, number = self.grading.top, (self.degree + 1) * (self.width + 1)
         return tuple(float_above(number, -self.bits - grade * self.grade_bits) for grade in range(top + 1))
-
-    def spare_bits(self, grade: int) -> int:
-        """Bits by which the significant part of a coefficient of this grade is shorter than grade 0."""
-        return min(max(0, self.bits - GUARD_BITS), grade * self.grade_loss)
 
     def zero_errors(self) -> GradedNorm:
         """Errors of an exact element."""

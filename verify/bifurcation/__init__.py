@@ -15,6 +15,7 @@ from orbitproof.verify.bifurcation.fold import FoldTheorem, TurningCurve, check_
 from orbitproof.verify.bifurcation.level_forms import (
     check_own_box,
     coordinates_in_box,
+    enclose_first_integral,
     in_box,
     level_form,
     level_spread,

@@ -30,7 +30,6 @@ from orbitproof.verify.evidence import (
     symmetric,
 )
 from orbitproof.verify.newton import BoxFunction, ImplicitGraph, is_regular
-from orbitproof.verify.poincare import check_half_orbit
 
 _NEWTON_STEPS = 8
 
@@ -114,7 +113,10 @@ def check_enclosures(
                 all(t.box[index].overlaps(t.centre[index]) is True for t in tables for index in indices),
                 "an enclosure at the centre is disjoint from that over the box; a bound is wrong",
             )
-    check_half_orbit(checklist, iterates[: crossings - 1])
+    if crossings > 1:
+        from orbitproof.verify.poincare import check_half_orbit
+
+        check_half_orbit(checklist, iterates[: crossings - 1])
     return Problem(
         k=k,
         radii=radii,

@@ -31,7 +31,7 @@ from orbitproof.verify.evidence import (
     show,
     symmetric,
 )
-from orbitproof.verify.poincare import enclose_first_integral
+from orbitproof.verify.poincare import BOX_RATIO, box_of, derivative_table
 
 _MOST_BITS = 1 << 17
 """Boxes that would need more are too small for any proof."""
@@ -120,6 +120,13 @@ def _first_integral(candidate: Candidate) -> tuple[int, DerivativeTable | None]:
     except (IntegrationFailure, ArithmeticError, ValueError):
         return bits, None
     return bits, table if table is not None and _is_finite(table) else None
+
+
+def enclose_first_integral(candidate: Candidate, precision: int) -> DerivativeTable | None:
+    """Derivatives of the first integral on the candidate's box in Fix(R), without integrating."""
+    with guarded(precision):
+        box = box_of(candidate, precision, 1)
+        return None if box.level is None else derivative_table(box.level, box.scales, BOX_RATIO)
 
 
 def _is_own_box(evidence: Evidence, candidate: Candidate, form: Candidate, bits: int, table: DerivativeTable) -> bool:

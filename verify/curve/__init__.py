@@ -1,6 +1,6 @@
 """Curves of symmetric orbits in pieces: tubes, gluing, bifurcations on the curve (sections 15 and 16)."""
 
-from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint, Partner, Place
+from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint, Place
 from orbitproof.verify.curve.birth_piece import Birth, BirthTube, is_at_birth, is_born_at_doubling, prove_birth_piece
 from orbitproof.verify.curve.conclusion import Conclusion, Ends
 from orbitproof.verify.curve.conditions import check_covers, check_increasing, check_two_points
@@ -14,6 +14,7 @@ from orbitproof.verify.curve.equation import (
     parts_of_interval,
     tube_points,
 )
+from orbitproof.verify.curve.followed import Partner
 from orbitproof.verify.curve.gluing import Chain, Stretch, follow
 from orbitproof.verify.curve.libration_point import derived_parameter
 from orbitproof.verify.curve.lyapunov_family import (

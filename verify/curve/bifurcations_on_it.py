@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Protocol
 
 from flint import acb, arb
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.claim import signs_on
+from orbitproof.verify.curve.followed import Partner, Point, no_partner
 from orbitproof.verify.curve.gluing import Chain, Stretch
 from orbitproof.verify.curve.tube import lower_end, upper_end
 from orbitproof.verify.evidence import EmptyIntersectionError, all_finite, enclose, excludes_zero, is_below, symmetric
@@ -20,32 +19,6 @@ PLANAR = "S"
 """The symmetry of the CR3BP that fixes the planar orbits, z -> -z."""
 
 LACKS_COORDINATES = "the certificate does not have all coordinates of the point"
-
-Point = Mapping[str, arb]
-
-
-class Partner(Protocol):
-    """Encloses the point of a symmetric orbit at the end of its half orbit."""
-
-    def __call__(
-        self,
-        system: ReversibleSystem,
-        parameters: Mapping[str, Fraction],
-        point: Point,
-        crossings: int,
-        onto: ReversibleSystem | None = None,
-    ) -> Point | None:
-        """On the fixed points of R, or of the reversing symmetry of `onto`, a system with the same equations."""
-
-
-def no_partner(
-    system: ReversibleSystem,
-    parameters: Mapping[str, Fraction],
-    point: Point,
-    crossings: int,
-    onto: ReversibleSystem | None = None,
-) -> None:
-    """A `Partner` that finds none."""
 
 
 @dataclass(frozen=True)

@@ -28,9 +28,6 @@ from orbitproof.verify.poincare import PHYSICAL, WideOracle
 _SPARE_BITS = 32
 """Where orbits begin close to a primary, as they may at a doubling, derivatives have all but so many of the bits."""
 
-TWICE = 2
-"""How often half orbits that are born at a period doubling meet the section."""
-
 
 @dataclass(frozen=True)
 class BirthTheorem:
@@ -61,12 +58,6 @@ class Birth:
     tube: BirthTube
     s: arb
     mirrored: bool = False
-
-
-def takes_birth(atlas: Atlas) -> bool:
-    """Whether a curve can end in a piece of a birth: one of axial orbits, or of half orbits of two crossings."""
-    claim, is_born_twice = atlas.claim, atlas.system is CR3BP and atlas.claim.crossings == TWICE
-    return claim.kind == "arc" and (atlas.system is LIFTED or is_born_twice)
 
 
 def is_born_at_doubling(atlas: Atlas) -> bool:

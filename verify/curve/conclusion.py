@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from flint import arb
 
-from orbitproof.verify.curve.bifurcations_on_it import Bifurcation
 from orbitproof.verify.evidence import Outcome, Proved
+
+if TYPE_CHECKING:
+    from orbitproof.verify.curve.bifurcations_on_it import Bifurcation
 
 Ends = Mapping[str, Mapping[str, arb]]
 """Enclosures by name at the first point or parameter, "start", and at the last one, "end"."""

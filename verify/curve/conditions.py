@@ -9,9 +9,8 @@ from flint import arb
 from orbitproof.shared.formats import Atlas, Covers
 from orbitproof.shared.systems import HILL_VARIED, LIFTED, System
 from orbitproof.verify.claim import check_symmetries, names_in_words, signs_on
-from orbitproof.verify.curve.birth_piece import takes_birth
 from orbitproof.verify.curve.gluing import Chain, follow
-from orbitproof.verify.curve.piece_claim import require_birth_piece, require_piece
+from orbitproof.verify.curve.piece_claim import require_birth_piece, require_piece, takes_birth
 from orbitproof.verify.curve.piece_result import IntervalResult
 from orbitproof.verify.curve.tube import lower_end, read_tube, upper_end
 from orbitproof.verify.evidence import Checklist, Evidence, all_finite, exact_text, excludes_zero

@@ -12,8 +12,8 @@ from flint import arb
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import HILL, HILL_VARIED
 from orbitproof.verify.curve.bifurcations_on_it import LACKS_COORDINATES, Bifurcation, CertifiedPoint, entry_of, locate
+from orbitproof.verify.curve.followed import Follow
 from orbitproof.verify.curve.gluing import Chain
-from orbitproof.verify.curve.other_point import Follow
 from orbitproof.verify.evidence import Checklist, all_finite, enclose
 from orbitproof.verify.newton import is_regular, newton_image
 

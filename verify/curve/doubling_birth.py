@@ -12,8 +12,8 @@ from orbitproof.shared.systems import HILL, HILL_VARIED
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint, Place, entry_of, locate
 from orbitproof.verify.curve.birth_piece import Birth, tube_of_birth
 from orbitproof.verify.curve.doubled_family import HEIGHT, MASS, doubling_with_variation
+from orbitproof.verify.curve.followed import Follow
 from orbitproof.verify.curve.gluing import Chain
-from orbitproof.verify.curve.other_point import Follow
 from orbitproof.verify.curve.piece_result import IntervalResult
 from orbitproof.verify.evidence import Checklist, Evidence, enclose, exact_value, excludes_zero, power
 

@@ -12,8 +12,9 @@ from orbitproof.shared.formats import REVERSOR_BREAKING, Atlas
 from orbitproof.shared.systems import AXIAL, CR3BP, CR3BP_AXIAL, LIFTED
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint, Place, entry_of, locate
 from orbitproof.verify.curve.birth_piece import Birth, tube_of_birth
+from orbitproof.verify.curve.followed import Follow
 from orbitproof.verify.curve.gluing import Chain
-from orbitproof.verify.curve.other_point import Follow, meets_section_once
+from orbitproof.verify.curve.other_point import meets_section_once
 from orbitproof.verify.curve.piece_result import IntervalResult
 from orbitproof.verify.evidence import Checklist, Evidence, all_finite, enclose, is_positive
 

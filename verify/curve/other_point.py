@@ -7,16 +7,15 @@ two points may lie on a curve of initial values through the other one.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, log2
-from typing import Protocol
 
 from flint import arb
 
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.curve.equation import parameter_series
+from orbitproof.verify.curve.followed import Crossing
 from orbitproof.verify.evidence import (
     IntegrationFailure,
     all_finite,
@@ -32,29 +31,6 @@ from orbitproof.verify.poincare import HalfOrbits, WideOracle, default_order
 
 _LEAST_BITS = 96
 _LEAST_SPAN = arb(2) ** -400
-
-
-@dataclass(frozen=True)
-class Crossing:
-    """Where an orbit meets the section: the state by the names of its coordinates, and the time."""
-
-    state: Mapping[str, arb]
-    time: arb
-
-
-class Follow(Protocol):
-    """Encloses crossings of the section by the orbit of a point."""
-
-    def __call__(
-        self, system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Mapping[str, arb], crossings: int
-    ) -> list[Crossing] | None:
-        """The first so many; `None` if they are not enclosed."""
-
-
-def follow_nothing(
-    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Mapping[str, arb], crossings: int
-) -> None:
-    """A `Follow` that encloses nothing."""
 
 
 def enclose_crossings(

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from orbitproof.shared.formats import BirthPiece, Piece, is_regular
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.formats import Atlas, BirthPiece, Piece, is_regular
+from orbitproof.shared.systems import CR3BP, LIFTED, ReversibleSystem
 from orbitproof.verify.claim import determinant, is_adapted, quadratic_coefficient, signs_on
 from orbitproof.verify.evidence import Evidence
 
 ACROSS = ("x", "z", "vy", "b")
 """What the columns of a piece of a birth are: coordinates that R fixes, and the direction off Fix(R)."""
+
+_TWICE = 2
+"""How often half orbits that are born at a period doubling meet the section."""
 
 
 def require_piece(evidence: Evidence, system: ReversibleSystem, piece: Piece, symmetry: str | None) -> None:
@@ -42,6 +45,12 @@ def require_piece(evidence: Evidence, system: ReversibleSystem, piece: Piece, sy
     )
     odd = [index for index in system.kernel_coordinates if system.symmetries[symmetry][index] < 0]
     evidence.require(bool(odd), f"piece {piece.id} is not symmetric: {symmetry} negates no equation")
+
+
+def takes_birth(atlas: Atlas) -> bool:
+    """Whether a curve can end in a piece of a birth: one of axial orbits, or of half orbits of two crossings."""
+    claim, is_born_twice = atlas.claim, atlas.system is CR3BP and atlas.claim.crossings == _TWICE
+    return claim.kind == "arc" and (atlas.system is LIFTED or is_born_twice)
 
 
 def require_birth_piece(evidence: Evidence, piece: BirthPiece) -> None:

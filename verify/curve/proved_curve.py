@@ -10,17 +10,10 @@ from flint import arb, ctx
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import HILL_VARIED, LIFTED
-from orbitproof.verify.curve.bifurcations_on_it import (
-    Bifurcation,
-    CertifiedPoint,
-    Partner,
-    no_partner,
-    place_bifurcation,
-)
 from orbitproof.verify.curve.conclusion import Conclusion, Ends
 from orbitproof.verify.curve.conditions import check_curve, hypotheses_of
+from orbitproof.verify.curve.followed import Follow, Partner, follow_nothing, no_partner
 from orbitproof.verify.curve.gluing import Chain
-from orbitproof.verify.curve.other_point import Follow, follow_nothing
 from orbitproof.verify.curve.piece_result import IntervalResult
 from orbitproof.verify.evidence import (
     Checklist,
@@ -35,6 +28,7 @@ from orbitproof.verify.evidence import (
 )
 
 if TYPE_CHECKING:
+    from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint
     from orbitproof.verify.curve.birth_piece import Birth
 
 PRECISION = 256
@@ -124,6 +118,8 @@ def _placed(
 ) -> Bifurcation:
     """Whether the point of a certificate lies on the curve, or is the doubling at which its orbits are born."""
     if birth is None or entry.k == 1 or entry.crossings == atlas.claim.crossings:
+        from orbitproof.verify.curve.bifurcations_on_it import place_bifurcation
+
         return place_bifurcation(atlas, chain, entry, partner)
     from orbitproof.verify.curve.doubling_birth import place_doubling_at_birth
 

@@ -9,7 +9,8 @@ from flint import arb, ctx
 
 from orbitproof.shared.formats import REVERSOR_BREAKING, Atlas
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, VERTICAL, ReversibleSystem
-from orbitproof.verify.curve.bifurcations_on_it import CertifiedPoint, Partner, Point
+from orbitproof.verify.curve.bifurcations_on_it import CertifiedPoint
+from orbitproof.verify.curve.followed import Partner, Point
 from orbitproof.verify.curve.gluing import Chain
 from orbitproof.verify.curve.libration_point import derived_parameter
 from orbitproof.verify.evidence import Checklist, IntegrationFailure, enclose, is_positive

@@ -7,16 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from enum import Enum, unique
 from fractions import Fraction
 from functools import cache, cached_property
 from math import comb, floor, lcm, log2
-from typing import Annotated
 
 import numpy as np
 from flint import arb
 
-from orbitproof.shared.stored import rules
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import (
     Floats,
@@ -30,65 +27,22 @@ from orbitproof.verify.algebra import (
     total,
 )
 from orbitproof.verify.curve import BEYOND
+from orbitproof.verify.distances.stored_distances import PARTS, SLACK, Bounds, DistanceFunctions, Extremes, Where
 from orbitproof.verify.evidence import IntegrationFailure, NotKnown, enclose, is_positive, symmetric
 from orbitproof.verify.flow import advance, dyadic_below
 from orbitproof.verify.functions import StoredFunction, error_of, known_part, restricted
 from orbitproof.verify.orbit import distance_rates
 from orbitproof.verify.poincare import HalfOrbits, InTime, at_start
 
-
-@unique
-class Where(Enum):
-    """Where on an orbit a distance is taken: at one of its two points on Fix(R), or it is not shown to be there."""
-
-    HERE = "this point"
-    THERE = "the other point"
-    ALONG = "along the orbit"
-
-
-PARTS = 16
-"""An interval is divided into so many parts of equal length."""
 _GRID = 32
 """A step is divided into so many parts."""
 _TIMES = tuple((Fraction(2 * number + 1, 2 * _GRID), Fraction(1, 2 * _GRID)) for number in range(_GRID))
 _ACROSS = tuple((Fraction(2 * number + 1 - PARTS, PARTS) / BEYOND, 1 / BEYOND / PARTS) for number in range(PARTS))
 """Middles and radii of the cells in theta and sigma."""
-SLACK = Fraction(1, 2**9)
-"""Stored bounds are weaker by this share of them: another integration has to find bounds inside of them."""
 _SHORTEST = 2.0**-20
 """Half the length at least of the step that leads beyond the other point on Fix(R)."""
 
-Bounds = tuple[Fraction, Fraction]
 Signs = list[list[int]]
-
-
-@dataclass(frozen=True)
-class Extremes:
-    """The least and the greatest squared distance over each of the orbits of a part of an interval.
-
-    Attributes:
-        least, greatest: dyadic bounds from below and above.
-        least_at, greatest_at: where on every one of these orbits they are taken, if that is shown.
-    """
-
-    least: Bounds
-    greatest: Bounds
-    least_at: Where
-    greatest_at: Where
-
-
-@dataclass(frozen=True)
-class DistanceFunctions:
-    """Squared distances on an interval of a piece, as they are stored.
-
-    Attributes:
-        here, there: at x(s) and y(s), functions of tau.
-        parts: from left to right, of equal length.
-    """
-
-    here: StoredFunction
-    there: StoredFunction
-    parts: Annotated[tuple[Extremes, ...], rules(maxItems=64)]
 
 
 @dataclass(frozen=True)

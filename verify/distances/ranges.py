@@ -6,15 +6,19 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from flint import arb
 
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.claim import is_left_alone
-from orbitproof.verify.distances.distances import PARTS, SLACK, Bounds, DistanceFunctions, Where
+from orbitproof.verify.distances.stored_distances import PARTS, SLACK, Bounds, DistanceFunctions, Where
 from orbitproof.verify.evidence import enclose, hull, is_positive, up_to
 from orbitproof.verify.functions import REACH, BoundedFunction
+
+if TYPE_CHECKING:
+    from orbitproof.verify.distances.distances import DistanceAlongCurve
+    from orbitproof.verify.poincare import HalfOrbits
 
 _PIECES = 4
 """Values over a part of an interval are enclosed on so many pieces of it."""
@@ -109,6 +113,15 @@ def joined(extremes: Sequence[Extreme]) -> Extreme:
 def is_distance_of_orbits(system: ReversibleSystem, symmetry: str | None) -> bool:
     """Whether the system names a distance that R and S, if one is named, leave alone."""
     return is_left_alone(system.squared_distance_program, system, symmetry)
+
+
+def distance_along(returns: HalfOrbits, symmetry: str | None, share: Fraction) -> DistanceAlongCurve | None:
+    """For the distance that the system names, if R and S leave it alone; arguments as of `DistanceAlongCurve`."""
+    if not is_distance_of_orbits(returns.system, symmetry):
+        return None
+    from orbitproof.verify.distances.distances import DistanceAlongCurve
+
+    return DistanceAlongCurve(returns, share)
 
 
 def known_distances(found: DistanceFunctions) -> KnownDistances:

@@ -111,26 +111,6 @@ def implicit_jets(functions: Sequence[Mapping[MultiIndex, arb]], independent: in
     return (*known, *unknown)
 
 
-def inverse_jets(jets: Sequence[Jet]) -> tuple[Jet, ...]:
-    """Jets of the inverse of a map with the value 0 at 0, given jets of its components, as many as there are variables.
-
-    Degree by degree, the unknown coefficients solve a linear system with the derivative of the map (differentiation of
-    f(g(v)) = v). Constant terms of the jets are not used. Raises `ZeroDivisionError` if the derivative is not shown to
-    be regular.
-    """
-    size, order = len(jets), jets[0].order
-    matrix = arb_mat([[jet[unit(size, j)] for j in range(size)] for jet in jets])
-    functions = [derivatives_of(jet) for jet in jets]
-    unknown = [Jet(size, order, {}) for _ in range(size)]
-    for degree in range(1, order + 1):
-        images = [compose(function, unknown) for function in functions]
-        for index in indices_of_degree(size, degree):
-            wanted = [int(index == unit(size, i)) - image[index] for i, image in enumerate(images)]
-            solution = matrix.solve(arb_mat([[value] for value in wanted]))
-            unknown = [Jet(size, order, {**jet.coefficients, index: solution[i, 0]}) for i, jet in enumerate(unknown)]
-    return tuple(unknown)
-
-
 def derivatives_of(jet: Jet) -> dict[MultiIndex, arb]:
     """The derivatives of which a jet holds the Taylor coefficients; 0 of order 0."""
     indices = indices_up_to(jet.variables, jet.order)

@@ -16,6 +16,7 @@ from operator import mul
 from flint import fmpz, fmpz_poly
 
 from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, partial_derivatives
+from orbitproof.verify.evidence import GUARD_BITS
 from orbitproof.verify.flow import FieldAlong, dyadic_below, rough
 from orbitproof.verify.oracle.centre import (
     fixed_coefficients,
@@ -48,7 +49,7 @@ class CentreExpansion:
         if max(arithmetic.grading.grades) > 0:
             # Nearby orbits may move faster than the centre's, as across a linear mode.
             variation = variation_coefficients(program, start, _ROUGH_DEGREE)
-            tolerance = float(arithmetic.spare_bits(1) - bits)
+            tolerance = float(_spare_bits(arithmetic, 1) - bits)
             self.step_size = min(self.step_size, step_size(variation, tolerance, arithmetic.degree))
         self._coefficients = cache(self._centre)
         self._longest: tuple[Fraction, Sequence[list[int]]] | None = None
@@ -87,7 +88,7 @@ class CentreExpansion:
                 along.give([_ZERO] * size)
                 continue
             if grade not in equations:
-                spare = arithmetic.spare_bits(grade)
+                spare = _spare_bits(arithmetic, grade)
                 unit = fmpz(1 << spare)
                 rounded = [{j: slope // unit for j, slope in row.items()} for row in jacobian]
                 equations[grade] = LinearEquation(rounded, arithmetic.bits - spare, arithmetic.degree, step)
@@ -115,3 +116,8 @@ def centre_jacobian(along: FieldAlong) -> Jacobian:
     one = fmpz_poly([arithmetic.one])
     slopes = partial_derivatives(program, len(along.state), centre, one, scaled, dot, slope_of_power)
     return [{j: slope for j, slope in row.items() if slope.length()} for row in slopes]
+
+
+def _spare_bits(arithmetic: Arithmetic, grade: int) -> int:
+    """Bits by which the significant part of a coefficient of this grade is shorter than grade 0."""
+    return min(max(0, arithmetic.bits - GUARD_BITS), grade * arithmetic.grade_loss)

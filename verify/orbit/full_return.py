@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from flint import arb, arb_mat
 
 from orbitproof.shared.formats import Candidate
-from orbitproof.verify.evidence import MAX_ORDER, enclose, indices_up_to
-from orbitproof.verify.newton import Jet, compose, derivatives_of, implicit_jets, inverse_jets
+from orbitproof.verify.evidence import MAX_ORDER, enclose, indices_of_degree, indices_up_to
+from orbitproof.verify.newton import Jet, compose, derivatives_of, implicit_jets
 from orbitproof.verify.newton.jets import unit
 from orbitproof.verify.poincare import Derivatives, HalfReturn, named
 
@@ -89,3 +89,23 @@ def _best(jets: Sequence[Jet], size: int) -> tuple[Jet, ...]:
 
     dropped = max(range(size), key=determinant)
     return tuple(jet for i, jet in enumerate(jets) if i != dropped)
+
+
+def inverse_jets(jets: Sequence[Jet]) -> tuple[Jet, ...]:
+    """Jets of the inverse of a map with the value 0 at 0, given jets of its components, as many as there are variables.
+
+    Degree by degree, the unknown coefficients solve a linear system with the derivative of the map (differentiation of
+    f(g(v)) = v). Constant terms of the jets are not used. Raises `ZeroDivisionError` if the derivative is not shown to
+    be regular.
+    """
+    size, order = len(jets), jets[0].order
+    matrix = arb_mat([[jet[unit(size, j)] for j in range(size)] for jet in jets])
+    functions = [derivatives_of(jet) for jet in jets]
+    unknown = [Jet(size, order, {}) for _ in range(size)]
+    for degree in range(1, order + 1):
+        images = [compose(function, unknown) for function in functions]
+        for index in indices_of_degree(size, degree):
+            wanted = [int(index == unit(size, i)) - image[index] for i, image in enumerate(images)]
+            solution = matrix.solve(arb_mat([[value] for value in wanted]))
+            unknown = [Jet(size, order, {**jet.coefficients, index: solution[i, 0]}) for i, jet in enumerate(unknown)]
+    return tuple(unknown)

@@ -27,6 +27,7 @@ from orbitproof.verify.poincare.returns import (
     AUTO,
     REGULARISED,
     Returns,
+    default_order,
     first_integral,
     initial_values,
     kernel_components,
@@ -129,13 +130,6 @@ def enclose_iterates(
     """
     with guarded(settings.precision):
         return Integration(candidate, settings, oracle, progress, watch).run()
-
-
-def enclose_first_integral(candidate: Candidate, precision: int) -> DerivativeTable | None:
-    """Derivatives of the first integral on the candidate's box in Fix(R), without integrating."""
-    with guarded(precision):
-        box = box_of(candidate, precision, 1)
-        return None if box.level is None else derivative_table(box.level, box.scales, BOX_RATIO)
 
 
 @dataclass(frozen=True)
@@ -262,11 +256,6 @@ class Integration:
 def log2_of(value: Fraction) -> float:
     """log2(value), however small or large the value is."""
     return log2(value.numerator) - log2(value.denominator)
-
-
-def default_order(precision: int) -> int:
-    """Degree of the time expansions that was found fast for a precision in bits."""
-    return max(16, precision // 2)
 
 
 def check_size(grading: Grading, scales: Sequence[Fraction]) -> None:

@@ -36,6 +36,11 @@ MOST_STEPS = 400
 """From one crossing to the next."""
 
 
+def default_order(precision: int) -> int:
+    """Degree of the time expansions that was found fast for a precision in bits."""
+    return max(16, precision // 2)
+
+
 class Orbits:
     """The orbits of a set of points, and their crossings of the section so far.
 

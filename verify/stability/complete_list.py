@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import gcd
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flint import arb, fmpq
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.verify.curve import Bifurcation, Chain, Stretch
+from orbitproof.verify.curve import Chain, Stretch
 from orbitproof.verify.evidence import enclose, excludes_zero, sign
 from orbitproof.verify.functions import BoundedFunction
-from orbitproof.verify.stability.between_orbits import between_orbits
 from orbitproof.verify.stability.combinations import combination_functions
 from orbitproof.verify.stability.extrema import extrema_on, is_in_band
 from orbitproof.verify.stability.kinds import Kind, Matter, Resonance, Subject
@@ -21,10 +20,12 @@ from orbitproof.verify.stability.known_functions import point_over, segments_of
 from orbitproof.verify.stability.level import Level
 from orbitproof.verify.stability.linear_stability import is_stable
 from orbitproof.verify.stability.list_entries import Combinations, CompleteList, Extremum, Gap, Point, Segment
-from orbitproof.verify.stability.matching import about_the_list, with_certificates
 from orbitproof.verify.stability.stored_stability import StabilityResult
 from orbitproof.verify.stability.units import is_of_axial_orbits, is_of_vertical_orbits
 from orbitproof.verify.stability.zeros import Zero, between, ends_of, zeros_beside_double_one, zeros_on
+
+if TYPE_CHECKING:
+    from orbitproof.verify.curve import Bifurcation
 
 PRECISION = 192
 """Bits of the ball arithmetic."""
@@ -98,14 +99,20 @@ def complete_list(
         tuple(sorted(found, key=lambda entry: (entry.stretch, ends_of(entry.s)[0]))) for found in (points, combined)
     )
     gaps.sort(key=lambda gap: (gap.stretch, gap.start))
-    pieces = [stretch.tube.piece.id for stretch in chain.stretches]
-    turns = between_orbits(extrema, [*gaps, *open_extrema], segments, pieces, bifurcations)
+    turns = tuple(extrema)
+    if bifurcations:
+        from orbitproof.verify.stability.between_orbits import between_orbits
+        from orbitproof.verify.stability.matching import about_the_list, with_certificates
+
+        pieces = [stretch.tube.piece.id for stretch in chain.stretches]
+        turns = between_orbits(extrema, [*gaps, *open_extrema], segments, pieces, bifurcations)
+        own = about_the_list(atlas, bifurcations, order)
+        listed = with_certificates(listed, gaps, own, is_of_vertical_orbits(atlas.system))
     size = len(chain.stretches[0].tube.piece.tube)
-    is_halved = is_of_vertical_orbits(atlas.system)
     return CompleteList(
         order,
         size,
-        with_certificates(listed, gaps, about_the_list(atlas, bifurcations, order), is_halved),
+        listed,
         tuple(gaps),
         tuple(segments),
         tuple(sorted(turns, key=lambda entry: (entry.stretch, ends_of(entry.s)[0]))),

@@ -31,7 +31,7 @@ from orbitproof.verify.curve import (
     parameter_series,
     tube_points,
 )
-from orbitproof.verify.distances import DistanceAlongCurve, DistanceFunctions, is_distance_of_orbits
+from orbitproof.verify.distances import DistanceFunctions, distance_along
 from orbitproof.verify.evidence import IntegrationFailure, NotKnown, guarded, is_inside
 from orbitproof.verify.functions import (
     REACH,
@@ -198,7 +198,7 @@ class TubeOfOrbits:
 
         known_level = None if integral is None else level_around(begun, beyond, curve.value(integral))
         returns = HalfOrbits(beyond, second_flow, begun, self.oracle, self.coordinates, known_level)
-        along = DistanceAlongCurve(returns, SHARE) if is_distance_of_orbits(system, self.symmetry) else None
+        along = distance_along(returns, self.symmetry, SHARE)
 
         def after_step(number: float) -> None:
             if along is not None:

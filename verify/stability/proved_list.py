@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from flint import ctx
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.verify.curve import Bifurcation, Chain, Conclusion, CurveTheorem, ProvedCurve
+from orbitproof.verify.curve import Chain, Conclusion, CurveTheorem, ProvedCurve
 from orbitproof.verify.distances import is_distance_of_orbits
 from orbitproof.verify.evidence import (
     EmptyIntersectionError,
@@ -26,6 +26,7 @@ from orbitproof.verify.stability.list_entries import CompleteList
 from orbitproof.verify.stability.stored_stability import StabilityFunctions, StabilityResult
 
 if TYPE_CHECKING:
+    from orbitproof.verify.curve import Bifurcation
     from orbitproof.verify.stability.across_list import ListAcross
 
 
