@@ -196,9 +196,9 @@ def draw_catalogues(
     certificates: Sequence[Source], folder: Source, *, files: Files | None = None, told: Told = quietly
 ) -> list[Path]:
     """The rows of catalogues that a curve certifies, from their certificates: one picture each."""
-    from orbitproof.verify.atlas import CatalogueCertificate, read_catalogue_certificate
+    from orbitproof.verify.atlas import read_catalogue_certificate
 
-    given = [(Path(path).stem, CatalogueCertificate(read_catalogue_certificate(Path(path)))) for path in certificates]
+    given = [(Path(path).stem, read_catalogue_certificate(Path(path))) for path in certificates]
 
     from orbitproof.figures.files import save
     from orbitproof.figures.pictures import draw_rows

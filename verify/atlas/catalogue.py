@@ -12,24 +12,28 @@ from typing import Annotated, Any, ClassVar, Literal
 from flint import arb, ctx
 
 from orbitproof.shared.claims.fields import Id, PieceId, Title, Vector
-from orbitproof.shared.formats import FIELDS, Atlas, CatalogueRows, InputError, json_text, read_document, write_text
-from orbitproof.shared.formats import validate_document as validated
+from orbitproof.shared.formats import FIELDS, Atlas, CatalogueRows, InputError
 from orbitproof.shared.stored import Rational, rules
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, TITLE, ReversibleSystem, fits, shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
+from orbitproof.verify.atlas.sealed import (
+    Sealed,
+    climb_with_curve,
+    has_form,
+    in_all_data,
+    read_sealed,
+    rests_on,
+    sealed,
+    write_sealed,
+)
 from orbitproof.verify.certificate import (
-    CannotBeCheckedError,
     Examination,
     Finding,
-    Level,
     Recheck,
-    climb,
-    differences,
     digest,
-    digest_findings,
 )
 from orbitproof.verify.certificate.document import Digest, Software, Verdict
-from orbitproof.verify.certificate.stored_balls import from_json, to_json
+from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.evidence import Proved, enclose, is_below, software
 from orbitproof.verify.orbit_on_curve import PRECISION, OrbitOnCurve, OrbitPlace, OrbitsOfCurve
@@ -135,7 +139,7 @@ class CatalogueDocument:
 
 
 @dataclass(frozen=True, repr=False)
-class CatalogueCertificate:
+class CatalogueCertificate(Sealed):
     """A certificate of a catalogue's rows. It says what its maker wrote; whether that follows is what checks decide.
 
     Attributes:
@@ -147,16 +151,6 @@ class CatalogueCertificate:
     def __repr__(self) -> str:
         certified = sum(row.orbit is not None for row in self.rows)
         return f"<CatalogueCertificate by {self.document['id']!r}: {certified} of {len(self.rows)} rows>"
-
-    @property
-    def verdict(self) -> str:
-        """ "proved" if every row is certified, else "not proved"."""
-        return str(self.document["verdict"])
-
-    @property
-    def is_proved(self) -> bool:
-        """Whether every row is certified."""
-        return self.verdict == "proved"
 
     @property
     def rows(self) -> tuple[CertifiedRow, ...]:
@@ -224,8 +218,7 @@ def _document(curve: AtlasCertificate, title: str, within: Fraction, rows: tuple
         id=curve.id, verdict="proved" if len(found) == len(rows) else "not proved", statement=statement,
         rests_on=rests_on, rows=rows, software=software(), digest="",
     )  # fmt: skip
-    certificate = {"format": f"orbitproof-{SCHEMA}", "version": 1, **to_json(document)}
-    return {**certificate, "digest": digest(certificate)}
+    return sealed(document, SCHEMA)
 
 
 def recheck_catalogue(document: Mapping[str, Any], curve: AtlasCertificate, examined: Recheck) -> Recheck:
@@ -233,65 +226,37 @@ def recheck_catalogue(document: Mapping[str, Any], curve: AtlasCertificate, exam
 
     `examined` is what checking the curve has shown. Raises `ValueError` if it is the check of another certificate.
     """
-    if examined.digest != digest(curve.document):
-        raise ValueError(f"examined: is the check of {examined.id!r}, and not of the curve {curve.id!r}")
-    steps = [partial(_form, document, curve)]
-    if examined.level >= Level.CONCLUSION or not examined.stands:
-        steps.append(partial(_conclusion, document, curve, examined))
-    if examined.level is Level.INTEGRATION:
-        steps.append(partial(_integration, examined))
-    return climb(document, steps)
+    form, conclusion = partial(_form, document, curve), partial(_conclusion, document, curve)
+    # Nothing here rests on an integration but the curve, which was integrated again.
+    return climb_with_curve(document, curve, examined, form, conclusion, lambda _: iter(()))
 
 
 def _form(document: Mapping[str, Any], curve: AtlasCertificate, _: Examination) -> Iterator[Finding]:
-    yield from digest_findings(document)
-    validated(document, SCHEMA, "the certificate")
-    given = {"id": curve.id, "digest": digest(curve.document)}
-    if document["rests_on"] != given:
-        stored = document["rests_on"]
-        words = (
-            f"rests on the curve {shown(stored['id'])} ({stored['digest']}); given is {curve.id} ({given['digest']})"
-        )
-        yield Finding("rests_on", words)
+    yield from has_form(document, SCHEMA)
+    yield from rests_on(document, curve)
     numbers = [row["number"] for row in document["rows"]]
     if numbers != list(range(1, len(numbers) + 1)):
         yield Finding("rows", "are not numbered one after the other")
 
 
-def _conclusion(
-    document: Mapping[str, Any], curve: AtlasCertificate, examined: Recheck, examination: Examination
-) -> Iterator[Finding]:
-    if not examined.stands:
-        raise CannotBeCheckedError(f"the certificate {shown(curve.id)} of the curve does not stand: {examined.why}")
+def _conclusion(document: Mapping[str, Any], curve: AtlasCertificate, examination: Examination) -> Iterator[Finding]:
     read = from_json(CatalogueDocument, {k: v for k, v in document.items() if k not in ("format", "version")}, "")
     orbits = orbits_of(curve)
     again = tuple(_row(orbits, row, _place(row), read.statement.within) for row in read.rows)
     fresh = _document(curve, read.statement.title, read.statement.within, again)
     examination.hypotheses = len(again)
-    apart = ("software", "digest")
-    old, new = ({key: value for key, value in entry.items() if key not in apart} for entry in (document, fresh))
-    yield from examination.in_data(differences(old, new, ""), {**new, **{key: document[key] for key in apart}})
+    yield from in_all_data(document, fresh, examination)
 
 
 def _place(row: CertifiedRow) -> OrbitPlace | None:
     return None if row.piece is None or row.s is None else OrbitPlace(row.piece, row.s, row.mirrored)
 
 
-def _integration(examined: Recheck, examination: Examination) -> Iterator[Finding]:
-    """Nothing here rests on an integration but the curve, which was integrated again."""
-    examination.precision = examined.precision
-    yield from ()
-
-
 def write_catalogue_certificate(path: Path, document: Mapping[str, Any]) -> None:
     """Write a certificate, whole or not at all. Raises `InputError` if it cannot be written."""
-    validated(document, SCHEMA, f"{SCHEMA} to be written")
-    write_text(path, json_text(document, (("rows",),)) + "\n")
+    write_sealed(path, document, SCHEMA, (("rows",),))
 
 
-def read_catalogue_certificate(path: Path) -> dict[str, Any]:
-    """Read a certificate as JSON. Raises `InputError` if it is none, or was changed after it was written."""
-    document = read_document(path, SCHEMA)
-    if document["digest"] != digest(document):
-        raise InputError(f"{path}: field digest: does not fit the content, which was changed; write it again")
-    return document
+def read_catalogue_certificate(path: Path) -> CatalogueCertificate:
+    """Read a certificate. Raises `InputError` if it is none, or was changed after it was written."""
+    return CatalogueCertificate(read_sealed(path, SCHEMA))

@@ -26,6 +26,7 @@ from orbitproof.shared.wording import counted
 from orbitproof.verify.atlas.document import BranchDocument, BranchStatement, PeriodicCurveStatement, Total
 from orbitproof.verify.atlas.listed import ListedInterval, ListedPoint
 from orbitproof.verify.atlas.results import Result, results_from_json
+from orbitproof.verify.atlas.sealed import Sealed, sealed
 from orbitproof.verify.certificate import Certificate, digest, stated
 from orbitproof.verify.certificate.document import Names
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
@@ -99,32 +100,28 @@ def make_atlas_certificate(
     if found["verdict"] == "proved":
         theorem = found["statement"]
         statement = replace(statement, theorem=theorem, in_full=branch_in_full(atlas, theorem))
-    certificate = {
-        "format": f"orbitproof-{SCHEMA}",
-        "version": 1,
-        **to_json(
-            BranchDocument(
-                id=atlas.id,
-                verdict=found["verdict"],
-                reason=found["reason"],
-                statement=statement,
-                results=[as_json(result) for result in ordered],
-                conclusion=conclusion,
-                rests_on=tuple(entry.without_place().to_json() for entry in rests_on),
-                computation=Total(
-                    sum(result.is_proved for result in ordered),
-                    round(sum(result.computation.seconds for result in ordered), 3),
-                ),
-                software=software(),
-                digest="",
-            )
+    return sealed(
+        BranchDocument(
+            id=atlas.id,
+            verdict=found["verdict"],
+            reason=found["reason"],
+            statement=statement,
+            results=[as_json(result) for result in ordered],
+            conclusion=conclusion,
+            rests_on=tuple(entry.without_place().to_json() for entry in rests_on),
+            computation=Total(
+                sum(result.is_proved for result in ordered),
+                round(sum(result.computation.seconds for result in ordered), 3),
+            ),
+            software=software(),
+            digest="",
         ),
-    }
-    return {**certificate, "digest": digest(certificate)}
+        SCHEMA,
+    )
 
 
 @dataclass(frozen=True, repr=False)
-class AtlasCertificate:
+class AtlasCertificate(Sealed):
     """A certificate of a branch: its atlas, and the document.
 
     It says what its maker wrote; whether that follows is what `recheck` decides.
@@ -149,28 +146,6 @@ class AtlasCertificate:
     def id(self) -> str:
         """That of the atlas."""
         return self.atlas.id
-
-    @property
-    def verdict(self) -> str:
-        """ "proved" or "not proved", which never means "shown to be false"."""
-        return str(self.document["verdict"])
-
-    @property
-    def is_proved(self) -> bool:
-        """Whether it says "proved"."""
-        return self.verdict == "proved"
-
-    @property
-    def theorem(self) -> str | None:
-        """What its maker says is proved, in the maker's words; `None` if nothing is."""
-        theorem: str | None = self.document["statement"].get("theorem")
-        return theorem
-
-    @property
-    def reason(self) -> Reason | None:
-        """Why it is not proved, in words of the run that made it; `None` if it is."""
-        reason = self.document["reason"]
-        return None if reason is None else Reason(reason["condition"], reason["message"], reason["remedy"])
 
     @property
     def is_whole(self) -> bool:

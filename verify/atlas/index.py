@@ -10,29 +10,34 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 from orbitproof.shared.claims.fields import Id, PieceId, Title
-from orbitproof.shared.formats import Atlas, InputError, json_text, read_document, write_text
-from orbitproof.shared.formats import validate_document as validated
+from orbitproof.shared.formats import Atlas, InputError
 from orbitproof.shared.stored import rules
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
 from orbitproof.verify.atlas.conclusion import follow
 from orbitproof.verify.atlas.conclusion_as_json import shortened
+from orbitproof.verify.atlas.sealed import (
+    Sealed,
+    climb_with_curve,
+    has_form,
+    in_all_data,
+    read_sealed,
+    rests_on,
+    sealed,
+    write_sealed,
+)
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,
     CannotBeCheckedError,
     Examination,
     Finding,
-    Level,
     Recheck,
-    climb,
-    differences,
     digest,
-    digest_findings,
     other_hypotheses,
     unknown_reason,
 )
 from orbitproof.verify.certificate.document import Digest, Software, Verdict
-from orbitproof.verify.certificate.stored_balls import from_json, to_json
+from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve import ProvedCurve, conclude, vertical_point
 from orbitproof.verify.evidence import Hypothesis, IntegrationFailure, Outcome, Proved, Reason, software
 from orbitproof.verify.index import (
@@ -128,7 +133,7 @@ class IndexDocument:
 
 
 @dataclass(frozen=True, repr=False)
-class IndexCertificate:
+class IndexCertificate(Sealed):
     """The certificate of the index along a curve. It says what its maker wrote; whether that follows checks decide.
 
     Attributes:
@@ -140,33 +145,6 @@ class IndexCertificate:
     def __repr__(self) -> str:
         found = ", ".join(str(orbit.index) for orbit in self.orbits)
         return f"<IndexCertificate {self.id!r}: {self.verdict}{f', {found}' if found else ''}>"
-
-    @property
-    def id(self) -> str:
-        """That of the curve."""
-        return str(self.document["id"])
-
-    @property
-    def verdict(self) -> str:
-        """ "proved" or "not proved", which never means "shown to be false"."""
-        return str(self.document["verdict"])
-
-    @property
-    def is_proved(self) -> bool:
-        """Whether it says "proved"."""
-        return self.verdict == "proved"
-
-    @property
-    def theorem(self) -> str | None:
-        """What its maker says is proved, in the maker's words; `None` if nothing is."""
-        theorem: str | None = self.document["statement"].get("theorem")
-        return theorem
-
-    @property
-    def reason(self) -> Reason | None:
-        """Why it is not proved, in words of the run that made it; `None` if it is."""
-        reason = self.document["reason"]
-        return None if reason is None else Reason(reason["condition"], reason["message"], reason["remedy"])
 
     @property
     def orbits(self) -> tuple[IndexedOrbit, ...]:
@@ -276,8 +254,7 @@ def _document(
         statement=IndexStatement(system=known.atlas.system.title, theorem=words), rests_on=rests_on,
         hypotheses=outcome.hypotheses, **more, software=software(), digest="",
     )  # fmt: skip
-    made = {"format": f"orbitproof-{SCHEMA}", "version": 1, "orbits": [], **to_json(document)}
-    return {**made, "digest": digest(made)}
+    return sealed(document, SCHEMA, ("orbits",))
 
 
 def _told(outcome: Outcome[ProvedIndex], known: _Known, rests_on: IndexedCurve) -> tuple[dict[str, Any], str | None]:
@@ -309,27 +286,16 @@ def checked_index(document: Mapping[str, Any], curve: AtlasCertificate, examined
 
     `examined` is what checking the curve has shown. Raises `ValueError` if it is the check of another certificate.
     """
-    if examined.digest != digest(curve.document):
-        raise ValueError(f"examined: is the check of {examined.id!r}, and not of the curve {curve.id!r}")
-    steps = [partial(_form, document, curve)]
-    if examined.level >= Level.CONCLUSION or not examined.stands:
-        steps.append(partial(_conclusion, document, curve, examined))
-    if examined.level is Level.INTEGRATION:
-        steps.append(partial(_integration, document, curve, examined))
-    return climb(document, steps)
+    form = partial(_form, document, curve)
+    conclusion, integration = partial(_conclusion, document, curve), partial(_integration, document, curve)
+    return climb_with_curve(document, curve, examined, form, conclusion, integration)
 
 
 def _form(document: Mapping[str, Any], curve: AtlasCertificate, examination: Examination) -> Iterator[Finding]:
-    yield from digest_findings(document)
-    validated(document, SCHEMA, "the certificate")
-    given = {"id": curve.id, "digest": digest(curve.document)}
-    if document["rests_on"] != given or document["id"] != curve.id:
-        stored = document["rests_on"]
-        words = (
-            f"rests on the curve {shown(stored['id'])} ({stored['digest']}); given is {shown(curve.id)} "
-            f"({given['digest']})"
-        )
-        yield Finding("rests_on", words)
+    yield from has_form(document, SCHEMA)
+    yield from rests_on(document, curve)
+    if document["id"] != curve.id:
+        yield Finding("id", f"is {shown(document['id'])}; the curve is {shown(curve.id)}")
     if document["verdict"] != "proved":
         yield from unknown_reason(document["reason"] or {"condition": ""}, _HYPOTHESES)
         examination.notes += (UNCHECKED_REASON,)
@@ -338,11 +304,7 @@ def _form(document: Mapping[str, Any], curve: AtlasCertificate, examination: Exa
 _HYPOTHESES = ("curve", "counts", "parity", "neighbours", "libration-point")
 
 
-def _conclusion(
-    document: Mapping[str, Any], curve: AtlasCertificate, examined: Recheck, examination: Examination
-) -> Iterator[Finding]:
-    if not examined.stands:
-        raise CannotBeCheckedError(f"the certificate {shown(curve.id)} of the curve does not stand: {examined.why}")
+def _conclusion(document: Mapping[str, Any], curve: AtlasCertificate, examination: Examination) -> Iterator[Finding]:
     if document["verdict"] != "proved":
         return
     known = _known(curve)
@@ -350,9 +312,7 @@ def _conclusion(
     yield from other_hypotheses([each["name"] for each in document["hypotheses"]], expected, document)
     fresh = _document(curve, known, _stored(document))
     examination.hypotheses = len(fresh["hypotheses"])
-    apart = ("software", "digest")
-    old, new = ({key: value for key, value in entry.items() if key not in apart} for entry in (document, fresh))
-    yield from examination.in_data(differences(old, new, ""), {**new, **{key: document[key] for key in apart}})
+    yield from in_all_data(document, fresh, examination)
 
 
 def _stored(document: Mapping[str, Any]) -> tuple[CountedOrbit, ...]:
@@ -360,11 +320,8 @@ def _stored(document: Mapping[str, Any]) -> tuple[CountedOrbit, ...]:
     return tuple(CountedOrbit(orbit.piece, orbit.s, orbit.turns) for orbit in orbits)
 
 
-def _integration(
-    document: Mapping[str, Any], curve: AtlasCertificate, examined: Recheck, examination: Examination
-) -> Iterator[Finding]:
+def _integration(document: Mapping[str, Any], curve: AtlasCertificate, _: Examination) -> Iterator[Finding]:
     """The curve was integrated again; the orbits are followed again."""
-    examination.precision = examined.precision
     if document["verdict"] != "proved":
         return
     known = _known(curve)
@@ -406,13 +363,9 @@ def _agree(stored: Sequence[HalfTurns], again: Sequence[HalfTurns]) -> bool:
 
 def write_index_certificate(path: Path, document: Mapping[str, Any]) -> None:
     """Write a certificate, whole or not at all. Raises `InputError` if it cannot be written."""
-    validated(document, SCHEMA, f"{SCHEMA} to be written")
-    write_text(path, json_text(document, (("orbits",),)) + "\n")
+    write_sealed(path, document, SCHEMA, (("orbits",),))
 
 
 def read_index_certificate(path: Path) -> IndexCertificate:
     """Read a certificate. Raises `InputError` if it is none, or was changed after it was written."""
-    document = read_document(path, SCHEMA)
-    if document["digest"] != digest(document):
-        raise InputError(f"{path}: field digest: does not fit the content, which was changed; write it again")
-    return IndexCertificate(document)
+    return IndexCertificate(read_sealed(path, SCHEMA))

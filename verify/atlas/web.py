@@ -12,8 +12,7 @@ from flint import arb
 
 from orbitproof.shared.claims.fields import Crossings, Id, Identifier, PieceId, Title
 from orbitproof.shared.claims.web import How, Web, WebArc
-from orbitproof.shared.formats import Atlas, InputError, json_text, read_document, web_from_json, write_text
-from orbitproof.shared.formats import validate_document as validated
+from orbitproof.shared.formats import Atlas, InputError, web_from_json
 from orbitproof.shared.stored import rules
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
@@ -23,6 +22,7 @@ from orbitproof.verify.atlas.index import IndexCertificate
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.listed import ListedInterval
 from orbitproof.verify.atlas.rests_on import Key, Part, Resting, called, digest_of, key_of, keys_of
+from orbitproof.verify.atlas.sealed import Sealed, has_form, in_all_data, read_sealed, sealed, write_sealed
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,
     CannotBeCheckedError,
@@ -32,14 +32,11 @@ from orbitproof.verify.certificate import (
     Level,
     Recheck,
     climb,
-    differences,
-    digest,
-    digest_findings,
     other_hypotheses,
     unknown_reason,
 )
 from orbitproof.verify.certificate.document import Digest, Software, Verdict
-from orbitproof.verify.certificate.stored_balls import from_json, to_json
+from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.evidence import Hypothesis, Proved, Reason, software
 from orbitproof.verify.web import (
@@ -177,7 +174,7 @@ class WebDocument:
 
 
 @dataclass(frozen=True, repr=False)
-class WebCertificate:
+class WebCertificate(Sealed):
     """The certificate of a web. It says what its maker wrote; whether that follows is what checks decide.
 
     Attributes:
@@ -188,33 +185,6 @@ class WebCertificate:
 
     def __repr__(self) -> str:
         return f"<WebCertificate {self.id!r}: {self.verdict}, {len(self.document['arcs'])} arcs>"
-
-    @property
-    def id(self) -> str:
-        """That of the claim."""
-        return str(self.document["id"])
-
-    @property
-    def verdict(self) -> str:
-        """ "proved" or "not proved", which never means "shown to be false"."""
-        return str(self.document["verdict"])
-
-    @property
-    def is_proved(self) -> bool:
-        """Whether it says "proved"."""
-        return self.verdict == "proved"
-
-    @property
-    def theorem(self) -> str | None:
-        """What its maker says is proved, in the maker's words; `None` if nothing is."""
-        theorem: str | None = self.document["statement"].get("theorem")
-        return theorem
-
-    @property
-    def reason(self) -> Reason | None:
-        """Why it is not proved, in words of the run that made it; `None` if it is."""
-        reason = self.document["reason"]
-        return None if reason is None else Reason(reason["condition"], reason["message"], reason["remedy"])
 
     @property
     def claim(self) -> Web:
@@ -271,11 +241,7 @@ def certified_web(web: Web, certificates: Sequence[Resting], checks: Mapping[Key
         id=web.id, verdict="not proved" if reason else "proved", reason=reason,
         statement=claim, rests_on=rests_on, hypotheses=outcome.hypotheses, **known, software=software(), digest="",
     )  # fmt: skip
-    certificate = {"format": f"orbitproof-{SCHEMA}", "version": 1, **_LISTS, **to_json(document)}
-    return {**certificate, "digest": digest(certificate)}
-
-
-_LISTS: Mapping[str, Any] = {name: [] for name in ("arcs", "vertices", "switches", "parts")}
+    return sealed(document, SCHEMA, ("arcs", "vertices", "switches", "parts"))
 
 
 _NOT_CHECKED = "it was not checked up to its conclusion"
@@ -380,8 +346,7 @@ def recheck_web(document: Mapping[str, Any], certificates: Sequence[Resting], ch
 
 
 def _form(document: Mapping[str, Any], certificates: Sequence[Resting], examination: Examination) -> Iterator[Finding]:
-    yield from digest_findings(document)
-    validated(document, SCHEMA, "the certificate")
+    yield from has_form(document, SCHEMA)
     web = web_from_json(document["statement"]["claim"], "statement.claim")
     if [(entry["kind"], entry["id"]) for entry in document["rests_on"]] != list(keys_of(web)):
         yield Finding("rests_on", "does not name the certificates that the claim needs, in its order")
@@ -413,9 +378,7 @@ def _conclusion(
     web = web_from_json(document["statement"]["claim"], "statement.claim")
     fresh = certified_web(web, certificates, checks)
     examination.hypotheses = len(fresh["hypotheses"])
-    apart = ("software", "digest")
-    old, new = ({key: value for key, value in entry.items() if key not in apart} for entry in (document, fresh))
-    yield from examination.in_data(differences(old, new, ""), {**new, **{key: document[key] for key in apart}})
+    yield from in_all_data(document, fresh, examination)
 
 
 def _integration(checks: Mapping[Key, Recheck], examination: Examination) -> Iterator[Finding]:
@@ -426,13 +389,9 @@ def _integration(checks: Mapping[Key, Recheck], examination: Examination) -> Ite
 
 def write_web_certificate(path: Path, document: Mapping[str, Any]) -> None:
     """Write a certificate, whole or not at all. Raises `InputError` if it cannot be written."""
-    validated(document, SCHEMA, f"{SCHEMA} to be written")
-    write_text(path, json_text(document, (("arcs",), ("rests_on",))) + "\n")
+    write_sealed(path, document, SCHEMA, (("arcs",), ("rests_on",)))
 
 
 def read_web_certificate(path: Path) -> WebCertificate:
     """Read a certificate. Raises `InputError` if it is none, or was changed after it was written."""
-    document = read_document(path, SCHEMA)
-    if document["digest"] != digest(document):
-        raise InputError(f"{path}: field digest: does not fit the content, which was changed; write it again")
-    return WebCertificate(document)
+    return WebCertificate(read_sealed(path, SCHEMA))

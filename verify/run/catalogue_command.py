@@ -15,10 +15,9 @@ from orbitproof.shared.formats import (
     InputError,
     check_writable,
     read_catalogue_rows,
-    refused,
     table_form,
 )
-from orbitproof.shared.interrupts import INTERRUPTED, run_command
+from orbitproof.shared.interrupts import run_command
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import (
@@ -35,18 +34,14 @@ from orbitproof.verify.atlas import (
 )
 from orbitproof.verify.certificate import Recheck, not_checked
 from orbitproof.verify.run import (
-    LONG_CHECK_SECONDS,
     ArgumentParser,
-    CheckLimits,
-    Display,
     Failure,
     Workplace,
     apart,
-    positive_seconds,
     whole_number,
 )
 from orbitproof.verify.run.branch_checks import examined
-from orbitproof.verify.run.row_tables import recheck_table
+from orbitproof.verify.run.proof_command import add_checking_options, by_curve, limits_of, prove_or_check
 
 _EXAMPLES = """\
 examples:
@@ -87,15 +82,8 @@ def _parser() -> ArgumentParser:
     parser.add_argument("-o", "--output", type=Path, help="certificate of the rows")
     words = "an orbit certifies a row from which it starts no farther than this (default: 1e-6)"
     parser.add_argument("--within", type=_distance, default=WITHIN, metavar="D", help=words)
-    parser.add_argument("--recheck", action="store_true", help="check the certificate of a catalogue again")
-    parser.add_argument(
-        "--integrate", action="store_true", help="with --recheck: prove the curve again, in another way"
-    )
-    parser.number("--jobs", "N", "pieces of the curve side by side (default: 1)", whole_number(1), 1)
-    words = f"give a check up after this time (default: {LONG_CHECK_SECONDS:g})"
-    parser.number("--timeout", "SECONDS", words, positive_seconds, None)
-    parser.memory_option("each check")
-    parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    words = "prove the curve again, in another way"
+    add_checking_options(parser, "check the certificate of a catalogue again", words, "pieces of the curve")
     return parser
 
 
@@ -111,20 +99,10 @@ def _distance(text: str) -> Fraction:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
-    options = _parser().parse_args(arguments)
-    workplace = Workplace(options.jobs, None, options.timeout, options.memory, options.quiet)
-    try:
-        return _recheck(options, workplace) if options.recheck else _run(options, workplace)
-    except InputError as error:
-        return refused(error)
-    except KeyboardInterrupt:
-        print("interrupted: nothing is known yet", file=sys.stderr)
-        return INTERRUPTED
+    return prove_or_check(_parser().parse_args(arguments), _run, _recheck)
 
 
 def _run(options: argparse.Namespace, workplace: Workplace) -> int:
-    if options.integrate:
-        raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
     if (options.file is None) == (options.rows is None):
         raise InputError("FILE, --rows: give one of the two, a catalogue or how many orbits of the curve")
     for path in (options.output, options.table):
@@ -150,32 +128,19 @@ def certify_rows(
 
     Raises `InputError` if that does not stand, is of no such curve, or the work is not brought to an end.
     """
-    display = Display({"curve": 1.0, "rows": 1.0 + len(rows.rows) / 200}, workplace.quiet)
-    with display.shown():
-        check = examined(curve.document, (), False, workplace)
-        if not check.stands:
-            raise InputError(f"the certificate {shown(curve.id)} of the curve does not stand: {check.why}")
-        display.finish("curve", "stands")
-        limits = CheckLimits(workplace.timeout, workplace.memory, LONG_CHECK_SECONDS)
-        found = apart(certified_rows, curve.id, (curve, rows, within), limits)
-        if isinstance(found, Failure):
-            raise InputError(f"the rows were not looked at: {found.message}")
-        display.finish("rows", "looked at")
+    tasks = {"rows": 1.0 + len(rows.rows) / 200}
+    found = by_curve(curve, certified_rows, (rows, within), workplace, tasks, "the rows were not looked at")
     return CatalogueCertificate(found)
 
 
-def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
-    for option in ("output", "table", "rows"):
+def _recheck(options: argparse.Namespace, workplace: Workplace) -> Recheck:
+    for option in ("table", "rows"):
         if getattr(options, option) is not None:
             raise InputError(f"--{option}: --recheck writes no file; leave it out")
     if options.file is None:
         raise InputError("FILE: missing; give the certificate of a catalogue")
-    certificate = CatalogueCertificate(read_catalogue_certificate(options.file))
-    found = check_again(certificate, read_atlas_certificate(options.curve), options.integrate, workplace)
-    print(recheck_table([found.id], {found.id: found}), flush=True)
-    for finding in found.findings[:1]:
-        print(f"FAILED {shown(found.id)}: {finding.place}: {finding.message}", file=sys.stderr)
-    return 0 if found.stands else 1
+    certificate = read_catalogue_certificate(options.file)
+    return check_again(certificate, read_atlas_certificate(options.curve), options.integrate, workplace)
 
 
 def check_again(
@@ -183,8 +148,7 @@ def check_again(
 ) -> Recheck:
     """The certificate of a catalogue checked again, up to its conclusion, or with `integrate` to the end."""
     check = examined(curve.document, (), integrate, workplace)
-    limits = CheckLimits(workplace.timeout, workplace.memory, LONG_CHECK_SECONDS)
-    found = apart(recheck_catalogue, curve.id, (certificate.document, curve, check), limits)
+    found = apart(recheck_catalogue, curve.id, (certificate.document, curve, check), limits_of(workplace))
     if isinstance(found, Failure):
         return not_checked(str(certificate.document["id"]), certificate.verdict, found)
     return found

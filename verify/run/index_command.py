@@ -7,9 +7,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from orbitproof.shared.formats import InputError, as_options, check_writable, refused
-from orbitproof.shared.interrupts import INTERRUPTED, run_command
-from orbitproof.shared.systems import shown
+from orbitproof.shared.formats import InputError, check_writable
+from orbitproof.shared.interrupts import run_command
 from orbitproof.verify.atlas import (
     AtlasCertificate,
     IndexCertificate,
@@ -22,18 +21,12 @@ from orbitproof.verify.atlas import (
 from orbitproof.verify.certificate import Recheck
 from orbitproof.verify.run import (
     GIBIBYTE,
-    LONG_CHECK_SECONDS,
     ArgumentParser,
     CheckLimits,
-    Display,
-    Failure,
     Workplace,
-    apart,
-    positive_seconds,
-    whole_number,
 )
 from orbitproof.verify.run.branch_checks import examined, index_apart
-from orbitproof.verify.run.row_tables import recheck_table
+from orbitproof.verify.run.proof_command import add_checking_options, by_curve, limits_of, prove_or_check, told
 
 _EXAMPLES = """\
 examples:
@@ -57,33 +50,17 @@ def _parser() -> ArgumentParser:
     parser.add_argument("file", type=Path, nargs="?", help=words)
     parser.add_argument("--curve", type=Path, required=True, metavar="FILE", help="certificate of the curve")
     parser.add_argument("-o", "--output", type=Path, help="certificate of the index")
-    parser.add_argument("--recheck", action="store_true", help="check the certificate of an index again")
-    words = "with --recheck: prove the curve again, and count again, in another way"
-    parser.add_argument("--integrate", action="store_true", help=words)
-    parser.number("--jobs", "N", "pieces of the curve side by side (default: 1)", whole_number(1), 1)
-    words = f"give a check up after this time (default: {LONG_CHECK_SECONDS:g})"
-    parser.number("--timeout", "SECONDS", words, positive_seconds, None)
-    parser.memory_option("each check")
-    parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    words = "prove the curve again, and count again, in another way"
+    add_checking_options(parser, "check the certificate of an index again", words, "pieces of the curve")
     return parser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
-    options = _parser().parse_args(arguments)
-    workplace = Workplace(options.jobs, None, options.timeout, options.memory, options.quiet)
-    try:
-        return _recheck(options, workplace) if options.recheck else _run(options, workplace)
-    except InputError as error:
-        return refused(error)
-    except KeyboardInterrupt:
-        print("interrupted: nothing is known yet", file=sys.stderr)
-        return INTERRUPTED
+    return prove_or_check(_parser().parse_args(arguments), _run, _recheck)
 
 
 def _run(options: argparse.Namespace, workplace: Workplace) -> int:
-    if options.integrate:
-        raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
     if options.file is not None:
         raise InputError("FILE: is taken with --recheck only; the curve is given with --curve")
     if options.output is not None:
@@ -91,25 +68,14 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
     certificate = certify_the_index(_indexed_curve(options), workplace)
     if options.output is not None:
         write_index_certificate(options.output, certificate.document)
-    reason = certificate.reason
-    if reason is None:
-        print(f"PROVED\n\n{certificate.theorem}", flush=True)
-        return 0
-    print(f"NOT PROVED: {reason.condition}: {reason.message}; {as_options(reason.remedy)}", flush=True)
-    return 1
+    return told(certificate)
 
 
-def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
-    if options.output is not None:
-        raise InputError("--output: --recheck writes no file; leave it out")
+def _recheck(options: argparse.Namespace, workplace: Workplace) -> Recheck:
     if options.file is None:
         raise InputError("FILE: missing; give the certificate of an index")
     curve = _indexed_curve(options)
-    found = check_index_again(read_index_certificate(options.file), curve, options.integrate, workplace)
-    print(recheck_table([found.id], {found.id: found}), flush=True)
-    for finding in found.findings[:1]:
-        print(f"FAILED {shown(found.id)}: {finding.place}: {finding.message}", file=sys.stderr)
-    return 0 if found.stands else 1
+    return check_index_again(read_index_certificate(options.file), curve, options.integrate, workplace)
 
 
 def _indexed_curve(options: argparse.Namespace) -> AtlasCertificate:
@@ -124,8 +90,7 @@ def check_index_again(
 ) -> Recheck:
     """The certificate of an index checked again, up to its conclusion, or with `integrate` to the end."""
     check = examined(curve.document, (), integrate, workplace)
-    limits = CheckLimits(workplace.timeout, workplace.memory, LONG_CHECK_SECONDS)
-    return index_apart(certificate, curve, check, limits)
+    return index_apart(certificate, curve, check, limits_of(workplace))
 
 
 def certify_the_index(curve: AtlasCertificate, workplace: Workplace) -> IndexCertificate:
@@ -134,18 +99,7 @@ def certify_the_index(curve: AtlasCertificate, workplace: Workplace) -> IndexCer
     Raises `InputError` if that does not stand, is of no such curve, or the work is not brought to an end.
     """
     indexed_atlas(curve)
-    display = Display({"curve": 1.0, "index": 1.0}, workplace.quiet)
-    with display.shown():
-        check = examined(curve.document, (), False, workplace)
-        if not check.stands:
-            raise InputError(f"the certificate {shown(curve.id)} of the curve does not stand: {check.why}")
-        display.finish("curve", "stands")
-        limits = CheckLimits(workplace.timeout, workplace.memory, LONG_CHECK_SECONDS)
-        found = apart(certified_index, curve.id, (curve,), limits)
-        if isinstance(found, Failure):
-            raise InputError(f"the index was not found: {found.message}")
-        display.finish("index", str(found["verdict"]))
-    return IndexCertificate(found)
+    return IndexCertificate(by_curve(curve, certified_index, (), workplace, {"index": 1.0}, "the index was not found"))
 
 
 def certify_index(

@@ -9,9 +9,8 @@ from contextlib import closing
 from pathlib import Path
 
 from orbitproof.shared.claims.web import Web
-from orbitproof.shared.formats import InputError, as_options, check_writable, read_web, refused, stated_format
-from orbitproof.shared.interrupts import INTERRUPTED, run_command
-from orbitproof.shared.systems import shown
+from orbitproof.shared.formats import InputError, check_writable, read_web, stated_format
+from orbitproof.shared.interrupts import run_command
 from orbitproof.verify.atlas import (
     AtlasCertificate,
     IndexCertificate,
@@ -30,19 +29,15 @@ from orbitproof.verify.atlas import (
 )
 from orbitproof.verify.certificate import Recheck, not_checked, read_certificates
 from orbitproof.verify.run import (
-    LONG_CHECK_SECONDS,
     ArgumentParser,
-    CheckLimits,
     Display,
     Failure,
     Workplace,
     apart,
-    positive_seconds,
-    whole_number,
 )
 from orbitproof.verify.run.branch_checks import index_apart
 from orbitproof.verify.run.checking_again import checked_again
-from orbitproof.verify.run.row_tables import recheck_table
+from orbitproof.verify.run.proof_command import add_checking_options, limits_of, prove_or_check, told
 
 _EXAMPLES = """\
 examples:
@@ -69,58 +64,31 @@ def _parser() -> ArgumentParser:
     words = "claim the index of each arc of which the certificates hold it, whatever the web says of it"
     parser.add_argument("--indices", action="store_true", help=words)
     parser.add_argument("-o", "--output", type=Path, help="certificate of the web")
-    parser.add_argument("--recheck", action="store_true", help="check the certificate of a web again")
-    words = "with --recheck: prove all that it rests on again, in another way"
-    parser.add_argument("--integrate", action="store_true", help=words)
-    parser.number("--jobs", "N", "checks side by side (default: 1)", whole_number(1), 1)
-    words = f"give a check up after this time (default: {LONG_CHECK_SECONDS:g})"
-    parser.number("--timeout", "SECONDS", words, positive_seconds, None)
-    parser.memory_option("each check")
-    parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    words = "prove all that it rests on again, in another way"
+    add_checking_options(parser, "check the certificate of a web again", words, "checks")
     return parser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
-    options = _parser().parse_args(arguments)
-    workplace = Workplace(options.jobs, None, options.timeout, options.memory, options.quiet)
-    try:
-        return _recheck(options, workplace) if options.recheck else _run(options, workplace)
-    except InputError as error:
-        return refused(error)
-    except KeyboardInterrupt:
-        print("interrupted: nothing is known yet", file=sys.stderr)
-        return INTERRUPTED
+    return prove_or_check(_parser().parse_args(arguments), _run, _recheck)
 
 
 def _run(options: argparse.Namespace, workplace: Workplace) -> int:
-    if options.integrate:
-        raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
     if options.output is not None:
         check_writable(options.output)
     web, given = read_web(options.file), _read(options.certificates)
     certificate = certify_the_web(claiming_indices(web, given) if options.indices else web, given, workplace)
     if options.output is not None:
         write_web_certificate(options.output, certificate.document)
-    reason = certificate.reason
-    if reason is None:
-        print(f"PROVED\n\n{certificate.theorem}", flush=True)
-        return 0
-    print(f"NOT PROVED: {reason.condition}: {reason.message}; {as_options(reason.remedy)}", flush=True)
-    return 1
+    return told(certificate)
 
 
-def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
-    if options.output is not None:
-        raise InputError("--output: --recheck writes no file; leave it out")
+def _recheck(options: argparse.Namespace, workplace: Workplace) -> Recheck:
     if options.indices:
         raise InputError("--indices: is about a web that is not proved yet; --recheck takes the claim as it was made")
     certificate = read_web_certificate(options.file)
-    found = check_web_again(certificate, _read(options.certificates), options.integrate, workplace)
-    print(recheck_table([found.id], {found.id: found}), flush=True)
-    for finding in found.findings[:1]:
-        print(f"FAILED {shown(found.id)}: {finding.place}: {finding.message}", file=sys.stderr)
-    return 0 if found.stands else 1
+    return check_web_again(certificate, _read(options.certificates), options.integrate, workplace)
 
 
 def _read(paths: Sequence[Path]) -> list[Resting]:
@@ -144,8 +112,7 @@ def certify_the_web(web: Web, given: Sequence[Resting], workplace: Workplace) ->
     """
     certificates = resting(web, given)
     checks = _checks(certificates, False, workplace)
-    limits = CheckLimits(workplace.timeout, workplace.memory, LONG_CHECK_SECONDS)
-    found = apart(certified_web, web.id, (web, certificates, checks), limits)
+    found = apart(certified_web, web.id, (web, certificates, checks), limits_of(workplace))
     if isinstance(found, Failure):
         raise InputError(f"the web was not put together: {found.message}")
     return WebCertificate(found)
@@ -160,8 +127,7 @@ def check_web_again(
     """
     certificates = resting(certificate.claim, given)
     checks = _checks(certificates, integrate, workplace)
-    limits = CheckLimits(workplace.timeout, workplace.memory, LONG_CHECK_SECONDS)
-    found = apart(recheck_web, certificate.id, (certificate.document, certificates, checks), limits)
+    found = apart(recheck_web, certificate.id, (certificate.document, certificates, checks), limits_of(workplace))
     if isinstance(found, Failure):
         return not_checked(certificate.id, certificate.verdict, found)
     return found
@@ -180,12 +146,11 @@ def _checks(certificates: Sequence[Resting], integrate: bool, workplace: Workpla
         display.finish(_called(key), "stands" if check.stands else "does not stand")
 
     quiet = Workplace(workplace.jobs, None, workplace.timeout, workplace.memory, True)
-    limits = CheckLimits(workplace.timeout, workplace.memory, LONG_CHECK_SECONDS)
     with display.shown(), closing(checked_again(others, None, integrate, quiet)) as checks:
         for check in checks:
             finished(keys[check.id], check)
         for entry in indices:
-            finished(key_of(entry), index_apart(entry, curves[entry.id], found["arc", entry.id], limits))
+            finished(key_of(entry), index_apart(entry, curves[entry.id], found["arc", entry.id], limits_of(workplace)))
     return found
 
 
