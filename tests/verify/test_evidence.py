@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from fractions import Fraction as F
 
 import pytest
@@ -13,8 +14,12 @@ from orbitproof.verify.evidence import (
     Checklist,
     EmptyIntersectionError,
     NotEstablishedError,
+    NotProved,
+    Proved,
+    Reason,
     ball_from_json,
     bounds,
+    concluded,
     dyadic_above,
     exact_text,
     is_outside,
@@ -92,6 +97,57 @@ def test_every_requirement_has_to_be_true_and_nothing_else_is() -> None:
     for other in (None, 1, "yes", False):
         assert not is_shown(True, other)
         assert not is_shown(other, True)
+
+
+@dataclass(frozen=True)
+class Two:
+    """A theorem with two hypotheses."""
+
+    hypotheses: tuple[str, ...] = ("first", "second")
+
+
+def checked(holds: bool = True, error: Exception | None = None, names: tuple[str, ...] = ("first", "second")) -> object:
+    """The outcome of a check of which the first hypothesis was looked at before."""
+    checklist = Checklist()
+    with checklist.hypothesis(names[0], "1", "statement", "remedy") as evidence:
+        evidence.require(True, "it is not")
+
+    def check() -> int:
+        for name in names[1:]:
+            with checklist.hypothesis(name, "1", "statement", "remedy") as evidence:
+                evidence.require(holds, "it is not")
+        if error is not None:
+            raise error
+        return 7
+
+    return concluded(Two(), checklist, check)
+
+
+def test_a_theorem_is_proved_where_the_check_comes_to_its_end() -> None:
+    outcome = checked()
+    assert isinstance(outcome, Proved)
+    assert (outcome.theorem, outcome.results, len(outcome.hypotheses)) == (Two(), 7, 2)
+    with pytest.raises(ValueError, match="hypotheses"):
+        checked(names=("first",))
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError("0"), OverflowError("inf"), ArithmeticError("none")])
+def test_a_result_that_cannot_be_evaluated_proves_nothing(error: Exception) -> None:
+    outcome = checked(error=error)
+    assert isinstance(outcome, NotProved)
+    assert (outcome.reason.condition, outcome.reason.needs_precision, len(outcome.hypotheses)) == ("results", True, 2)
+
+
+def test_the_first_hypothesis_that_fails_ends_the_check() -> None:
+    outcome = checked(holds=False)
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.condition == "second"
+    assert [hypothesis.holds for hypothesis in outcome.hypotheses] == [True, False]
+
+
+def test_what_is_no_theorem_is_not_looked_at() -> None:
+    reason = Reason("theorem", "it is none", "claim another kind")
+    assert concluded(reason, Checklist(), lambda: pytest.fail("it was looked at")) == NotProved(reason)
 
 
 def test_what_computes_is_named_with_its_version_and_as_what_is_left_to_be_believed() -> None:

@@ -19,18 +19,16 @@ from orbitproof.verify.evidence import (
     MAX_ORDER,
     Checklist,
     NotEstablishedError,
-    NotProved,
     Outcome,
-    Proved,
     Reason,
     all_finite,
+    concluded,
     dot,
     enclose,
     excludes_zero,
     indices_up_to,
     is_positive,
     symmetric,
-    without_result,
 )
 from orbitproof.verify.newton import BoxFunction, enclose_zero, is_regular
 from orbitproof.verify.poincare import check_half_orbit
@@ -115,10 +113,8 @@ def prove_resonance(
 
     `checklist` already holds what was established before the integration; the current precision of Arb is used.
     """
-    theorem = theorem_of_resonance(candidate)
-    if isinstance(theorem, Reason):
-        return NotProved(theorem, tuple(checklist.hypotheses))
-    try:
+
+    def check() -> ResonanceResults:
         found = _check_return_map(checklist, candidate, enclosures)
         check_half_orbit(checklist, found.iterates[:-1])
         turn, equations = _equations(candidate, found)
@@ -127,14 +123,9 @@ def prove_resonance(
         where = _check_point(checklist, candidate, equations)
         unfolding = _check_simple(checklist, equations, where)
         _check_unfolding(checklist, unfolding)
-        results = _results(candidate, found, equations, where, turn, unfolding)
-    except NotEstablishedError as error:
-        return NotProved(error.reason, tuple(checklist.hypotheses))
-    except ArithmeticError as error:
-        message = f"a result could not be evaluated: {without_result(error)}"
-        reason = Reason("results", message, "more precision", needs_precision=True)
-        return NotProved(reason, tuple(checklist.hypotheses))
-    return Proved(theorem, results, tuple(checklist.hypotheses))
+        return _results(candidate, found, equations, where, turn, unfolding)
+
+    return concluded(theorem_of_resonance(candidate), checklist, check)
 
 
 def _power(candidate: Candidate, times: int = 1) -> str:

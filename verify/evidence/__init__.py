@@ -32,6 +32,7 @@ from orbitproof.verify.evidence.comparisons import (
     total,
     up_to,
 )
+from orbitproof.verify.evidence.concluding import concluded
 from orbitproof.verify.evidence.decimals import decimal_above, decimal_interval
 from orbitproof.verify.evidence.derivatives import (
     MAX_ORDER,

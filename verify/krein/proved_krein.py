@@ -14,17 +14,15 @@ from orbitproof.verify.claim import check_frames, check_level, check_symmetries
 from orbitproof.verify.evidence import (
     Checklist,
     NotEstablishedError,
-    NotProved,
     Outcome,
-    Proved,
     Reason,
     all_finite,
+    concluded,
     dot,
     excludes_zero,
     is_positive,
     show,
     symmetric,
-    without_result,
 )
 from orbitproof.verify.krein.equations import SIZE, CollisionEquations, equations_of
 from orbitproof.verify.krein.normal_form import cubic_coefficient
@@ -135,10 +133,8 @@ def prove_krein(
 
     `checklist` already holds what was established before the integration; the current precision of Arb is used.
     """
-    theorem = theorem_of_krein(candidate)
-    if isinstance(theorem, Reason):
-        return NotProved(theorem, tuple(checklist.hypotheses))
-    try:
+
+    def check() -> KreinResults:
         found = check_half_return(checklist, candidate, enclosures)
         check_half_orbit(checklist, found.iterates[:-1])
         if candidate.uses_level:
@@ -152,14 +148,9 @@ def prove_krein(
         _check_resonances(checklist, cosine)
         speed = _check_side(checklist, equations, where)
         coefficient = _check_type(checklist, jets, cosine)
-        results = _results(candidate, found, where, cosine, speed, coefficient)
-    except NotEstablishedError as error:
-        return NotProved(error.reason, tuple(checklist.hypotheses))
-    except ArithmeticError as error:
-        message = f"a result could not be evaluated: {without_result(error)}"
-        reason = Reason("results", message, "more precision", needs_precision=True)
-        return NotProved(reason, tuple(checklist.hypotheses))
-    return Proved(theorem, results, tuple(checklist.hypotheses))
+        return _results(candidate, found, where, cosine, speed, coefficient)
+
+    return concluded(theorem_of_krein(candidate), checklist, check)
 
 
 def _check_regular(checklist: Checklist, equations: CollisionEquations, sides: list[arb]) -> None:

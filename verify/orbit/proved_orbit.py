@@ -18,13 +18,10 @@ from orbitproof.verify.evidence import (
     Checklist,
     DerivativeTable,
     MultiIndex,
-    NotEstablishedError,
-    NotProved,
     Outcome,
-    Proved,
-    Reason,
     all_finite,
     bounds,
+    concluded,
     dot,
     enclose,
     excludes_zero,
@@ -36,7 +33,6 @@ from orbitproof.verify.evidence import (
     is_positive,
     show,
     symmetric,
-    without_result,
 )
 from orbitproof.verify.newton import BoxFunction, ImplicitGraph
 from orbitproof.verify.orbit.following import Distance, OrbitEnclosures
@@ -114,19 +110,7 @@ def prove_orbit(
 
     `checklist` already holds what was established before the integration; the current precision of Arb is used.
     """
-    try:
-        results = check_orbit(checklist, candidate, enclosures)
-    except NotEstablishedError as error:
-        return NotProved(error.reason, tuple(checklist.hypotheses))
-    except ArithmeticError as error:
-        reason = Reason(
-            "results",
-            f"a result could not be evaluated: {without_result(error)}",
-            "more precision",
-            needs_precision=True,
-        )
-        return NotProved(reason, tuple(checklist.hypotheses))
-    return Proved(OrbitTheorem(candidate), results, tuple(checklist.hypotheses))
+    return concluded(OrbitTheorem(candidate), checklist, lambda: check_orbit(checklist, candidate, enclosures))
 
 
 def check_orbit(checklist: Checklist, candidate: Candidate, enclosures: OrbitEnclosures | None) -> OrbitResults:

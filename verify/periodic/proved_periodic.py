@@ -14,12 +14,9 @@ from orbitproof.shared.formats import PeriodicOrbit
 from orbitproof.verify.claim import is_free_of_divergence
 from orbitproof.verify.evidence import (
     Checklist,
-    NotEstablishedError,
-    NotProved,
     Outcome,
-    Proved,
-    Reason,
     all_finite,
+    concluded,
     dot,
     enclose,
     excludes_zero,
@@ -30,7 +27,6 @@ from orbitproof.verify.evidence import (
     meet,
     show,
     symmetric,
-    without_result,
 )
 from orbitproof.verify.newton import is_regular, newton_image
 from orbitproof.verify.periodic.box import (
@@ -96,19 +92,15 @@ def prove_periodic(
 
     `checklist` already holds what was established before the integration; the current precision of Arb is used.
     """
-    try:
+
+    def check() -> PeriodicResults:
         found = _checked(checklist, claim, enclosures)
         where = _check_newton(checklist, claim, found.returns[-1])
         slopes = None if claim.level is None else _check_last(checklist, claim, found.returns[-1])
         _check_least(checklist, claim, found.returns[:-1], where)
-        results = _results(claim, found.returns[-1], where, slopes)
-    except NotEstablishedError as error:
-        return NotProved(error.reason, tuple(checklist.hypotheses))
-    except ArithmeticError as error:
-        message = f"a result could not be evaluated: {without_result(error)}"
-        reason = Reason("results", message, "more precision", needs_precision=True)
-        return NotProved(reason, tuple(checklist.hypotheses))
-    return Proved(PeriodicTheorem(claim), results, tuple(checklist.hypotheses))
+        return _results(claim, found.returns[-1], where, slopes)
+
+    return concluded(PeriodicTheorem(claim), checklist, check)
 
 
 def _checked(checklist: Checklist, claim: PeriodicOrbit, found: PeriodicEnclosures | None) -> PeriodicEnclosures:

@@ -13,15 +13,12 @@ from orbitproof.shared.formats import PERIODIC_FOLD, PERIODIC_PITCHFORK, PERIODI
 from orbitproof.verify.claim import is_free_of_divergence
 from orbitproof.verify.evidence import (
     Checklist,
-    NotEstablishedError,
-    NotProved,
     Outcome,
-    Proved,
     Reason,
+    concluded,
     enclose,
     excludes_zero,
     is_positive,
-    without_result,
 )
 from orbitproof.verify.newton import is_regular
 from orbitproof.verify.periodic import (
@@ -111,9 +108,8 @@ def prove_periodic_bifurcation(
 
     `checklist` already holds what was established before the integration; the current precision of Arb is used.
     """
-    try:
-        if claim.kind == PERIODIC_TORUS:
-            raise NotEstablishedError(Reason("theorem", f"{claim.kind} is about two multipliers", "claim another kind"))
+
+    def check() -> PeriodicBifurcationResults:
         found = check_returns(checklist, claim, enclosures)
         equations = equations_of(claim, found)
         place = check_extended(checklist, claim, equations)
@@ -124,14 +120,12 @@ def prove_periodic_bifurcation(
         is_fixed = check_mirrored(checklist, claim, place) if claim.kind == PERIODIC_PITCHFORK else None
         check_least(checklist, claim, found.earlier, place.where)
         coefficients = _check_side(checklist, claim, equations, place)
-        results = _results(claim, found, equations, place, coefficients, is_fixed)
-    except NotEstablishedError as error:
-        return NotProved(error.reason, tuple(checklist.hypotheses))
-    except ArithmeticError as error:
-        message = f"a result could not be evaluated: {without_result(error)}"
-        reason = Reason("results", message, "more precision", needs_precision=True)
-        return NotProved(reason, tuple(checklist.hypotheses))
-    return Proved(PeriodicBifurcationTheorem(claim), results, tuple(checklist.hypotheses))
+        return _results(claim, found, equations, place, coefficients, is_fixed)
+
+    theorem: PeriodicBifurcationTheorem | Reason = PeriodicBifurcationTheorem(claim)
+    if claim.kind == PERIODIC_TORUS:
+        theorem = Reason("theorem", f"{claim.kind} is about two multipliers", "claim another kind")
+    return concluded(theorem, checklist, check)
 
 
 def _check_curve(checklist: Checklist, claim: PeriodicBifurcation, equations: PointEquations) -> None:

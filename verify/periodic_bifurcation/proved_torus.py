@@ -13,16 +13,13 @@ from orbitproof.shared.claims.fields import Title
 from orbitproof.shared.formats import PERIODIC_TORUS, PeriodicBifurcation
 from orbitproof.verify.evidence import (
     Checklist,
-    NotEstablishedError,
-    NotProved,
     Outcome,
-    Proved,
     Reason,
+    concluded,
     enclose,
     excludes_zero,
     is_positive,
     show,
-    without_result,
 )
 from orbitproof.verify.periodic import Multipliers, check_coordinates, check_transversal, multipliers_of, state_on_box
 from orbitproof.verify.periodic_bifurcation.enclosures import BifurcationEnclosures
@@ -96,9 +93,8 @@ def prove_torus(
 
     `checklist` already holds what was established before the integration; the current precision of Arb is used.
     """
-    try:
-        if claim.kind != PERIODIC_TORUS:
-            raise NotEstablishedError(Reason("theorem", f"{claim.kind} is about no torus", "claim a torus"))
+
+    def check() -> TorusResults:
         found = check_returns(checklist, claim, enclosures)
         equations = equations_of(claim, found)
         place = check_torus_point(checklist, claim, equations)
@@ -107,14 +103,12 @@ def prove_torus(
         check_least(checklist, claim, found.earlier, place.where)
         derivatives = [function.derivatives(place.where) for function in equations.returns]
         coefficients = _check_coefficients(checklist, derivatives, place)
-        results = _results(claim, found, place, others, coefficients)
-    except NotEstablishedError as error:
-        return NotProved(error.reason, tuple(checklist.hypotheses))
-    except ArithmeticError as error:
-        message = f"a result could not be evaluated: {without_result(error)}"
-        reason = Reason("results", message, "more precision", needs_precision=True)
-        return NotProved(reason, tuple(checklist.hypotheses))
-    return Proved(TorusTheorem(claim), results, tuple(checklist.hypotheses))
+        return _results(claim, found, place, others, coefficients)
+
+    theorem: TorusTheorem | Reason = TorusTheorem(claim)
+    if claim.kind != PERIODIC_TORUS:
+        theorem = Reason("theorem", f"{claim.kind} is about no torus", "claim a torus")
+    return concluded(theorem, checklist, check)
 
 
 def _check_resonances(checklist: Checklist, place: TorusPlace) -> None:

@@ -24,18 +24,16 @@ from orbitproof.verify.evidence import (
     Checklist,
     DerivativeTable,
     NotEstablishedError,
-    NotProved,
     Outcome,
-    Proved,
     Reason,
     all_finite,
+    concluded,
     dot,
     enclose,
     excludes_zero,
     indices_up_to,
     is_positive,
     symmetric,
-    without_result,
 )
 from orbitproof.verify.newton import BoxFunction, enclose_zero, is_regular
 from orbitproof.verify.poincare import check_half_orbit
@@ -116,10 +114,8 @@ def prove_breaking(
 
     `checklist` already holds what was established before the integration; the current precision of Arb is used.
     """
-    theorem = theorem_of(candidate)
-    if isinstance(theorem, Reason):
-        return NotProved(theorem, tuple(checklist.hypotheses))
-    try:
+
+    def check() -> BreakingResults:
         found = check_half_return(checklist, candidate, enclosures)
         check_half_orbit(checklist, found.iterates[:-1])
         if candidate.uses_level:
@@ -129,14 +125,9 @@ def prove_breaking(
         _check_kernel(checklist, candidate, equations)
         where = _check_point(checklist, candidate, equations)
         coefficients = _check_side(checklist, equations, where)
-        results = _results(candidate, found, equations, where, coefficients)
-    except NotEstablishedError as error:
-        return NotProved(error.reason, tuple(checklist.hypotheses))
-    except ArithmeticError as error:
-        message = f"a result could not be evaluated: {without_result(error)}"
-        reason = Reason("results", message, "more precision", needs_precision=True)
-        return NotProved(reason, tuple(checklist.hypotheses))
-    return Proved(theorem, results, tuple(checklist.hypotheses))
+        return _results(candidate, found, equations, where, coefficients)
+
+    return concluded(theorem_of(candidate), checklist, check)
 
 
 def _power(candidate: Candidate) -> str:

@@ -12,16 +12,13 @@ from orbitproof.shared.formats import INVARIANT_TORI, Candidate
 from orbitproof.shared.stored import rules
 from orbitproof.verify.evidence import (
     Checklist,
-    NotEstablishedError,
-    NotProved,
     Outcome,
-    Proved,
     Reason,
     all_finite,
+    concluded,
     excludes_zero,
     is_positive,
     show,
-    without_result,
 )
 from orbitproof.verify.newton import Jet
 from orbitproof.verify.orbit import OrbitResults, OrbitTheorem, check_orbit, full_return_jets, half_return_jets
@@ -83,10 +80,8 @@ def prove_tori(candidate: Candidate, checklist: Checklist, enclosures: ToriEnclo
 
     `checklist` already holds what was established before the integration; the current precision of Arb is used.
     """
-    try:
-        theorem = theorem_of_tori(candidate)
-        if isinstance(theorem, Reason):
-            raise NotEstablishedError(theorem)
+
+    def check() -> ToriResults:
         orbit = check_orbit(checklist, candidate, enclosures)
         assert enclosures is not None
         jets = _check_full_return(checklist, candidate, enclosures)
@@ -95,14 +90,9 @@ def prove_tori(candidate: Candidate, checklist: Checklist, enclosures: ToriEnclo
         tau, determinant = _check_torsion(checklist, jets, point)
         known = {each.name: getattr(orbit, each.name) for each in fields(OrbitResults)}
         angles = [s.acos() / (2 * arb.pi()) for s in point.cosines]
-        results = ToriResults(**known, rotation_numbers=tuple(angles), torsion=tau, torsion_determinant=determinant)
-    except NotEstablishedError as error:
-        return NotProved(error.reason, tuple(checklist.hypotheses))
-    except ArithmeticError as error:
-        message = f"a result could not be evaluated: {without_result(error)}"
-        reason = Reason("results", message, "more precision", needs_precision=True)
-        return NotProved(reason, tuple(checklist.hypotheses))
-    return Proved(theorem, results, tuple(checklist.hypotheses))
+        return ToriResults(**known, rotation_numbers=tuple(angles), torsion=tau, torsion_determinant=determinant)
+
+    return concluded(theorem_of_tori(candidate), checklist, check)
 
 
 def _check_full_return(checklist: Checklist, candidate: Candidate, found: ToriEnclosures) -> tuple[Jet, ...]:

@@ -11,19 +11,16 @@ from orbitproof.shared.formats import Candidate
 from orbitproof.verify.bifurcation import check_exactly
 from orbitproof.verify.evidence import (
     Checklist,
-    NotEstablishedError,
-    NotProved,
     Outcome,
-    Proved,
     Reason,
     all_finite,
+    concluded,
     dot,
     enclose,
     excludes_zero,
     is_positive,
     show,
     sign,
-    without_result,
 )
 from orbitproof.verify.newton import Jet
 from orbitproof.verify.orbit import (
@@ -104,7 +101,8 @@ def prove_stable_orbit(
 
     `checklist` already holds what was established before the integration; the current precision of Arb is used.
     """
-    try:
+
+    def check() -> StableOrbitResults:
         orbit = check_orbit(checklist, claim, enclosures)
         assert enclosures is not None
         functions = _check_return(checklist, claim, enclosures)
@@ -112,7 +110,7 @@ def prove_stable_orbit(
         _check_resonances(checklist, rotation)
         place, area = _own_area(claim, enclosures)
         found = _check_twist(checklist, claim, functions, rotation, area)
-        results = StableOrbitResults(
+        return StableOrbitResults(
             **{each.name: getattr(orbit, each.name) for each in fields(OrbitResults)},
             rotation_number=rotation.cosine.acos() / (2 * arb.pi()),
             twist_coordinate=place,
@@ -120,13 +118,8 @@ def prove_stable_orbit(
             twist=found.twist,
             defect=found.defect,
         )
-    except NotEstablishedError as error:
-        return NotProved(error.reason, tuple(checklist.hypotheses))
-    except ArithmeticError as error:
-        message = f"a result could not be evaluated: {without_result(error)}"
-        reason = Reason("results", message, "more precision", needs_precision=True)
-        return NotProved(reason, tuple(checklist.hypotheses))
-    return Proved(StableOrbitTheorem(claim), results, tuple(checklist.hypotheses))
+
+    return concluded(StableOrbitTheorem(claim), checklist, check)
 
 
 def _check_return(checklist: Checklist, claim: Candidate, found: StableOrbitEnclosures) -> tuple[Jet, ...]:
