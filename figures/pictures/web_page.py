@@ -37,6 +37,9 @@ from orbitproof.verify.web import IndexOnArc
 ORBITS, PLACES, LINE = 28, 84, 40
 """Orbits of an arc, points of each, and points of a line of the diagram, at most."""
 
+SAME, LEVEL_DIGITS = 1e-6, 12
+"""Places of a vertex that are as close as this in x are one; digits of its level."""
+
 _SAID = {"vertical": "vertical, symmetric under R and under the half turn"}
 """Where the legend of the picture is too short."""
 
@@ -44,16 +47,17 @@ _SAID = {"vertical": "vertical, symmetric under R and under the half turn"}
 def page_of(web: WebCertificate, curves: Mapping[str, Curve]) -> str:
     """The page of a proved web, from the certificates of its arcs. Raises `InputError`."""
     drawn = drawn_arcs(web, curves)
+    order = [vertex.id for vertex in web.vertices]
     arcs = [
-        {**_arc(known, arc, curves[known.id]), "beside": beside}
+        {
+            **_arc(known, arc, curves[known.id]),
+            "meets": [[meeting.how, order.index(meeting.vertex)] for meeting in known.meets],
+            "beside": beside,
+        }
         for known, arc, beside in zip(web.arcs, drawn, _beside(web), strict=True)
     ]
-    vertices = {
-        vertex.id: {"id": vertex.id, "kind": vertex.kind.replace("_", " "), "level": level, "x": x}
-        for arc in drawn for vertex, level, x in arc.marks
-    }  # fmt: skip
     mu = float(next(iter(curves.values())).parameters["mu"])
-    data = {"arcs": arcs, "vertices": list(vertices.values()), "bodies": [-mu, 1 - mu]}
+    data = {"arcs": arcs, "vertices": _vertices(web, drawn), "bodies": [-mu, 1 - mu]}
     theorem = "".join(f"<p>{escape(line)}</p>" for line in (web.theorem or "").split("\n"))
     # "</" would end the script.
     text = json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
@@ -65,6 +69,23 @@ def page_of(web: WebCertificate, curves: Mapping[str, Curve]) -> str:
     for name, part in parts.items():
         page = page.replace(f"@{name}@", part)
     return page
+
+
+def _vertices(web: WebCertificate, drawn: Sequence[DrawnArc]) -> list[dict[str, Any]]:
+    """The vertices, each with all places at which arcs meet it: arcs may start at different points of its orbit."""
+    places: dict[str, list[list[float]]] = {vertex.id: [] for vertex in web.vertices}
+    for vertex, level, x in (mark for arc in drawn for mark in arc.marks):
+        if all(abs(x - other) > SAME for _, other in places[vertex.id]):
+            places[vertex.id].append([_short(level, 8), _short(x, 8)])
+    return [
+        {
+            "name": shown(vertex.id),
+            "kind": vertex.kind.replace("_", " ") + (f" of order {vertex.k}" if vertex.k > 1 else ""),
+            "level": range_text(vertex.level, LEVEL_DIGITS),
+            "places": sorted(places[vertex.id], key=lambda place: place[1]),
+        }
+        for vertex in web.vertices
+    ]
 
 
 def _beside(web: WebCertificate) -> list[list[int]]:
@@ -92,7 +113,6 @@ def _arc(known: StoredArc, arc: DrawnArc, curve: Curve) -> dict[str, Any]:
         "level": "not known" if known.level is None else range_text(known.level, 5),
         "period": "not known" if known.period is None else range_text(known.period, 5),
         "list": _list_in_words(known, arc.kind, curve.atlas.system),
-        "meets": [f"{meeting.how} {shown(meeting.vertex)}" for meeting in known.meets],
         "line": [point for line in arc.lines for point in _thinned(line)],
         "stable": [_thinned(line) for line in arc.stable],
         "orbits": found,

@@ -18,6 +18,7 @@ canvas { width: 100%; aspect-ratio: 4 / 3; border: 1px solid #ccc; touch-action:
 button { font: inherit; margin: 0 .4rem .4rem 0; padding: .1rem .5rem; border: 2px solid; border-radius: .4rem; }
 button { background: none; color: inherit; overflow-wrap: anywhere; }
 button[aria-pressed="true"] { font-weight: bold; background: #eee; }
+#meets button { border-color: #999; border-style: dotted; }
 .along { display: flex; align-items: center; } .along button { border-color: #999; white-space: nowrap; }
 input[type="range"] { flex: 1; min-width: 0; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 0 .8rem; margin: .5rem 0; }
@@ -30,13 +31,15 @@ dd { margin: 0; } .small { color: #666; font-size: .85rem; } summary { cursor: p
 <div id="arcs"></div>
 <div class="panels">
 <div><canvas id="diagram"></canvas><p class="small">Jacobi constant to the right, x where orbits start upwards; vertices
-filled, libration points as diamonds@STABLE@. Click an arc.
+filled, libration points as diamonds@STABLE@. A vertex at which arcs start at different points of its orbit is drawn at
+each, joined by a dotted line. Click an arc, or a vertex for its name.
 <label><input id="whole" type="checkbox"> all arcs</label></p></div>
 <div><canvas id="space"></canvas><p class="small">The orbit in space; drag to turn it. Dots: the two primaries, if near.
 </p></div>
 </div>
 <div class="along"><button id="move" type="button" aria-pressed="false">move along</button>
 <input id="along" type="range" min="0" value="0" aria-label="along the arc"></div>
+<div id="meets"></div>
 <dl id="facts"></dl>
 <p class="small">Ranges of level and period, meetings, indices and the theorem are those that certificates say are
 proved.
@@ -49,6 +52,8 @@ const data = JSON.parse(document.getElementById("data").textContent);
 const byId = name => document.getElementById(name);
 const diagram = byId("diagram"), space = byId("space"), along = byId("along");
 let chosen = 0, turn = [-0.7, 0.5];
+// The vertex that is asked for, and the one under the pointer.
+let picked = null, pointed = null;
 let span, rise;
 function frame() {
   const arcs = byId("whole").checked ? data.arcs : data.arcs[chosen].beside.map(number => data.arcs[number]);
@@ -98,19 +103,47 @@ function drawDiagram() {
     arc.stable.forEach(part => stroke(part, arc.colour + "40", 10));
     stroke(arc.line, arc.colour, number === chosen ? 4 : 1.6);
   });
-  for (const vertex of data.vertices) {
-    const [u, v] = place(vertex.level, vertex.x, width, height);
-    pen.fillStyle = "#222"; pen.beginPath();
-    if (vertex.kind === "libration point") {
-      pen.moveTo(u, v - 6); pen.lineTo(u + 5, v); pen.lineTo(u, v + 6); pen.lineTo(u - 5, v); pen.fill();
-      pen.fillText(vertex.id, u - 22, v - 4);
-    } else { pen.arc(u, v, 4, 0, 7); pen.fill(); }
-  }
+  data.vertices.forEach((vertex, number) => {
+    const places = vertex.places.map(([level, x]) => place(level, x, width, height)), noted = number === named();
+    pen.fillStyle = pen.strokeStyle = "#222"; pen.lineWidth = noted ? 2 : 1;
+    pen.setLineDash([2, 4]); pen.beginPath();
+    places.forEach((at, i) => pen[i ? "lineTo" : "moveTo"](...at));
+    pen.stroke(); pen.setLineDash([]);
+    for (const [u, v] of places) {
+      pen.beginPath();
+      if (vertex.kind === "libration point") {
+        pen.moveTo(u, v - 6); pen.lineTo(u + 5, v); pen.lineTo(u, v + 6); pen.lineTo(u - 5, v); pen.fill();
+        pen.fillText(vertex.name, u - 22, v - 4);
+      } else { pen.arc(u, v, noted ? 6 : 4, 0, 7); pen.fill(); }
+    }
+  });
   const orbit = current();
   if (orbit) {
     const [u, v] = place(orbit.c, orbit.x, width, height);
     pen.strokeStyle = "#222"; pen.lineWidth = 2; pen.beginPath(); pen.arc(u, v, 7, 0, 7); pen.stroke();
   }
+  if (named() !== null) label(pen, data.vertices[named()], width, height);
+}
+function label(pen, vertex, width, height) {
+  const size = pen.measureText(vertex.name).width;
+  let last = Infinity;
+  for (const [level, x] of vertex.places) {
+    const [u, v] = place(level, x, width, height);
+    if (u < 0 || u > width || v < 0 || v > height || last - v < 18) continue;
+    const left = u + 10 + size < width ? u + 10 : Math.max(2, u - 10 - size), line = Math.max(12, v - 6);
+    pen.strokeStyle = "#fff"; pen.lineWidth = 4; pen.lineJoin = "round"; pen.strokeText(vertex.name, left, line);
+    pen.fillStyle = "#222"; pen.fillText(vertex.name, left, line);
+    last = v;
+  }
+}
+function named() { return pointed === null ? picked : pointed; }
+function vertexAt(event) {
+  const far = vertex => Math.min(...vertex.places.map(([level, x]) => {
+    const [u, v] = place(level, x, diagram.clientWidth, diagram.clientHeight);
+    return Math.hypot(u - event.offsetX, v - event.offsetY);
+  }));
+  const distances = data.vertices.map(far), nearest = Math.min(...distances);
+  return nearest < 9 ? distances.indexOf(nearest) : null;
 }
 function current() { return data.arcs[chosen].orbits[+along.value]; }
 function drawSpace() {
@@ -150,18 +183,27 @@ function drawSpace() {
 function tell() {
   const arc = data.arcs[chosen], orbit = current(), list = byId("facts");
   const stable = !orbit ? "" : orbit.m < 1.001 ? "linearly stable, as computed" : "largest multiplier about " + orbit.m;
-  const facts = [["arc", arc.name + ": " + arc.words], ["meets", arc.meets.join("; ") || "no vertex"],
+  const vertex = picked === null ? null : data.vertices[picked];
+  const through = data.arcs.filter(each => each.meets.some(([, number]) => number === picked)).map(each => each.name);
+  const facts = [["arc", arc.name + ": " + arc.words + (arc.meets.length ? "" : "; meets no vertex")],
     ["Jacobi constant", "all in " + arc.level + (orbit ? "; this orbit about " + orbit.c : "")],
     ["period", "all in " + arc.period + (orbit ? "; this orbit about " + orbit.t : "")],
     ["stability", [stable, arc.list].filter(Boolean).join("; ")],
     ["index", orbit && orbit.i !== null ? "Conley-Zehnder index of orbits about here " + orbit.i : "not counted here"]];
+  if (vertex) facts.push(["vertex", vertex.name + ": " + vertex.kind + ", Jacobi constant in " + vertex.level
+    + "; met by " + through.join(", ")]);
   list.replaceChildren(...facts.flatMap(([name, text]) => ["dt", "dd"].map((kind, i) => {
     const element = document.createElement(kind);
     element.textContent = i ? text : name;
     return element;
   })));
 }
-function draw() { frame(); drawDiagram(); drawSpace(); tell(); }
+function draw() {
+  frame(); drawDiagram(); drawSpace(); tell();
+  const meets = data.arcs[chosen].meets;
+  [...byId("meets").children].forEach((button, i) => button.setAttribute("aria-pressed", meets[i][1] === picked));
+}
+function pick(number) { picked = number === picked ? null : number; draw(); }
 let moving = 0;
 function move(starts) {
   clearInterval(moving); moving = 0;
@@ -179,6 +221,11 @@ function choose(number) {
   chosen = number; along.max = Math.max(0, data.arcs[number].orbits.length - 1);
   along.value = Math.floor(along.max / 2);
   [...byId("arcs").children].forEach((button, i) => button.setAttribute("aria-pressed", i === number));
+  byId("meets").replaceChildren(...data.arcs[number].meets.map(([how, vertex]) => {
+    const button = document.createElement("button");
+    button.textContent = how + " " + data.vertices[vertex].name; button.onclick = () => pick(vertex);
+    return button;
+  }));
   history.replaceState(null, "", "#" + encodeURIComponent(data.arcs[number].id));
   draw();
 }
@@ -189,7 +236,15 @@ data.arcs.forEach((arc, number) => {
 });
 along.oninput = () => { move(false); draw(); };
 byId("whole").onchange = draw;
+diagram.onpointermove = event => {
+  const before = pointed;
+  pointed = event.pointerType === "mouse" ? vertexAt(event) : null;
+  if (pointed !== before) drawDiagram();
+};
+diagram.onpointerleave = () => { pointed = null; drawDiagram(); };
 diagram.onclick = event => {
+  const vertex = vertexAt(event);
+  if (vertex !== null) { pick(vertex); return; }
   const [width, height] = [diagram.clientWidth, diagram.clientHeight];
   const far = arc => Math.min(...arc.line.map(p => {
     const [u, v] = place(p[0], p[1], width, height);

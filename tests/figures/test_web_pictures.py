@@ -114,14 +114,28 @@ def test_the_page_has_arcs_with_orbits_vertices_and_the_theorem(monkeypatch: pyt
     data = json.loads(page.partition('type="application/json">')[2].partition("</script>")[0])
     (arc,) = data["arcs"]
     assert arc["beside"] == [0]
-    assert arc["meets"] == ["branches off at one", "passes through inside"]
-    assert {vertex["id"] for vertex in data["vertices"]} == {"one", "inside"}
+    assert arc["meets"] == [["branches off at", 0], ["passes through", 1]]
+    one, inside = data["vertices"]
+    assert [one["name"], inside["name"]] == ["one", "inside"]
+    for vertex, angle in ((one, 0.0), (inside, 0.7)):
+        assert vertex["places"] == [[pytest.approx(level(angle), abs=1e-6), pytest.approx(math.cos(angle), abs=1e-6)]]
     for orbit in arc["orbits"]:
         places = np.reshape(orbit["p"], (-1, 3))
         assert np.abs(places[0] - places[-1]).max() < 1e-5
         assert abs(places[0][0] - orbit["x"]) < 1e-5
         assert orbit["m"] >= 1 - 1e-6
         assert orbit["t"] > 0
+
+
+def test_a_vertex_has_each_place_at_which_arcs_meet_it() -> None:
+    known, curve = web()
+    (arc,) = drawn_arcs(known, {"circle": Curve.of(curve)})
+    first, (vertex, c, x) = arc.marks
+    # Another arc meets it at the other point of its orbit, and a third one where the first does, as computed.
+    others = (replace(arc, marks=((vertex, c, at),)) for at in (x - 0.5, x + 1e-9))
+    one, inside = web_page._vertices(known, (arc, *others))
+    assert [place[1] for place in one["places"]] == [pytest.approx(first[2])]
+    assert [place[1] for place in inside["places"]] == [pytest.approx(x - 0.5), pytest.approx(x)]
 
 
 @pytest.mark.parametrize("around", ["planar", "vertical"])
