@@ -15,12 +15,14 @@ from support import atlas_work
 from support.atlas_runs import CURVE, go
 from support.chain_cases import certificate, symmetric_arc
 from support.claims import known
+from support.conclusions import conclude, with_complete_list
 from support.forgeries import atlas_certificate, forged, honest, of_parabola
 from support.stability_cases import results as stability_results
 from support.stored import value_of, values
 
 from orbitproof.shared import InputError, parse_exact
 from orbitproof.shared.claims import Atlas
+from orbitproof.shared.formats import read_atlas
 from orbitproof.verify.atlas import (
     AtlasCertificate,
     Means,
@@ -117,6 +119,27 @@ def test_the_order_of_a_list_is_one_from_1_to_99(order: Any) -> None:
     assert [order_of({"conclusion": {"complete": {"order": number}}}) for number in (1, 99)] == [1, 99]
     with pytest.raises(ValueError, match="1 to 99"):
         order_of({"conclusion": {"complete": {"order": order}}})
+
+
+@pytest.mark.parametrize(("order", "stands"), [(24, True), (99, False)])
+def test_a_list_is_taken_for_a_longer_one_only_where_what_is_stored_shows_that(order: int, stands: bool) -> None:
+    """The planar Lyapunov orbits meet no resonance of the orders 13 to 24, and some of those up to 99."""
+    atlas, found = read_atlas(DATA / "atlas-lyapunov.json"), json.loads((DATA / "stability-lyapunov.json").read_text())
+    assert isinstance(atlas, Atlas)
+    curve = conclude(atlas, values(found))
+    short, true = (
+        make_atlas_certificate(atlas, values(found), with_complete_list(atlas, found, curve, number))
+        for number in (12, order)
+    )
+    changed = forged(short, lambda d: d["conclusion"]["complete"].update(order=order))
+    check = checked(changed)
+    assert check.stands == stands
+    # Its old words are about the shorter list; those that are printed are the words of the one that is shown.
+    assert check.rendered is not None
+    assert check.rendered["statement"]["theorem"] == true["statement"]["theorem"]
+    assert f"k at most {order}" in true["statement"]["theorem"]
+    assert (changed["conclusion"]["complete"] == true["conclusion"]["complete"]) == stands
+    assert not checked({**changed, "digest": short["digest"]}).stands
 
 
 # Its integration
