@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from orbitproof.shared.errors import LONGEST_QUOTED, InputError, short
+from orbitproof.shared.formats.fits import Test, compiled
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import (
     ID,
@@ -46,10 +47,21 @@ def validator(name: str) -> Draft202012Validator:
     from jsonschema.validators import extend
 
     checker = Draft202012Validator.TYPE_CHECKER.redefine("integer", lambda _, value: type(value) is int)
-    text = resources.files("orbitproof.shared").joinpath("schemas", f"{name}.schema.json").read_text("utf-8")
     strict: type[Draft202012Validator] = extend(Draft202012Validator, {"anyOf": _any_of}, type_checker=checker)
+    return strict(_schema(name))
+
+
+@cache
+def _fits(name: str) -> Test:
+    """Whether a document fits the schema `name`: what `validator` finds nothing wrong with."""
+    return compiled(_schema(name))
+
+
+@cache
+def _schema(name: str) -> Any:
+    text = resources.files("orbitproof.shared").joinpath("schemas", f"{name}.schema.json").read_text("utf-8")
     schema = json.loads(text)
-    return strict(_with_definitions(schema, schema.get("$defs", {})))
+    return _with_definitions(schema, schema.get("$defs", {}))
 
 
 def _with_definitions(part: Any, definitions: Mapping[str, Any]) -> Any:
@@ -234,6 +246,8 @@ def validate_document(document: object, name: str, source: str) -> None:
 
     It is the best of the first ones.
     """
+    if _fits(name)(document):
+        return
     from jsonschema.exceptions import best_match
 
     error = best_match(islice(validator(name).iter_errors(document), _MOST_ERRORS))
