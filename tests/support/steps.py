@@ -8,6 +8,7 @@ from typing import Any
 from unittest import mock
 
 from flint import arb
+from support.once import exact
 
 from orbitproof.verify.second_proof import crossing, flow, full_return, halves, legs, newton, periodic
 from orbitproof.verify.second_proof.jets import Jet
@@ -19,8 +20,8 @@ def made_once() -> Iterator[None]:
     make, made = flow.take_step, dict[Any, Any]()
 
     def step(field: Any, state: Sequence[Jet], guess: arb, bits: int) -> Any:
-        jets = tuple((jet.degree, *((a, *_exact(c)) for a, c in jet.items())) for jet in state)
-        key = repr(field), jets, _exact(guess), bits
+        jets = tuple((jet.degree, *((a, *exact(c)) for a, c in jet.items())) for jet in state)
+        key = repr(field), jets, exact(guess), bits
         if key not in made:
             made[key] = make(field, state, guess, bits)
         return made[key]
@@ -40,8 +41,3 @@ def few_bits(known: int = 56) -> Iterator[None]:
     discs = mock.patch.multiple(flow, SECTORS=8, STAGES=24, LEAST_STAGES=6)
     with mock.patch.object(newton, "KNOWN", known), mock.patch.object(periodic, "KNOWN", known), discs:
         yield
-
-
-def _exact(ball: arb) -> tuple[Any, ...]:
-    """What tells a finite ball from all others; a text for one that is not finite."""
-    return (*ball.mid().man_exp(), *ball.rad().man_exp()) if ball.is_finite() else (repr(ball),)

@@ -13,6 +13,7 @@ import mpmath
 import pytest
 from flint import arb, ctx
 from support.curve_cases import proof, refusal
+from support.once import once
 from support.stored import values
 
 from orbitproof.shared.claims.web import Meeting, Web, WebArc
@@ -42,6 +43,7 @@ from orbitproof.verify.words import conclusion_in_words, web_in_words
 DATA = Path(__file__).resolve().parents[1] / "data"
 ATLAS = read_atlas(DATA / "atlas-axial-family.json")
 assert isinstance(ATLAS, Atlas)
+FOLLOW, PARTNER = once(follow), once(partner)
 RESULTS = tuple(values(json.loads((DATA / "results-axial-family.json").read_text())))
 (BIRTH,) = ATLAS.birth_pieces()
 SIGNS = (1, 1, -1, 1, 1, -1)
@@ -76,9 +78,9 @@ VERTICAL = CertifiedPoint(
 
 
 def concluded(
-    *points: CertifiedPoint, atlas: Atlas = ATLAS, results: tuple[IntervalResult, ...] = RESULTS, watch: Any = follow
+    *points: CertifiedPoint, atlas: Atlas = ATLAS, results: tuple[IntervalResult, ...] = RESULTS, watch: Any = FOLLOW
 ) -> Conclusion[ProvedCurve]:
-    return conclude(atlas, results, points, partner, watch)
+    return conclude(atlas, results, points, PARTNER, watch)
 
 
 def changed(**changes: Any) -> Atlas:
@@ -158,7 +160,7 @@ def test_the_mirror_image_of_a_vertical_orbit_is_the_same_one() -> None:
 
 def test_a_birth_whose_variation_is_not_shown_to_vanish_first_is_not_placed() -> None:
     def late(system: Any, parameters: Any, point: Any, crossings: int) -> Any:
-        found = follow(system, parameters, point, crossings)
+        found = FOLLOW(system, parameters, point, crossings)
         is_planar = system is LIFTED and point["eps2"] == 0
         return [Crossing(each.state, each.time + 1) for each in found or ()] if is_planar else found
 
@@ -184,7 +186,7 @@ def test_a_curve_that_does_not_reach_the_piece_of_its_birth_is_refused() -> None
 
 def test_a_second_crossing_at_another_time_is_refused() -> None:
     def late(system: Any, parameters: Any, point: Any, crossings: int) -> Any:
-        found = follow(system, parameters, point, crossings)
+        found = FOLLOW(system, parameters, point, crossings)
         return found if crossings < 2 or found is None else [found[0], Crossing(found[1].state, found[1].time + 1)]
 
     assert "not shown to be on the axis again" in refusal(concluded(watch=late))

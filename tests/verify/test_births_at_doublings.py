@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from flint import arb, ctx
 from support.curve_cases import proof, refusal
+from support.once import once
 from support.stored import values
 
 from orbitproof.shared.claims.web import Meeting, Web, WebArc
@@ -38,6 +39,7 @@ from orbitproof.verify.words import conclusion_in_words, web_in_words
 DATA = Path(__file__).resolve().parents[1] / "data"
 ATLAS = read_atlas(DATA / "atlas-butterfly.json")
 assert isinstance(ATLAS, Atlas)
+FOLLOW, PARTNER = once(follow), once(partner)
 RESULTS = tuple(values(json.loads((DATA / "results-butterfly.json").read_text())))
 (BIRTH,) = ATLAS.birth_pieces()
 WHOLE = (Fraction(-1), Fraction(1))
@@ -62,9 +64,9 @@ DOUBLING = CertifiedPoint(
 
 
 def concluded(
-    *points: CertifiedPoint, atlas: Atlas = ATLAS, results: tuple[IntervalResult, ...] = RESULTS, watch: Any = follow
+    *points: CertifiedPoint, atlas: Atlas = ATLAS, results: tuple[IntervalResult, ...] = RESULTS, watch: Any = FOLLOW
 ) -> Conclusion[ProvedCurve]:
-    return conclude(atlas, results, points, partner, watch)
+    return conclude(atlas, results, points, PARTNER, watch)
 
 
 def changed(**changes: Any) -> Atlas:
@@ -108,7 +110,7 @@ def test_a_doubling_in_another_direction_is_not_its_birth() -> None:
     """The orbit is the same one, but its new orbits leave it differently."""
 
     def turned(system: Any, parameters: Any, point: Any, crossings: int) -> Any:
-        found = follow(system, parameters, point, crossings)
+        found = FOLLOW(system, parameters, point, crossings)
         if system is not HILL_VARIED or found is None:
             return found
         return [Crossing({**each.state, "dvzeta": each.state["dvzeta"] * 1.001}, each.time) for each in found]
