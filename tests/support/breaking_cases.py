@@ -45,13 +45,12 @@ def level_of(odd: bool, a: Fraction = A) -> Fraction:
         number = mpmath.mpf(a.numerator) / a.denominator
 
         def singular(q: Any) -> Any:
-            matrix = mpmath.zeros(16)
+            """The determinant of the matrix with these entries on its diagonal and q beside it."""
+            before, found = 0, mpmath.mpf(1)
             for k in range(16):
-                matrix[k, k] = (2 * k + 1) ** 2 - number - 2 * q
-                if k:
-                    matrix[k, k - 1] = matrix[k - 1, k] = q
-            matrix[0, 0] += -q if odd else q
-            return mpmath.det(matrix)
+                entry = (2 * k + 1) ** 2 - number - 2 * q + (0 if k else -q if odd else q)
+                before, found = found, entry * found - q * q * before
+            return found
 
         h = 4 * mpmath.findroot(singular, (1 - number) / (3 if odd else 1))
         return Fraction(int(mpmath.nint(h * mpmath.mpf(2) ** 200)), 2**200)

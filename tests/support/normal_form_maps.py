@@ -251,16 +251,22 @@ def _near_inverse(bent: Sequence[Polynomial]) -> list[Polynomial]:
 
 def _composed(outer: Sequence[Polynomial], inner: Sequence[Polynomial]) -> list[Polynomial]:
     size = len(inner) - 1
+    products = {(0,) * (size + 1): _constant(size, Fraction(1))}
+
+    def product(powers: Exponents) -> Polynomial:
+        if powers not in products:
+            place = next(place for place, power in enumerate(powers) if power)
+            fewer = tuple(power - (i == place) for i, power in enumerate(powers))
+            products[powers] = _times(product(fewer), inner[place])
+        return products[powers]
+
     result = []
     for each in outer:
-        value: Polynomial = {}
-        for index, factor in each.items():
-            term = _constant(size, factor)
-            for polynomial, power in zip(inner, index, strict=True):
-                for _ in range(power):
-                    term = _times(term, polynomial)
-            value = _plus(value, term)
-        result.append(value)
+        value: dict[Exponents, Fraction] = {}
+        for powers, factor in each.items():
+            for index, term in product(powers).items():
+                value[index] = value.get(index, Fraction(0)) + factor * term
+        result.append({index: term for index, term in value.items() if term})
     return result
 
 
