@@ -26,14 +26,17 @@ _FRACTION = re.compile(r"-?[0-9]{1,4000}/0*[1-9][0-9]{0,3999}\Z")
 _DECIMAL = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]{1,5})?\Z")
 
 
+def dyadic(mantissa: int, exponent: int) -> Fraction:
+    """The mantissa times a power of 2."""
+    return Fraction(mantissa << exponent) if exponent >= 0 else Fraction(mantissa, 1 << -exponent)
+
+
 def parse_exact(text: str) -> Fraction:
     """The exact rational value of a number string. Raises `ValueError` for anything else."""
     match = _HEX.match(text)
     if match:
         sign, mantissa, exponent = match.groups()
-        value = Fraction(int(mantissa, 16))
-        power = int(exponent or 0)
-        value *= Fraction(2) ** power
+        value = dyadic(int(mantissa, 16), int(exponent or 0))
         return -value if sign else value
     if _DECIMAL.match(text) or _FRACTION.match(text):
         return Fraction(text)

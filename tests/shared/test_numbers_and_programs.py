@@ -25,7 +25,7 @@ from orbitproof.shared.formats import (
     write_candidates,
 )
 from orbitproof.shared.formats.documents import validator
-from orbitproof.shared.numbers import NUMBER, RATIONAL, format_dyadic, format_rational, round_dyadic
+from orbitproof.shared.numbers import NUMBER, RATIONAL, dyadic, format_dyadic, format_rational, round_dyadic
 from orbitproof.shared.systems import (
     CR3BP,
     DescriptionError,
@@ -57,6 +57,11 @@ def test_nothing_stands_before_or_after_a_number(number: str, more: str) -> None
     for text in texts:
         with pytest.raises(ValueError, match="not an exact number"):
             parse_exact(text)
+
+
+@given(st.integers(-(2**70), 2**70), st.integers(-2000, 2000))
+def test_a_mantissa_and_an_exponent_are_a_dyadic_number(mantissa: int, exponent: int) -> None:
+    assert dyadic(mantissa, exponent) == mantissa * Fraction(2) ** exponent
 
 
 @given(st.integers(-(2**80), 2**80), st.integers(0, 40), st.integers(0, 40), st.integers(-60, 60))

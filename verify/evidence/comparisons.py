@@ -13,6 +13,8 @@ from fractions import Fraction
 
 from flint import arb, arb_poly, fmpq
 
+from orbitproof.shared.numbers import dyadic
+
 
 class EmptyIntersectionError(ArithmeticError):
     """Two enclosures of one number are disjoint: one of them cannot be right, so nothing is proved."""
@@ -26,7 +28,7 @@ def enclose(value: Fraction) -> arb:
 def exact_value(point: arb) -> Fraction:
     """The exact value of a ball of radius zero, for example a midpoint or a radius."""
     mantissa, exponent = point.man_exp()
-    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+    return dyadic(int(mantissa), int(exponent))
 
 
 def bounds(ball: arb) -> tuple[Fraction, Fraction]:
