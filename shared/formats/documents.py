@@ -20,7 +20,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from orbitproof.shared.errors import LONGEST_QUOTED, InputError, short
-from orbitproof.shared.formats.fits import Test, compiled
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import (
     ID,
@@ -37,6 +36,7 @@ from orbitproof.shared.systems import (
 if TYPE_CHECKING:
     from jsonschema import Draft202012Validator
     from jsonschema.exceptions import ValidationError
+    from jsonschema_rs import Draft202012Validator as QuickValidator
 
 
 @cache
@@ -48,20 +48,58 @@ def validator(name: str) -> Draft202012Validator:
 
     checker = Draft202012Validator.TYPE_CHECKER.redefine("integer", lambda _, value: type(value) is int)
     strict: type[Draft202012Validator] = extend(Draft202012Validator, {"anyOf": _any_of}, type_checker=checker)
-    return strict(_schema(name))
+    schema = _schema(name)
+    return strict(_with_definitions(schema, schema.get("$defs", {})))
 
 
-@cache
-def _fits(name: str) -> Test:
-    """Whether a document fits the schema `name`: what `validator` finds nothing wrong with."""
-    return compiled(_schema(name))
-
-
-@cache
 def _schema(name: str) -> Any:
-    text = resources.files("orbitproof.shared").joinpath("schemas", f"{name}.schema.json").read_text("utf-8")
-    schema = json.loads(text)
-    return _with_definitions(schema, schema.get("$defs", {}))
+    return json.loads(
+        resources.files("orbitproof.shared").joinpath("schemas", f"{name}.schema.json").read_text("utf-8")
+    )
+
+
+_SURROGATES = "\\ud800-\\udfff"
+"""As patterns name them; texts with one of them are none that the quick check reads."""
+
+
+class _WrittenWhole:
+    """A keyword of the quick check beside the type integer, of which 7.0 is one otherwise."""
+
+    def __init__(self, _parent: object, _value: object, _path: object) -> None:
+        pass
+
+    def validate(self, instance: object) -> None:
+        """Raises `ValueError` for what is no integer of a file."""
+        if isinstance(instance, float):
+            raise ValueError("no integer")
+
+
+def _for_quick_check(part: Any) -> Any:
+    if isinstance(part, list):
+        return [_for_quick_check(entry) for entry in part]
+    if isinstance(part, str):
+        return part.replace(_SURROGATES, "")
+    if not isinstance(part, dict):
+        return part
+    types = part.get("type")
+    whole = {"writtenWhole": True} if types == "integer" or (isinstance(types, list) and "integer" in types) else {}
+    return {key: _for_quick_check(entry) for key, entry in part.items()} | whole
+
+
+@cache
+def _quick(name: str) -> QuickValidator:
+    from jsonschema_rs import Draft202012Validator
+
+    return Draft202012Validator(_for_quick_check(_schema(name)), keywords={"writtenWhole": _WrittenWhole})
+
+
+def fits(document: object, name: str) -> bool:
+    """Whether a document fits the schema `name`, told quickly. Where this is `False`, `validator` decides."""
+    try:
+        return _quick(name).is_valid(document)
+    except ValueError:
+        # Deeper than it reads, or with what no JSON text holds.
+        return False
 
 
 def _with_definitions(part: Any, definitions: Mapping[str, Any]) -> Any:
@@ -246,7 +284,7 @@ def validate_document(document: object, name: str, source: str) -> None:
 
     It is the best of the first ones.
     """
-    if _fits(name)(document):
+    if fits(document, name):
         return
     from jsonschema.exceptions import best_match
 
