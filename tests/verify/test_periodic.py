@@ -28,7 +28,7 @@ from orbitproof.verify.periodic import (
 )
 from orbitproof.verify.poincare import IntegratorSettings
 
-BITS = 240
+BITS = 160
 
 
 @cache
