@@ -21,7 +21,7 @@ from orbitproof.verify.certificate import Certificate, Level, certify, contradic
 from orbitproof.verify.certificate.kinds import unconfirmed
 from orbitproof.verify.certificate.rechecking import derived
 from orbitproof.verify.evidence import Checklist, DerivativeTable, Proved, ball_from_json, ball_to_json, guarded
-from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.periodic_bifurcation import (
     BifurcationEnclosures,
     PeriodicBifurcationResults,
@@ -38,11 +38,12 @@ CLAIMS = {
     "level": cases.levels(),
     "parameter on a level": cases.level_fold(parameter="a"),
 }
+LIMITS = Limits(digits=16)
 
 
 @pytest.fixture(scope="module")
 def proved() -> dict[str, Certificate]:
-    found = {name: certify(claim) for name, claim in CLAIMS.items()}
+    found = {name: certify(claim, LIMITS) for name, claim in CLAIMS.items()}
     assert all(certificate.proved for certificate in found.values())
     return found
 

@@ -21,7 +21,7 @@ from orbitproof.verify.certificate import Certificate, Level, certify, contradic
 from orbitproof.verify.certificate.kinds import unconfirmed
 from orbitproof.verify.certificate.rechecking import derived
 from orbitproof.verify.evidence import Checklist, Proved, ball_from_json, ball_to_json, guarded
-from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.periodic import (
     Linearised,
     PeriodicEnclosures,
@@ -32,11 +32,12 @@ from orbitproof.verify.periodic import (
 from orbitproof.verify.poincare import IntegratorSettings
 
 CLAIMS = {"AB": cases.lorenz("AB"), "level": cases.oscillators()}
+LIMITS = Limits(digits=16)
 
 
 @pytest.fixture(scope="module")
 def proved() -> dict[str, Certificate]:
-    found = {name: certify(claim) for name, claim in CLAIMS.items()}
+    found = {name: certify(claim, LIMITS) for name, claim in CLAIMS.items()}
     assert all(certificate.proved for certificate in found.values())
     return found
 
