@@ -63,15 +63,24 @@ class WideArithmetic(Arithmetic):
     def part_for(self, coarse: Arithmetic, polynomial: fmpz_poly) -> tuple[fmpz_poly, int]:
         """What a coarser format keeps of a packed polynomial, and the l1 norm of the rest."""
         coefs = polynomial.coeffs()
-        stride, length, width = self.stride, (coarse.degree + 1) * self.stride, coarse.width
-        zeros = [fmpz(0)] * (coarse.stride - width - 1)
-        kept, rest = [], coefs[length:]
-        for start in range(0, min(len(coefs), length), stride):
-            middle = start + width + 1
-            kept += coefs[start:middle]
+        stride, length = self.stride, (coarse.degree + 1) * self.stride
+        rest = coefs[length:]
+        for start in range(coarse.width + 1, min(len(coefs), length), stride):
+            rest += coefs[start : start - coarse.width - 1 + stride]
+        return self._kept(coarse, coefs), int(sum(map(abs, rest)))
+
+    def reduced(self, product: fmpz_poly) -> fmpz_poly:
+        """As for every arithmetic."""
+        return self._kept(self, product.coeffs()) // self.one
+
+    def _kept(self, coarse: Arithmetic, coefs: Sequence[fmpz]) -> fmpz_poly:
+        """What a coarser format keeps of a packed polynomial with these coefficients."""
+        kept: list[fmpz] = []
+        zeros = [fmpz(0)] * (coarse.stride - coarse.width - 1)
+        for start in range(0, min(len(coefs), (coarse.degree + 1) * self.stride), self.stride):
+            kept += coefs[start : start + coarse.width + 1]
             kept += zeros
-            rest += coefs[middle : start + stride]
-        return fmpz_poly(kept), int(sum(map(abs, rest)))
+        return fmpz_poly(kept)
 
     def _exact(self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], factors: Pairs) -> fmpz_poly:
         """As for every arithmetic: products up to the largest degree."""
@@ -154,9 +163,11 @@ class WideArithmetic(Arithmetic):
             self.pack(from_points(power_of_series(values, a), self.width), self.bits) for a in (Fraction(-1), exponent)
         )
         p, q = -exponent.numerator, exponent.denominator
+        shared = min(p, q)
         right = _FLOAT_BITS
         while right < self.bits:
-            power = self._improved(power, [power] * q + [base] * p, q)
+            mixed = self._reduced_product(power, base)
+            power = self._improved(power, [*[mixed] * shared, *[base] * (p - shared), *[power] * (q - shared)], q)
             right *= 2
         if right > _FLOAT_BITS and self.grading.top:
             inverse = self._improved(inverse, [inverse, base], 1)
@@ -164,9 +175,11 @@ class WideArithmetic(Arithmetic):
 
     def _improved(self, power: fmpz_poly, factors: Sequence[fmpz_poly], root: int) -> fmpz_poly:
         """A step of Newton's method: the product of the factors should be 1."""
-        one = fmpz_poly([self.one])
-        value = reduce(lambda product, factor: self.reduced(product * factor), factors, one)
-        return power + self.reduced(power * (one - value)) // fmpz(root)
+        value = reduce(self._reduced_product, factors)
+        return power + self._reduced_product(power, fmpz_poly([self.one]) - value) // fmpz(root)
+
+    def _reduced_product(self, left: fmpz_poly, right: fmpz_poly) -> fmpz_poly:
+        return self.reduced(left.mul_low(right, (self.degree + 1) * self.stride))
 
 
 def _counted(left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], factors: Pairs) -> Iterator[tuple[int, int, int]]:
