@@ -405,6 +405,23 @@ def test_functions_of_a_regular_piece_say_nothing_of_the_other_half() -> None:
             assert part.characteristic[0].polynomial[1] == function_of(stored).polynomial[1]
 
 
+def test_of_intervals_alike_each_is_used_up_to_the_middle_of_what_they_share() -> None:
+    system = line(1, 1, True)
+    atlas = system.atlas(4)
+    places = [(Fraction(-1), Fraction(1, 8)), (Fraction(-3, 8), Fraction(3, 4)), (Fraction(-1, 8), Fraction(1))]
+    found = [result(system, piece, place, 1e-7) for piece in atlas.curve_pieces() for place in places]
+    outcome = conclude(atlas, values(found)).outcome
+    assert isinstance(outcome, Proved)
+    for number, stretch in enumerate(outcome.results.chain.stretches):
+        parts, gaps = segments_of(number, stretch, values(found))
+        assert gaps == []
+        assert [(part.end, part.middle) for part in parts] == [
+            (Fraction(-1, 8), Fraction(-7, 16)),
+            (Fraction(5, 16), Fraction(3, 16)),
+            (stretch.leaves, Fraction(7, 16)),
+        ]
+
+
 def test_the_second_integration_begins_with_the_error_of_its_points() -> None:
     error = Fraction(1, 2**20)
     other = OtherPoint.of([element(1, 3, error=error), element(2, -1)])

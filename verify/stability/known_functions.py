@@ -67,8 +67,12 @@ def segments_of(number: int, stretch: Stretch, results: Sequence[StabilityResult
             why = next((text for low, high, text in reasons if low <= reached <= high), "nothing is known there")
             gaps.append(Gap(number, piece.id, reached, end, Matter.EVERYTHING, why))
         else:
-            best = min(here, key=lambda item: item.rank)
-            end = min([best.high, stretch.leaves] + [item.low for item in later if item.rank < best.rank])
+            # Bounds of derivatives are weak at the ends of an interval: of those alike each is used about its middle.
+            best = min(here, key=lambda item: (item.rank, abs(item.low + item.high - 2 * reached), -item.high))
+            alike = [item.low for item in known if item.rank == best.rank and best.low < item.low < best.high]
+            middles = [(low + best.high) / 2 for low in alike]
+            better = [item.low for item in later if item.rank < best.rank]
+            end = min([best.high, stretch.leaves, *better, *middles])
             entered = min(max(reached, stretch.entered), end)
             segments.append(
                 segment_of(number, (reached, entered, end), (best.low, best.high), best.entry, best.mirrored)
