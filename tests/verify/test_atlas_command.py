@@ -17,6 +17,7 @@ import pytest
 from support import atlas_work
 from support.atlas_runs import CURVE, ROOT, go, refused, write
 from support.claims import known
+from support.closed_form_lists import line
 from support.forgeries import DATA, atlas_certificate, of_parabola, read
 from support.runs import started, wait_until
 from support.stored import values
@@ -227,6 +228,15 @@ def test_pieces_whose_orbits_take_the_most_steps_are_proved_first(monkeypatch: p
         while (task := run._next()) is not None:
             tasks.append(task.name)
         assert tasks == order
+
+
+def test_lists_of_curves_with_one_stability_parameter_take_fewer_bits() -> None:
+    atlases = line(1, 2, True).atlas(4), line(1, 1, True).atlas(4)
+    assert [len(atlas.curve_pieces()[0].tube) for atlas in atlases] == [2, 1]
+    two, one = (attempts_of(atlas, RunLimits({}, stability=True)) for atlas in atlases)
+    assert all(fewer[name] < more[name] for fewer, more in zip(one, two, strict=True) for name in more)
+    assert all(one[0][name] < one[1][name] for name in one[0])
+    assert attempts_of(atlases[1], RunLimits({"width": 9}, stability=True))[0] == {**one[0], "width": 9}
 
 
 def test_examples_of_the_help_parse(capsys: Any) -> None:

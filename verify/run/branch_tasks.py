@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError, PeriodicAtlas
+from orbitproof.shared.formats import AnyAtlas, AnyPiece, Atlas, InputError, PeriodicAtlas
 from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.atlas import ProvedBefore, Result, Settings, kind_of
 from orbitproof.verify.atlas.interval_proof import not_proved, question
@@ -55,14 +55,22 @@ def attempts_of(atlas: AnyAtlas, limits: RunLimits) -> tuple[Settings, ...]:
     Some orbits lose more digits than others, and no shorter interval makes up for them. Raises `ValueError` if a
     setting is out of range.
     """
-    wanted = _FOR_LASTING if limits.lasting else _FOR_STABILITY if limits.stability else {}
-    given = {**wanted, **limits.integrator}
+    given = {**_wanted(atlas, limits), **limits.integrator}
     first = kind_of(atlas).settings(**given)
     # Bounds of what is beyond the highest derivatives grow over a whole period, not over half of one.
     more = {"precision": _MORE_BITS, "order": _MORE_ORDER, "width": _MORE_WIDTH}
     if isinstance(atlas, PeriodicAtlas):
         more["top"] = 1
     return first, {name: value + more.get(name, 0) for name, value in first.items()}
+
+
+def _wanted(atlas: AnyAtlas, limits: RunLimits) -> Settings:
+    if limits.lasting:
+        return _FOR_LASTING
+    if not limits.stability:
+        return {}
+    pieces = atlas.curve_pieces() if isinstance(atlas, Atlas) else ()
+    return _FOR_ONE_PARAMETER if pieces and len(pieces[0].tube) == 1 else _FOR_STABILITY
 
 
 def closer_look_of(attempts: Sequence[Settings]) -> Settings:
@@ -76,6 +84,8 @@ _CLOSER_BITS, _CLOSER_ORDER, _CLOSER_WIDTH = 48, 12, 12
 _MORE_BITS, _MORE_ORDER, _MORE_WIDTH = 48, 8, 8
 _FOR_STABILITY = {"precision": 88, "order": 36, "width": 56}
 """More than a proof takes: of n parameters of stability one may be small and the others large."""
+_FOR_ONE_PARAMETER = {"precision": 72, "order": 28, "width": 40}
+"""With more of each the points of a list are no better known: the curve is not, as far as its tube is wide."""
 _FOR_LASTING = {"precision": 96, "order": 40, "width": 36}
 """Where it is not enough, shorter intervals take less time than more bits; exceptions are looked at closer anyway."""
 HALVED_FOR_LASTING = 1
