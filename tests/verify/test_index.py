@@ -354,6 +354,20 @@ def test_half_orbits_from_plane_to_plane_turn_as_those_from_the_section_of_the_a
         assert along_curve._start(atlas, {"eps2": size, **point}) is None
 
 
+def test_vectors_are_those_of_the_section_that_is_meant() -> None:
+    """Where vy is 0, vectors of the other section are none."""
+    state = tuple(arb(x) for x in AXIAL_ORBIT)
+    for system, speed, directions in (
+        (along_curve.ACROSS_PLANE, 5, [0, 4, 1, 3]),
+        (CR3BP_AXIAL, 4, [0, 5, 2, 3]),
+    ):
+        half = following._HalfOrbit(Start(system, state, MU, 1, False), 128, ORACLE)
+        assert (half.speed, half.directions) == (speed, directions)
+    at_rest = (*state[:4], arb(0), state[5])
+    begun = following._HalfOrbit(Start(along_curve.ACROSS_PLANE, at_rest, MU, 1, False), 128, ORACLE)
+    assert all(turning.at.is_finite() and not turning.at.contains(0) for block in begun.turning for turning in block)
+
+
 def outcome(name: str, orbits: Any, **changes: Any) -> Any:
     curve, found, _ = counted(name)
     return conclude_index(case(name)[0], curve, changes.get("found", found), orbits, changes.get("problem", ""))

@@ -25,7 +25,8 @@ from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import FOLD, REVERSOR_BREAKING, Atlas
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import atlas_from_json, read_atlas
-from orbitproof.shared.systems import LIFTED
+from orbitproof.shared.systems import LIFTED, VERTICAL
+from orbitproof.verify.algebra import Grading, WideArithmetic
 from orbitproof.verify.atlas import (
     AtlasCertificate,
     IndexCertificate,
@@ -36,8 +37,8 @@ from orbitproof.verify.atlas import (
     make_atlas_certificate,
 )
 from orbitproof.verify.certificate import Level
-from orbitproof.verify.curve import Bifurcation, PieceLimits, Place, prove_piece
-from orbitproof.verify.evidence import EmptyIntersectionError, Proved
+from orbitproof.verify.curve import Bifurcation, HalfReturn, PieceLimits, Place, prove_piece
+from orbitproof.verify.evidence import EmptyIntersectionError, IntegrationFailure, Proved
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import (
@@ -45,6 +46,7 @@ from orbitproof.verify.stability import (
     Point,
     TubeOfOrbits,
     about_closer_polynomial,
+    complete_list,
     stability_of_piece,
     stability_slope_bits,
 )
@@ -203,6 +205,8 @@ def test_the_list_has_the_birth_and_nothing_else() -> None:
     assert complete["stable"] == complete["undecided"] == []
     said = listed()["statement"].partition("Hypothesis level")[2]
     assert "derivative by eps2 z'^2 on Fix(R) is -1" in said
+    assert complete["order"] == 12
+    assert "Along the curve the points with an eigenvalue cos(2 pi j/k), k at most 12, are exactly these:\n" in said
     assert "after its period, 2 T" in said
     assert "- eps2 is 0, the planar orbit from which those of the curve are born: a stability parameter is 1" in said
     assert "Points with eps2 < 0 stand for no orbit of the three-body problem.\n" in said
@@ -302,6 +306,70 @@ def test_units_of_axial_orbits_leave_the_plane_alone() -> None:
         replace(LIFTED, vector_field=lambda state, parameters: LIFTED.vector_field(state[::-1], parameters))
     )
     assert [_over(8.0, -2.0, degree) for degree in (1, 0, -2)] == [-4.0, 8.0, 32.0]
+
+
+def turned_back(interval: tuple[Fraction, Fraction], coefficients: list[Fraction]) -> tuple[TubeOfOrbits, HalfReturn]:
+    """The tube of the piece of the arc with a first return at which each omega is minus this polynomial in sigma."""
+    (piece,) = arc().curve_pieces()
+    tube = TubeOfOrbits(
+        arc().system, arc().parameters, piece, interval, PieceLimits(96, 24, 40), piece.coordinates, ORACLE
+    )
+    widths = tuple(2 * width for width in piece.tube)
+    flow = WideArithmetic(Grading((1, 1), 1), 96, 32, 24, width=40)
+    state = [flow.constant(Fraction(1)) for _ in LIFTED.state]
+    for j, index in enumerate(LIFTED.kernel_coordinates):
+        state[index] = flow.polynomial({(0, 0): coefficients, (int(j == 0), int(j == 1)): Fraction(1)})
+    return tube, HalfReturn({}, widths, tuple(state), flow.constant(Fraction(2)), arb(2), 1)
+
+
+def polynomial_of(tube: TubeOfOrbits, j: int, s: Fraction) -> Fraction:
+    return sum((value * s**n for n, value in enumerate(tube.piece.polynomial[j])), Fraction(0))
+
+
+CHEBYSHEV = [Fraction(int(value)) for value in np.polynomial.chebyshev.cheb2poly([0] * 16 + [1])]
+"""Between -1 and 1 on an interval, with coefficients up to 180224."""
+
+
+@pytest.mark.parametrize("interval", [(Fraction(-1), Fraction(1)), (Fraction(-1), Fraction(1, 32))])
+def test_a_closer_tube_is_in_that_of_its_piece_on_the_interval(interval: tuple[Fraction, Fraction]) -> None:
+    """The curve may be outside of the tube at complex s; of a half of a piece the interval is that half."""
+    low, high = interval
+    tube, half = turned_back(interval, [value / 4 for value in CHEBYSHEV])
+    with pytest.raises(IntegrationFailure, match="analytic"):
+        tube.curve(half)
+    closer, known = about_closer_polynomial(tube, half)
+    assert known is None
+    for j, (width, outer, inner) in enumerate(zip(half.widths, tube.piece.tube, closer.piece.tube, strict=True)):
+        # w is twice T.
+        assert 0 < inner <= outer / 2
+        assert inner > outer / 4
+        for number in range(129):
+            sigma = (Fraction(number, 64) - 1) * 16 / 17
+            s = (low + high) / 2 + (high - low) / 2 * sigma * 17 / 16
+            moved = polynomial_of(closer, j, s) - polynomial_of(tube, j, s)
+            value = sum((c * sigma**n for n, c in enumerate(CHEBYSHEV)), Fraction(0))
+            assert abs(moved + width * value / 4) < Fraction(1, 2**80)
+            assert abs(moved) + inner <= outer
+
+
+@pytest.mark.parametrize("coefficients", [[Fraction(3, 5)], [Fraction(1, 20), Fraction(0)] + [Fraction(3, 5)] * 3])
+def test_a_polynomial_that_may_leave_the_tube_of_the_piece_is_not_taken(coefficients: list[Fraction]) -> None:
+    tube, half = turned_back((Fraction(-1), Fraction(1)), coefficients)
+    assert about_closer_polynomial(tube, half) == (tube, half)
+
+
+@pytest.mark.parametrize(("system", "is_halved"), [(LIFTED, False), (VERTICAL["L1"], True)])
+def test_lists_of_axial_orbits_are_about_the_whole_period(
+    monkeypatch: pytest.MonkeyPatch, system: Any, is_halved: bool
+) -> None:
+    """A certificate for k = 1 is at no point with k = 2; over half the period followed by z -> -z it may be."""
+    asked = []
+    monkeypatch.setattr(
+        complete_list, "with_certificates", lambda points, gaps, entries, halved: asked.append(halved) or points
+    )
+    curve = conclude(arc(), ARC["results"]).outcome.results
+    complete_list.complete_list(replace(arc(), system=system), curve.chain, values(ARC["results"]), 2)
+    assert asked == [is_halved]
 
 
 @pytest.mark.slow

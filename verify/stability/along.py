@@ -68,6 +68,33 @@ def solve(arithmetic: WideArithmetic, equations: Sequence[Series]) -> CurveInTub
 
     Raises `IntegrationFailure` if it is not shown to exist in the algebra with norms of at most 1/2.
     """
+    middle, inverted, errors = _newton(arithmetic, equations)
+    norms = [[norm_of(entry) for entry in row] for row in inverted]
+    reach = max(norm_of(element) for element in middle)
+
+    def image(bounds: Sequence[Fraction]) -> Fraction:
+        return max(sum((b * e for b, e in zip(row, bounds, strict=True)), Fraction(0)) for row in norms)
+
+    radius = 2 * image([e[0] + 2 * reach * e[1] + 4 * reach**2 * e[2] for e in errors])
+    total = reach + radius
+    inside = image([e[0] + total * e[1] + total**2 * e[2] for e in errors]) <= radius
+    contracts = image([e[1] + 2 * total * e[2] for e in errors]) < 1
+    if not (total <= _HALF and inside and contracts):
+        message = f"the curve is not shown to be an analytic function of complex s in the tube ({float(total):.3g})"
+        raise IntegrationFailure("stability", message, "give a narrower piece, a wider tube or more precision")
+    return CurveInTube(tuple(element.widened(radius) for element in middle), total)
+
+
+def about_zero(arithmetic: WideArithmetic, equations: Sequence[Series]) -> list[list[Fraction]]:
+    """Coefficients of the omega^ of Lemma 18.2, about the zero: what is known of -G^-1 f_0, without a bound."""
+    middle, _, _ = _newton(arithmetic, equations)
+    return [known_part(element, 0) for element in middle]
+
+
+def _newton(
+    arithmetic: WideArithmetic, equations: Sequence[Series]
+) -> tuple[list[Series], list[list[Series]], list[list[Fraction]]]:
+    """omega^ = -G^-1 f_0, G^-1 and the bounds of the unknown parts by grade, rows of G brought to about 1."""
     parts = [_parts(equation) for equation in equations]
     size = len(parts)
     if size != len(parts[0][1]):
@@ -87,20 +114,7 @@ def solve(arithmetic: WideArithmetic, equations: Sequence[Series]) -> CurveInTub
     for row in inverted:
         terms = [entry * value for entry, value in zip(row, values, strict=True)]
         middle.append(sum(terms[1:], terms[0]))
-    norms = [[norm_of(entry) for entry in row] for row in inverted]
-    reach = max(norm_of(element) for element in middle)
-
-    def image(bounds: Sequence[Fraction]) -> Fraction:
-        return max(sum((b * e for b, e in zip(row, bounds, strict=True)), Fraction(0)) for row in norms)
-
-    radius = 2 * image([e[0] + 2 * reach * e[1] + 4 * reach**2 * e[2] for e in errors])
-    total = reach + radius
-    inside = image([e[0] + total * e[1] + total**2 * e[2] for e in errors]) <= radius
-    contracts = image([e[1] + 2 * total * e[2] for e in errors]) < 1
-    if not (total <= _HALF and inside and contracts):
-        message = f"the curve is not shown to be an analytic function of complex s in the tube ({float(total):.3g})"
-        raise IntegrationFailure("stability", message, "give a narrower piece, a wider tube or more precision")
-    return CurveInTube(tuple(element.widened(radius) for element in middle), total)
+    return middle, inverted, errors
 
 
 def _parts(element: Series) -> tuple[list[Fraction], list[list[Fraction]], list[Fraction]]:

@@ -9,15 +9,17 @@ from math import ceil, log2
 
 import numpy as np
 
-from orbitproof.verify.algebra import plus, recentred
-from orbitproof.verify.curve import HalfReturn
-from orbitproof.verify.evidence import IntegrationFailure, guarded
-from orbitproof.verify.functions import known_part
+from orbitproof.verify.algebra import ball_polynomial, plus, recentred, values_around
+from orbitproof.verify.curve import HalfReturn, parts_of_interval
+from orbitproof.verify.evidence import IntegrationFailure, dyadic_above, guarded
+from orbitproof.verify.stability.along import about_zero
 from orbitproof.verify.stability.matrix import SPARE_BITS, TubeOfOrbits
 
 _SHARPER, _ABOVE_NOISE, _WORTH_SHARPENING = 2.0**-32, 2.0**12, 2.0**-8
 """A tube so many times as narrow is followed about a polynomial that is closer to the curve, or of so many times the
 error of the first return, if that makes it narrower than the last one says."""
+_PARTS = 64
+"""Of the interval, on which the distance of two polynomials is bounded."""
 
 
 def sharpened(
@@ -62,20 +64,25 @@ def _closer(
 
 def _recentred(orbits: TubeOfOrbits, half: HalfReturn) -> TubeOfOrbits:
     """The part of the tube about a closer polynomial that is certainly in it (section 18.2)."""
-    curve = orbits.curve(half)
     polynomials, tube = [], []
-    for j, omega in enumerate(curve.omega):
-        known, width = known_part(omega, 0), half.widths[j]
+    for j, known in enumerate(about_zero(orbits.arithmetic, orbits.equations(half))):
+        width = half.widths[j]
         # Rounding changes which polynomial this is, and nothing else.
         unit = Fraction(1, 2 ** (orbits.limits.precision + SPARE_BITS))
         change = [round(width * value / unit) * unit for value in known]
         if orbits.divided:
             change[1::2] = [Fraction(0)] * len(change[1::2])
         polynomials.append(plus(orbits.piece.polynomial[j], _by_s(change, orbits.middle, orbits.radius), Fraction(1)))
-        tube.append(orbits.piece.tube[j] - sum(map(abs, change), Fraction(0)))
+        tube.append(orbits.piece.tube[j] - _largest(change))
     if not min(tube) > 0:
         raise _no_tube()
     return replace(orbits, piece=replace(orbits.piece, polynomial=tuple(polynomials), tube=tuple(tube)))
+
+
+def _largest(coefficients: Sequence[Fraction]) -> Fraction:
+    """A bound of a polynomial in sigma on the interval of the proof, where sigma is real."""
+    polynomial = ball_polynomial(coefficients)
+    return max(dyadic_above(values_around(polynomial, part.mid(), part.rad())) for part in parts_of_interval(_PARTS))
 
 
 def _no_tube() -> IntegrationFailure:

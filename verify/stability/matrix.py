@@ -252,20 +252,20 @@ class TubeOfOrbits:
 
     def curve(self, half: HalfReturn) -> CurveInTube:
         """omega on the curve, from the state at the first return."""
-        system = self.system
-        equations = [half.state[index] for index in system.kernel_coordinates]
-        if self.divided:
-            signs = system.symmetries[str(self.symmetry)]
-            equations = [
-                divided_by_wide(equation) if signs[index] < 0 else equation
-                for index, equation in zip(system.kernel_coordinates, equations, strict=True)
-            ]
-        curve = solve(self.arithmetic, equations)
+        curve = solve(self.arithmetic, self.equations(half))
         for omega, width, tube in zip(curve.omega, half.widths, self.piece.tube, strict=True):
             known = bounded(restricted(omega, SHARE))
             if not all(is_inside(known.value(part), tube / width) for part in _PARTS):
                 raise IntegrationFailure("stability", "the curve is not shown to be in its tube", "give a wider tube")
         return curve
+
+    def equations(self, half: HalfReturn) -> list[Series]:
+        """What vanishes on the curve at the first return."""
+        signs = self.system.symmetries[str(self.symmetry)] if self.divided else [1] * len(half.state)
+        return [
+            divided_by_wide(half.state[index]) if signs[index] < 0 else half.state[index]
+            for index in self.system.kernel_coordinates
+        ]
 
     def _named(self, tube: Mapping[str, Series], state: Sequence[Series], end: int) -> list[Series]:
         """The coordinates of a return in the order of the system's `centre_coordinates`; `end` is 0 at x, 1 at P(x)."""
