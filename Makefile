@@ -179,7 +179,7 @@ web: $(VENV)/demo.stamp
 	      lyapunov-*) cover atlas-libration $$at --through axial;; \
 	      vertical-L3) cover atlas-libration $$at --vertical --end 0.98; list=;; \
 	      vertical-*) cover atlas-libration $$at --vertical;; \
-	      axial-*) cover atlas-libration $$at --axial; list=;; \
+	      axial-*) cover atlas-libration $$at --axial;; \
 	      *) cover atlas --preset $$name-$$mass;; \
 	    esac; \
 	    [ ! -e $$atlas ] || step env $(VERIFY) atlas $$atlas -o $(WEBS)/$$name-$$mass-certificate.json $$list $(WORKERS); \
