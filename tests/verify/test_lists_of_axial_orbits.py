@@ -47,6 +47,7 @@ from orbitproof.verify.stability import (
     TubeOfOrbits,
     about_closer_polynomial,
     complete_list,
+    matching,
     stability_of_piece,
     stability_slope_bits,
 )
@@ -364,11 +365,10 @@ def test_lists_of_axial_orbits_are_about_the_whole_period(
 ) -> None:
     """A certificate for k = 1 is at no point with k = 2; over half the period followed by z -> -z it may be."""
     asked = []
-    monkeypatch.setattr(
-        complete_list, "with_certificates", lambda points, gaps, entries, halved: asked.append(halved) or points
-    )
+    monkeypatch.setattr(matching, "with_certificates", lambda points, *others: asked.append(others[-1]) or points)
     curve = conclude(arc(), ARC["results"]).outcome.results
-    complete_list.complete_list(replace(arc(), system=system), curve.chain, values(ARC["results"]), 2)
+    entry = Bifurcation("birth", "symmetry_breaking", 1, None, "", {})
+    complete_list.complete_list(replace(arc(), system=system), curve.chain, values(ARC["results"]), 2, [entry])
     assert asked == [is_halved]
 
 

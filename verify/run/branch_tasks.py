@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from orbitproof.shared.formats import AnyAtlas, AnyPiece, Atlas, InputError, PeriodicAtlas
 from orbitproof.shared.numbers import format_exact
+from orbitproof.shared.systems import LIFTED
 from orbitproof.verify.atlas import ProvedBefore, Result, Settings, kind_of
 from orbitproof.verify.atlas.interval_proof import not_proved, question
 from orbitproof.verify.atlas.results import result_from_json
@@ -69,6 +70,8 @@ def _wanted(atlas: AnyAtlas, limits: RunLimits) -> Settings:
         return _FOR_LASTING
     if not limits.stability:
         return {}
+    if atlas.system is LIFTED:
+        return _FOR_AXIAL_ORBITS
     pieces = atlas.curve_pieces() if isinstance(atlas, Atlas) else ()
     return _FOR_ONE_PARAMETER if pieces and len(pieces[0].tube) == 1 else _FOR_STABILITY
 
@@ -86,6 +89,8 @@ _FOR_STABILITY = {"precision": 88, "order": 36, "width": 56}
 """More than a proof takes: of n parameters of stability one may be small and the others large."""
 _FOR_ONE_PARAMETER = {"precision": 72, "order": 28, "width": 40}
 """With more of each the points of a list are no better known: the curve is not, as far as its tube is wide."""
+_FOR_AXIAL_ORBITS = {"precision": 108, "order": 38, "width": 56}
+"""One parameter is in the hundreds, one about 1: with 88 bits a_2 of L2, Earth-Moon, is known up to 0.4 at first."""
 _FOR_LASTING = {"precision": 96, "order": 40, "width": 36}
 """Where it is not enough, shorter intervals take less time than more bits; exceptions are looked at closer anyway."""
 HALVED_FOR_LASTING = 1
