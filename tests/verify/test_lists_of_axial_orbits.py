@@ -41,6 +41,7 @@ from orbitproof.verify.curve import Bifurcation, HalfReturn, PieceLimits, Place,
 from orbitproof.verify.evidence import EmptyIntersectionError, IntegrationFailure, Proved
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.run.branch_tasks import RunLimits, attempts_of
 from orbitproof.verify.stability import (
     Kind,
     Point,
@@ -370,6 +371,14 @@ def test_lists_of_axial_orbits_are_about_the_whole_period(
     entry = Bifurcation("birth", "symmetry_breaking", 1, None, "", {})
     complete_list.complete_list(replace(arc(), system=system), curve.chain, values(ARC["results"]), 2, [entry])
     assert asked == [is_halved]
+
+
+def test_lists_of_axial_orbits_are_asked_for_with_more_bits_unless_others_are_given() -> None:
+    def bits(**options: Any) -> int:
+        return attempts_of(arc(), RunLimits(**options))[0]["precision"]
+
+    assert bits(integrator={}, stability=True) == 108 > bits(integrator={})
+    assert bits(integrator={"precision": 88}, stability=True) == 88
 
 
 @pytest.mark.slow
