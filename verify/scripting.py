@@ -135,6 +135,7 @@ def certify_atlas(
     precision: int | None = None,
     order: int | None = None,
     width: int | None = None,
+    top: int | None = None,
     output: str | Path | None = None,
     fresh: bool = False,
     scheduler: str | None = None,
@@ -154,7 +155,7 @@ def certify_atlas(
         jobs: processes side by side.
         timeout: seconds for an interval of a piece, or `None`.
         max_splits: how often an interval is halved at most.
-        precision, order, width: of the first attempt: bits, degree in time, degree along the curve.
+        precision, order, width, top: of the first attempt: bits, degree in time, along the curve, and across it.
         output: a file that keeps every result as soon as it is there; the same call goes on from it.
         fresh: begin anew all the same, and replace the file, whatever it holds.
         scheduler: address of a dask scheduler, whose cluster proves in place of `jobs`.
@@ -167,9 +168,8 @@ def certify_atlas(
     _ids(given, "bifurcations")
     if given and not kind_of(claim).holds_points:
         raise InputError("bifurcations: are looked for on curves of symmetric orbits only; leave them out")
-    limits = limits_of(
-        claim, complete, max_splits, timeout, combinations, lasting, precision=precision, order=order, width=width
-    )
+    settings = {"precision": precision, "order": order, "width": width, "top": top}
+    limits = limits_of(claim, complete, max_splits, timeout, combinations, lasting, **settings)
     run = started(claim, limits, None if output is None else Path(output), fresh)
     workplace = Workplace(_jobs(jobs), scheduler, timeout, quiet=quiet)
     prove_pieces(run, workplace)

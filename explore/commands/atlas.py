@@ -38,6 +38,7 @@ class AtlasPreset:
         increasing: coordinates claimed to increase.
         title: for the atlas.
         birth: whether the arc ends at the doubling from which its orbits are born.
+        tube: the default of --tube.
     """
 
     system: str
@@ -47,6 +48,7 @@ class AtlasPreset:
     increasing: tuple[str, ...]
     title: str
     birth: bool = False
+    tube: float = 1e-9
 
 
 ATLAS_PRESETS = {
@@ -79,6 +81,15 @@ ATLAS_PRESETS = {
         ("vy", "0", "8"),
         ("vy",),
         "L2 halo orbits of the Sun-Jupiter system up to vy = 8",
+    ),
+    "l3-halo-earth-moon": AtlasPreset(
+        "cr3bp",
+        "earth-moon",
+        "L3-halo",
+        ("x", "-1", "-0.1"),
+        ("x",),
+        "L3 halo orbits of the Earth-Moon system from their birth to x = -0.1",
+        tube=5e-9,
     ),
     **{
         f"axial-{point.lower()}-{mass}": AtlasPreset(
@@ -195,10 +206,9 @@ def add_parser(commands: Any) -> None:
     pieces.add_argument(
         "--tube",
         type=common.positive,
-        default=1e-9,
         metavar="W",
         help="half-width of the tubes about the curve, in units of the distance from the nearest primary, or of 1 "
-        "(default: %(default)s)",
+        "(default: 1e-09, with --preset as it suits)",
     )
     pieces.add_argument(
         "--overlap",
@@ -235,6 +245,8 @@ def run(options: argparse.Namespace) -> int:
 
         return check_file(options.check, options.quiet)
     source = _source(options)
+    if options.tube is None:
+        options.tube = ATLAS_PRESETS[options.preset].tube if options.preset else AtlasPreset.tube
     for name, value, (low, high) in (
         ("degree", options.degree, DEGREES),
         ("decay", options.decay, DECAYS),

@@ -81,8 +81,8 @@ CASES: dict[str, tuple[Python, Words, str, str]] = {
     "few bits": (
         lambda folder: verify.certify_atlas(read_atlas(CURVE), precision=1, quiet=True),
         lambda folder: ["verify", "atlas", str(CURVE), "--precision", "1"],
-        "precision, order, width: ",
-        "--precision, --order, --width: ",
+        "precision, order, width, top: ",
+        "--precision, --order, --width, --top: ",
     ),
     "a picture that is none": (
         lambda folder: figures.draw_all(folder, folder, only=["nothing"]),

@@ -206,6 +206,16 @@ def test_values_and_derivatives_on_the_curve_hold_unknown_parts_of_every_grade(e
     assert error_of(at_origin(f, 0, ALGEBRA)) >= e1
 
 
+def test_known_parts_above_grade_1_count_as_unknown() -> None:
+    """omega^2/8, kept as such or not."""
+    place = Fraction(3, 8)
+    curve = CurveInTube((element(place),), place)
+    higher = WideArithmetic(Grading((1,), 2), 80, 0, 0, width=10)
+    f = higher.polynomial({(0,): [Fraction(2)], (1,): [Fraction(3)], (2,): [Fraction(1, 8)]})
+    assert error_of(curve.value(f)) >= place**2 / 8
+    assert error_of(curve.across(f, 0)) >= place / 4
+
+
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize("grade", [0, 1, 2])
 def test_the_zero_in_the_tube_is_enclosed_with_unknown_parts_of_every_grade(grade: int, sign: int) -> None:

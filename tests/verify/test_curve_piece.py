@@ -37,7 +37,8 @@ from support.wide_checks import MU, libration_point
 from orbitproof.shared.claims import Piece
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
 from orbitproof.verify.algebra import Grading, WideArithmetic
-from orbitproof.verify.curve import Equation, PieceLimits, prove_piece
+from orbitproof.verify.atlas import condition_of
+from orbitproof.verify.curve import UNCLEAR_SLOPE, Equation, PieceLimits, prove_piece
 from orbitproof.verify.evidence import NotProved
 from orbitproof.verify.oracle import ORACLE
 
@@ -223,6 +224,30 @@ def check_orbits(name: str, interval: tuple[Fraction, Fraction], limits: PieceLi
 @pytest.mark.parametrize("name", ["falkner-skan", "symmetric"])
 def test_proved_pieces_hold_independent_orbits(name: str) -> None:
     check_orbits(name, CASES[name], PieceLimits(60, 24, 10), 2)
+
+
+L3 = (Fraction(-1, 512), Fraction(1, 512))
+L3_LIMITS = PieceLimits(72, 36, 4), PieceLimits(72, 36, 4, top=2)
+
+
+def test_where_derivatives_are_nearly_singular_the_second_ones_are_followed() -> None:
+    """L3 halo orbits: one singular value of the derivative is 36000 times the other."""
+    system, parameters, symmetry, piece = known_piece("l3-halo")
+    results = [prove_piece(system, parameters, piece, L3, ORACLE, limits, None, symmetry) for limits in L3_LIMITS]
+    assert condition_of(results[0].stored) == UNCLEAR_SLOPE
+    assert max(proved_interval(results[1]).deviation) < min(piece.tube) / 100
+
+
+@pytest.mark.slow
+def test_l3_halo_orbits_are_independent_ones() -> None:
+    check_orbits("l3-halo", L3, L3_LIMITS[1], 1)
+
+
+def test_a_curve_beside_orbits_with_nearly_singular_derivatives_is_refused() -> None:
+    """The curve lies outside of the tube."""
+    system, parameters, symmetry, piece = known_piece("l3-halo")
+    beside = with_terms(piece, {0: 2 * piece.tube[0]})
+    assert "tube" in refused(prove_piece(system, parameters, beside, L3, ORACLE, L3_LIMITS[1], None, symmetry))
 
 
 @pytest.mark.slow

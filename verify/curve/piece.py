@@ -51,7 +51,7 @@ Progress = Callable[[float], None]
 _MARGIN = 16
 """The curve has to be so much closer to its polynomial than the tube is wide: neighbours may have narrower tubes."""
 
-_PARTS, _HALVINGS = 8, 6
+_PARTS, _HALVINGS = 8, 10
 """The Newton operator is evaluated on so many parts of the interval of s, each halved at most so often."""
 
 SLOPE_BITS = 52
@@ -84,18 +84,23 @@ class PieceLimits:
         precision: fractional bits of the fixed-point format.
         order: degree of the time expansions.
         width: degree in s.
+        top: highest grade across the curve that is kept.
     """
 
     precision: int = 80
     order: int = 40
     width: int = 40
+    top: int = 1
 
     def __post_init__(self) -> None:
         if min(self.precision, self.order) < 16 or self.width < 1:
             raise ValueError(f"precision {self.precision}, order {self.order}, width {self.width} are too small")
+        if self.top < 1:
+            raise ValueError(f"top {self.top} is too small")
 
-    def arithmetic(self, tube: Sequence[Fraction], slope_bits: int = SLOPE_BITS, top: int = 1) -> Arithmetic:
-        """The format, for an enlarged tube of these half-widths, with grades up to `top`."""
+    def arithmetic(self, tube: Sequence[Fraction], slope_bits: int = SLOPE_BITS, top: int | None = None) -> Arithmetic:
+        """The format, for an enlarged tube of these half-widths, with grades up to `top` if not to that of `self`."""
+        top = self.top if top is None else top
         grade_bits = floor(-log2(max(tube))) - max(0, self.precision - slope_bits) // top
         grading = Grading((1,) * len(tube), top)
         return WideArithmetic(grading, self.precision, grade_bits, self.order, width=self.width)
@@ -319,7 +324,7 @@ def _newton(equations: Sequence[Equation], part: arb, radius: Fraction, divided:
     except ZeroDivisionError:
         image = None
     if image is None:
-        remedy = "give a narrower tube or piece; the curve may bifurcate or turn"
+        remedy = "give a narrower tube or piece, or a larger top; the curve may bifurcate or turn"
         raise IntegrationFailure(UNCLEAR_SLOPE, "the derivative across the curve may be singular", remedy)
     if not all(is_inside(ball, TUBE / _MARGIN) for ball in image):
         far = ", ".join(f"{float(ball.abs_upper() / enclose(TUBE)):.3g}" for ball in image)

@@ -42,7 +42,7 @@ class Computation:
         precision: bits.
         order: degree of the expansions in time.
         width: degree of the expansions in s.
-        top: of a surface, the highest derivatives across the curve.
+        top: the highest derivatives across the curve.
         steps: of the integration.
         coordinates: those that were integrated.
     """

@@ -35,18 +35,13 @@ class PeriodicLimits(PieceLimits):
     """How to integrate a piece: as `PieceLimits`.
 
     Attributes:
-        top: highest grade across the curve that is kept; what is beyond grows with the bounds of the whole period.
+        top: as there; what is beyond grows with the bounds of the whole period.
     """
 
     precision: int = 128
     order: int = 52
     width: int = 40
     top: int = 2
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.top < 1:
-            raise ValueError(f"top {self.top} is too small")
 
 
 @dataclass(frozen=True)
@@ -110,7 +105,7 @@ class _Proof:
         radius = (end - start) / 2 * BEYOND
         widths = [width / TUBE for width in self.piece.tube]
         # Half of the bits are left at the highest grade.
-        arithmetic = self.limits.arithmetic(widths, self.limits.precision // 2, self.limits.top)
+        arithmetic = self.limits.arithmetic(widths, self.limits.precision // 2)
         orbits = TubeOfOrbits(self.atlas, self.piece, ((start + end) / 2, radius), widths, arithmetic)
         coordinates = orbits.section.coordinates(self.atlas.system.program)
         self._check_direction(checklist, ranges(orbits.across(coordinates)))

@@ -69,6 +69,7 @@ def _parser() -> ArgumentParser:
         ("precision", "bits"),
         ("order", "degree of the expansions in time"),
         ("width", "degree of the expansions along the curve"),
+        ("top", "degree of the expansions across the curve"),
     ):
         parser.number(f"--{name}", "N", f"{what}, for the first attempt (default: as it suits)", whole_number(1), None)
     parser.run_options("pieces", "--timeout", "an interval of a piece", LONG_CHECK_SECONDS)
@@ -89,7 +90,7 @@ def _run(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:
     if options.integrate:
         raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
     atlas = read_atlas(options.file)
-    given = {name: getattr(options, name) for name in ("precision", "order", "width")}
+    given = {name: getattr(options, name) for name in ("precision", "order", "width", "top")}
     combined: bool = options.combinations
     asked = (options.complete, options.max_splits, options.timeout, combined, options.lasting)
     limits = limits_of(atlas, *asked, **given)

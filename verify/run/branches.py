@@ -289,7 +289,7 @@ def limits_of(
         complete: with it, all resonances up to this order are wanted too.
         combinations: with it and `complete`, combination resonances of linearly stable orbits are wanted too.
         lasting: whether it is wanted which orbits are stable for ever.
-        integrator: precision, order, width for the first attempt, if not the default.
+        integrator: precision, order, width, top for the first attempt, if not the default.
 
     Raises `InputError` for what cannot be asked of this atlas, `ValueError` for a limit that makes no sense.
     """
@@ -324,7 +324,7 @@ def limits_of(
     try:
         attempts_of(atlas, limits)
     except ValueError as error:
-        raise ArgumentError("{precision}, {order}, {width}: {0}; give larger numbers", error) from None
+        raise ArgumentError("{precision}, {order}, {width}, {top}: {0}; give larger numbers", error) from None
     return limits
 
 

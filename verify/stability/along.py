@@ -120,10 +120,12 @@ def _newton(
 def _parts(element: Series) -> tuple[list[Fraction], list[list[Fraction]], list[Fraction]]:
     """Known coefficients in sigma of 1 and of each omega_j; bounds of the unknown part, grades 0, 1 and above."""
     grading = element.arithmetic.grading
-    finite(element.errors, "the returns of the tube were not enclosed")
+    finite([*element.errors, *element.known], "the returns of the tube were not enclosed")
     positions = [grading.variable(j) for j in range(len(grading.weights))]
     variables = [known_part(element, position) for position in positions if position is not None]
-    return known_part(element, 0), variables, [Fraction(bound) for bound in element.errors]
+    # Of grades above 1 that are kept the norm is all that is used.
+    beyond = sum(map(Fraction, [*element.errors[2:], *element.known[2:]]), Fraction(0))
+    return known_part(element, 0), variables, [*map(Fraction, element.errors[:2]), beyond]
 
 
 def _scale(variables: Sequence[Sequence[Fraction]]) -> Fraction:
