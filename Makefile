@@ -134,12 +134,13 @@ branches: $(VENV)/demo.stamp
 # Who proves: processes here, or those of a dask scheduler (SCHEDULER=tcp://..).
 WORKERS = $(if $(SCHEDULER),--scheduler $(SCHEDULER),--jobs $(JOBS))
 
-# Planar, halo, axial and vertical families of L1 and L2, planar and vertical ones of L3, and distant retrograde orbits as graphs (docs/webs).
+# Planar, halo, axial and vertical families of L1 and L2, planar and vertical ones of L3, distant retrograde and butterfly orbits as graphs (docs/webs).
 # What exists is kept, what was interrupted goes on. ARCS="vertical-L1 ..": only these. LISTS=4: with the lists of resonances up to
 # 1:4, and where arcs are stable. The index is counted between the points of an
-# arc's list, else at one orbit.
+# arc's list, else at one orbit; not that of butterfly orbits, which takes minutes of processor time.
 WEB := lyapunov-L1 l1-circle axial-L1 vertical-L1 lyapunov-L2 l2-arc axial-L2 vertical-L2 lyapunov-L3 vertical-L3 dro
-ARCS := $(WEB)
+WEB_OF_EARTH_MOON := $(WEB) butterfly
+ARCS :=
 LISTS :=
 
 web: $(VENV)/demo.stamp
@@ -149,7 +150,7 @@ web: $(VENV)/demo.stamp
 	is_proved() { grep -q '^ "verdict": "proved"' $$1 2>/dev/null; }; \
 	plan() { \
 	  missing=; given=; indices=; \
-	  for each in $(WEB); do \
+	  for each in $$arcs; do \
 	    file=$(WEBS)/$$each-$$mass-certificate.json; given="$$given $$file"; is_proved $$file || missing="$$missing $$each"; \
 	    file=$(WEBS)/$$each-$$mass-index.json; ! is_proved $$file || indices="$$indices $$file"; \
 	  done; \
@@ -157,22 +158,23 @@ web: $(VENV)/demo.stamp
 	}; \
 	search() { \
 	  done=$(WEBS)/$$1.searched; shift; \
-	  [ -e $$done ] || { step $(EXPLORE) "$$@" -k 1 --jobs $(JOBS) --append -o $$rows; : >$$done; }; \
+	  [ -e $$done ] || { step $(EXPLORE) "$$@" --jobs $(JOBS) --append -o $$rows; : >$$done; }; \
 	}; \
 	count() { \
 	  if is_proved $$1 && ! { is_proved $$2 && [ $$2 -nt $$1 ]; }; then \
 	    step env $(VERIFY) index --curve $$1 -o $$2 --jobs $(JOBS); \
 	  fi; \
 	}; \
-	search halo --preset tables; search axial --preset axial-births; \
+	search halo-and-doublings --preset tables -k 1 2; search axial --preset axial-births -k 1; \
 	for mass in $(MASSES); do \
-	  search l3-$$mass --family L3-halo --mass $$mass --z-max 0.1; \
-	  search dro-$$mass --system cr3bp --family dro --mass $$mass --jacobi-min 2.3; \
+	  search l3-$$mass --family L3-halo --mass $$mass --z-max 0.1 -k 1; \
+	  search dro-$$mass --system cr3bp --family dro --mass $$mass --jacobi-min 2.3 -k 1; \
 	done; \
 	step env $(VERIFY) $$rows -o $(WEBS)/certificates.json $(WORKERS); \
 	step env $(VERIFY) docs/webs/vertical-births.json -o $(WEBS)/vertical-births.json $(WORKERS); \
 	for mass in $(MASSES); do \
-	  for name in $(ARCS); do \
+	  case $$mass in earth-moon) arcs="$(WEB_OF_EARTH_MOON)";; *) arcs="$(WEB)";; esac; \
+	  for name in $(or $(ARCS),$$arcs); do \
 	    plan; atlas=$(WEBS)/$$name-$$mass.json; list="$(if $(LISTS),--complete $(LISTS))"; at="--point $${name#*-} --mass $$mass"; \
 	    case $$name in \
 	      lyapunov-L3) cover atlas-libration $$at;; \
@@ -180,10 +182,11 @@ web: $(VENV)/demo.stamp
 	      vertical-L3) cover atlas-libration $$at --vertical --end 0.98; list=;; \
 	      vertical-*) cover atlas-libration $$at --vertical;; \
 	      axial-*) cover atlas-libration $$at --axial;; \
+	      butterfly) cover atlas --preset $$name-$$mass; list=;; \
 	      *) cover atlas --preset $$name-$$mass;; \
 	    esac; \
 	    [ ! -e $$atlas ] || step env $(VERIFY) atlas $$atlas -o $(WEBS)/$$name-$$mass-certificate.json $$list $(WORKERS); \
-	    count $(WEBS)/$$name-$$mass-certificate.json $(WEBS)/$$name-$$mass-index.json; \
+	    [ $$name = butterfly ] || count $(WEBS)/$$name-$$mass-certificate.json $(WEBS)/$$name-$$mass-index.json; \
 	  done; \
 	  plan; \
 	  if [ -n "$$missing" ]; then failed=1; continue; fi; \

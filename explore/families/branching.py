@@ -43,8 +43,9 @@ def doubling_seed(problem: ShootingProblem, resonance: LocatedResonance) -> Fami
 
     Over two half returns the shooting equations have two solution curves through the resonant orbit, so that their
     derivative has a kernel of dimension two. The tangent of the branch is the direction in it in which the first
-    integral does not change: the orbits on both sides of the branch are the same, half a period apart. Raises
-    `CorrectionFailure` for a system without first integral and where the kernel is not found.
+    integral does not change: the orbits on both sides of the branch are the same, half a period apart, and the side
+    is that on which the first coordinate becomes smaller. Raises `CorrectionFailure` for a system without first
+    integral and where the kernel is not found.
     """
     orbit, system = resonance.orbit, problem.system
     doubled = np.append(orbit.centre(resonance.side), 2 * orbit.half_period)
@@ -58,7 +59,7 @@ def doubling_seed(problem: ShootingProblem, resonance: LocatedResonance) -> Fami
     kernel = rows[-2:]
     slopes = [_integral_slope(problem, doubled, row) for row in kernel]
     tangent = kernel[0] * slopes[1] - kernel[1] * slopes[0]
-    tangent /= np.linalg.norm(tangent)
+    tangent /= -np.copysign(np.linalg.norm(tangent), tangent[0])
     first = problem.orbit(Correction(doubled, jacobian, flow, 0), 0.0, crossings(problem, problem.samples(doubled)))
     return Family(problem, (first,), (tangent,), "limit", "started")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -30,10 +31,10 @@ from orbitproof.verify.curve import (
     prove_birth_piece,
 )
 from orbitproof.verify.curve.other_point import Crossing
-from orbitproof.verify.evidence import NotProved, Proved
+from orbitproof.verify.evidence import NotProved, Outcome, Proved
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.run.branches import limits_of
-from orbitproof.verify.web import Arc, conclude_web, level_at
+from orbitproof.verify.web import Arc, ProvedWeb, conclude_web, level_at
 from orbitproof.verify.words import conclusion_in_words, web_in_words
 
 DATA = Path(__file__).resolve().parents[1] / "data"
@@ -42,6 +43,10 @@ assert isinstance(ATLAS, Atlas)
 FOLLOW, PARTNER = once(follow), once(partner)
 RESULTS = tuple(values(json.loads((DATA / "results-butterfly.json").read_text())))
 (BIRTH,) = ATLAS.birth_pieces()
+# Halo orbits about that doubling, a piece of the L2 arc.
+HALO = read_atlas(DATA / "atlas-halo-doubling.json")
+assert isinstance(HALO, Atlas)
+HALO_RESULTS = tuple(values(json.loads((DATA / "results-halo-doubling.json").read_text())))
 WHOLE = (Fraction(-1), Fraction(1))
 
 
@@ -206,6 +211,77 @@ def test_in_a_web_it_branches_off_there_and_in_no_other_way() -> None:
     assert "; a period in [" in words
     for how in ("passes through", "ends at"):
         assert isinstance(conclude_web(claim(how), [arc]), NotProved)
+
+
+def arc_of(conclusion: Conclusion[ProvedCurve], atlas: Atlas) -> Arc:
+    return Arc(atlas, proof(conclusion), "", {entry.id: entry for entry in conclusion.bifurcations})
+
+
+def joined(along: Arc, onto: Arc, *ways: str) -> Outcome[ProvedWeb]:
+    """That both arcs meet the doubling in these ways."""
+    both = (along, onto)
+    met = (
+        WebArc(arc.id, (Meeting("doubling", how),))  # type: ignore[arg-type]
+        for arc, how in zip(both, ways or ("passes through", "branches off at"), strict=True)
+    )
+    return conclude_web(Web("a web", "a web", tuple(met)), both)
+
+
+def halo(point: CertifiedPoint = DOUBLING) -> Arc:
+    """The halo orbits about the doubling."""
+    return arc_of(concluded(point, atlas=HALO, results=HALO_RESULTS), HALO)
+
+
+@cache
+def arcs() -> tuple[Arc, Arc]:
+    """Both arcs, the halo orbits first."""
+    return halo(), arc_of(concluded(DOUBLING), ATLAS)
+
+
+def test_the_halo_orbits_pass_through_it_and_hang_together_with_those_that_are_born() -> None:
+    along, onto = arcs()
+    outcome = joined(along, onto)
+    assert isinstance(outcome, Proved), outcome
+    web = outcome.results
+    assert web.parts == ((HALO.id, ATLAS.id),)
+    assert web.switches == ()
+    (vertex,) = web.vertices
+    assert (vertex.kind, vertex.k) == ("period_tupling", 2)
+    assert vertex.level.overlaps(ball("3.05802217598939315549016929377664"))
+    place, birth = (entry.place for entry in web.incidences)
+    assert place is not None
+    assert birth is not None
+    # The halo curve has the other point of the orbit.
+    assert place.other_point
+    assert birth.piece == BIRTH.id
+    words = web_in_words(outcome.theorem, web, {HALO.id: "c", ATLAS.id: "d", "doubling": "e"})  # type: ignore[arg-type]
+    assert "passes through doubling: the other point of the orbit, on piece p008" in words
+    assert "branches off at doubling: from that orbit, on piece birth, its orbits, of about twice the period" in words
+    assert "doubling: period tupling of order 2, Jacobi constant in [3.05802217598939" in words
+
+
+def test_arcs_that_do_not_both_meet_it_as_they_do_are_refused() -> None:
+    along, onto = arcs()
+    born = replace(DOUBLING, kind="symmetry_breaking", k=1, symmetry="S", signs=(1, 1, -1, 1, 1, -1))
+    heavier = replace(DOUBLING, problem="it is of another mass", is_foreign=True)
+    claim = replace(ATLAS.claim, increasing=("x",))
+    before = replace(ATLAS, claim=claim, pieces=ATLAS.curve_pieces())
+    of_it = tuple(result for result in RESULTS if result.piece != BIRTH.id)
+    entry = along.placed["doubling"]
+    assert entry.place is not None
+    at_end = replace(along, placed={"doubling": replace(entry, place=replace(entry.place, s=arb(1)))})
+    for other, why in (
+        (joined(onto, along), "it branches off"),
+        (joined(along, onto, "branches off at", "branches off at"), "no symmetric point of it"),
+        (joined(along, onto, "passes through", "passes through"), "it branches off"),
+        (joined(along, arc_of(concluded(born), ATLAS)), "half orbits meet the section 1 times"),
+        (joined(halo(heavier), onto), "another mass"),
+        (joined(along, arc_of(concluded(DOUBLING, atlas=before, results=of_it), before)), "those of the curve 2"),
+        (joined(at_end, onto), "before the end of the arc"),
+    ):
+        assert isinstance(other, NotProved)
+        assert other.reason.condition == "meetings"
+        assert why in other.reason.message
 
 
 def test_states_of_a_birth_hold_the_deviation_and_nothing_lies_beyond_what_is_proved() -> None:
