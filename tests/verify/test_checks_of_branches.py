@@ -154,9 +154,9 @@ def test_every_interval_is_asked_for_with_other_settings_and_without_an_answer_i
     assert [finding.place for finding in found.findings] == [each.name for each in first]
     assert {finding.message for finding in found.findings} == {"was not integrated again"}
     assert found.level is Level.CONCLUSION
-    assert [dict(each.settings) for each in first] == [{"precision": 112, "order": 44, "width": 48}] * 3
-    assert [dict(each.settings) for each in second] == [{"precision": 112, "order": 44, "width": 40}] * 3
-    assert [dict(each.settings) for each in third] == [{"precision": 112, "order": 40, "width": 40}] * 3
+    assert [dict(each.settings) for each in first] == [{"precision": 112, "order": 44, "width": 48, "top": 1}] * 3
+    assert [dict(each.settings) for each in second] == [{"precision": 112, "order": 44, "width": 40, "top": 1}] * 3
+    assert [dict(each.settings) for each in third] == [{"precision": 112, "order": 40, "width": 40, "top": 1}] * 3
 
 
 def test_where_nothing_is_proved_there_is_nothing_to_integrate() -> None:
