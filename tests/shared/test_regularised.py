@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache, partial
+from itertools import product
 from typing import Any
 
 import pytest
@@ -335,6 +336,33 @@ def test_each_step_starts_from_the_whole_enclosure(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr("orbitproof.verify.poincare.returns.onto_section", check_last)
     assert integration.run().steps == len(steps) - 1
     assert steps[-1] == 0
+
+
+def test_the_section_coordinate_from_the_others_has_their_errors(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is 2 (u1 u2 - u3 u4) for all u within the errors; a component y that is known better stays."""
+    running = Integration(known("em1"), IntegratorSettings(110, coordinates=REGULARISED), ORACLE, None).returns
+    index, error = KUSTAANHEIMO_STIEFEL.section_index, Fraction(1, 2**20)
+    u = [Fraction(1, n) for n in (2, 3, 5, 7)]
+    running.state[:4] = [running.arithmetic.constant(value).widened(error) for value in u]
+    taken: list[Series] = []
+
+    def check_last(*arguments: Any) -> None:
+        taken.append(arguments[3][index])
+        raise IntegrationFailure("section", "this is enough", "none")
+
+    monkeypatch.setattr("orbitproof.verify.poincare.returns.onto_section", check_last)
+    monkeypatch.setattr(CrossingCounter, "arrival", lambda *_: "some time")
+    for rough in (Fraction(1), error / 16):
+        running.state[index] = running.arithmetic.constant(2 * (u[0] * u[1] - u[2] * u[3])).widened(rough)
+        with pytest.raises(IntegrationFailure, match="enough"):
+            running.crossing(1)
+    formed, kept = taken
+    assert kept is running.state[index]
+    found = series_at(formed, Fraction(0), [Fraction(0)] * len(running.arithmetic.grading.weights))
+    assert found.rad() < 8 * float(error)
+    for signs in product((1, -1), repeat=4):
+        a, b, c, d = (value + sign * error for value, sign in zip(u, signs, strict=True))
+        assert contains(found, 2 * (a * b - c * d))
 
 
 @pytest.mark.parametrize("coordinates", [PHYSICAL, REGULARISED])

@@ -32,7 +32,7 @@ from orbitproof.verify.curve import PieceLimits, derived_parameter, prove_piece
 from orbitproof.verify.evidence import IntegrationFailure, Proved
 from orbitproof.verify.functions import REACH, bounded, function, known_part, restricted
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.poincare import first_integral
+from orbitproof.verify.poincare import HalfOrbits, first_integral
 from orbitproof.verify.stability import OtherPoint, TubeOfOrbits, orbit_functions
 from orbitproof.verify.stability.along import level_around
 from orbitproof.verify.stability.matrix import SHARE
@@ -351,3 +351,27 @@ def test_of_a_known_level_the_part_on_the_curve_alone_is_taken() -> None:
             )
             assert abs(found[0] - known[0]) < arb(level.errors[0])
             assert abs(found[1] - known[level.arithmetic.grading.index[position]]) < arb(level.errors[1])
+
+
+def test_the_second_half_takes_the_level_of_the_first_with_its_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Near the Moon, in regularised coordinates: what the second integration takes as a constant of motion."""
+    taken: list[Series] = []
+
+    class Recorded(HalfOrbits):
+        def __init__(self, *arguments: Any) -> None:
+            taken.append(arguments[-1])
+            super().__init__(*arguments)
+
+    monkeypatch.setattr("orbitproof.verify.stability.matrix.HalfOrbits", Recorded)
+    piece, parameters = halo_piece("regularised")
+    limits = HALO_LIMITS["regularised"]
+    tube = TubeOfOrbits(CR3BP, parameters, piece, HALO_INTERVALS["regularised"], limits, "regularised", ORACLE, "S")
+    found = orbit_functions(tube).level
+    (level,) = taken
+    # The format of the second integration is no finer than that of functions along the curve.
+    assert level.errors[0] >= found.errors[0] > 0
+    own, known = bounded(found), known_part(level, 0)
+    for tau in (arb(n) / 4 for n in range(-4, 5)):
+        sigma = tau * SHARE.numerator / SHARE.denominator
+        value = sum((arb(fmpq(a.numerator, a.denominator)) * sigma**n for n, a in enumerate(known)), arb(0))
+        assert (value + arb(0, level.errors[0])).contains(own.value(tau).mid())
