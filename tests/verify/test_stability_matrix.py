@@ -327,8 +327,12 @@ def test_of_a_known_level_the_part_on_the_curve_alone_is_taken() -> None:
     one = WideArithmetic(Grading((1,), 0), 160, 0, 0, width=60)
     moved = Fraction(1, 2**20)
     on_curve = function(one, [a + (not n) * moved for n, a in enumerate(known_part(exact, 0))], moved)
-    level = level_around(points(96, 20, 1, Fraction(1, 2**14)), CR3BP, on_curve)
+    around = points(96, 20, 1, Fraction(1, 2**14))
+    level = level_around(around, CR3BP, on_curve)
+    whole = first_integral(CR3BP, around["mu"].arithmetic, around)
     assert level is not None
+    assert whole is not None
+    assert level.errors[1:] == whole.errors[1:]
     # On the curve the level is known better than the points are.
     assert level.errors[0] < 2**-18
     for sigma in (arb(n) / 5 for n in range(-5, 6)):
