@@ -223,10 +223,10 @@ def test_the_symmetric_orbit_of_lorenz_loses_its_symmetry() -> None:
 @pytest.mark.slow
 def test_other_orbits_of_lorenz_bifurcate() -> None:
     """The window 148 < rho < 166 (C. Sparrow, The Lorenz equations, 1982) ends in a fold at 166.06."""
-    fold = _proved(cases.lorenz_fold())
+    fold = _proved(cases.lorenz_fold(), bits=MANY_BITS)
     assert (fold.side, fold.multipliers.inside) == ("below", 1)
     assert abs(float(fold.parameter.mid()) - 166.06149) < 1e-5
-    pitchfork = _proved(CLAIMS["two crossings"], _enclosed("two crossings"))
+    pitchfork = _proved(CLAIMS["two crossings"], _enclosed("two crossings", MANY_BITS), MANY_BITS)
     assert (pitchfork.is_fixed, pitchfork.criticality) == (False, "supercritical")
 
 
