@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
+from math import floor, log2
 from typing import Any
 
 import numpy as np
 import pytest
 from flint import arb, arb_series, ctx, fmpq
 from scipy.integrate import solve_ivp
+from support.skew_products import SkewProduct, half_period
 from support.stability_cases import (
     HALO_INTERVALS,
     HALO_LIMITS,
@@ -33,7 +35,7 @@ from orbitproof.verify.evidence import IntegrationFailure, Proved
 from orbitproof.verify.functions import REACH, bounded, function, known_part, restricted
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import HalfOrbits, first_integral
-from orbitproof.verify.stability import OtherPoint, TubeOfOrbits, orbit_functions
+from orbitproof.verify.stability import OtherPoint, TubeOfOrbits, matrix, orbit_functions
 from orbitproof.verify.stability.along import level_around
 from orbitproof.verify.stability.matrix import SHARE
 from orbitproof.verify.stability.units import scales
@@ -208,6 +210,67 @@ def test_a_curve_that_stops_has_no_directions_across() -> None:
             other_point(*rows)
     with pytest.raises(IntegrationFailure, match="singular"):
         other_point([Fraction(0), Fraction(1)], [Fraction(0), Fraction(2)], error=Fraction(1)).modulo([])
+
+
+# Tubes of different widths
+
+
+STIFF = ((Fraction(-2), Fraction(1, 2)), (Fraction(1, 4), Fraction(3)))
+"""y'' = - STIFF y over the Duffing oscillator: one pair of multipliers grows, the other stays on the unit circle."""
+TURNED = ((Fraction(1), Fraction(1, 4), Fraction(1, 8)), (Fraction(1, 2), Fraction(1), Fraction(0)),
+          (Fraction(0), Fraction(1, 4), Fraction(1)))  # fmt: skip
+"""A frame none of whose columns is along the line y = 0."""
+
+
+def two_rates() -> tuple[SkewProduct, TubeOfOrbits, float]:
+    """Orbits about amplitude 1, in a tube whose polynomial is beside their curve; their amplitude by s less 1."""
+    none = ((Fraction(0),) * 2,) * 2
+    system = SkewProduct("two-rates", (STIFF, none, none), 0.5, 1.5)
+    along = [Fraction(value).limit_denominator(2**20) for value in np.linalg.inv(np.array(TURNED, float))[:, 0]]
+    share = Fraction(1, 32)
+    # The curve is p = (1, along_1/along_0, along_2/along_0) share s.
+    polynomial = tuple(
+        (Fraction(0), share * along[j] / along[0] + beside) for j, beside in ((1, Fraction(1, 2**14)), (2, Fraction(0)))
+    )
+    piece = Piece("piece", "regular", (Fraction(1), Fraction(0), Fraction(0)), TURNED, share, polynomial,
+                  (Fraction(1, 2**12), Fraction(1, 2**14)), "physical")  # fmt: skip
+    tube = TubeOfOrbits(
+        system.system, {}, piece, (Fraction(-1), Fraction(1)), PieceLimits(56, 18, 10), "physical", ORACLE
+    )
+    return system, tube, float(share / along[0])
+
+
+def test_tubes_of_different_widths_on_both_halves_give_the_closed_form(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The stability parameters are cos(2 T r^(1/2)), T the half period of the oscillator, r the eigenvalues of STIFF."""
+    widths: list[list[Fraction]] = []
+    chosen = matrix._as_wide
+    monkeypatch.setattr(matrix, "_as_wide", lambda *given: widths.append(chosen(*given)) or widths[-1])
+    _, tube, share = two_rates()
+    found = orbit_functions(tube).stored
+    (around,) = widths
+    # Neither tube has one width, and none of the second is one of the first.
+    assert max(around) >= 8 * min(around)
+    assert not set(around) & {8 * Fraction(2) ** floor(log2(width)) for width in tube.piece.tube}
+    rates = np.linalg.eigvals(np.array(STIFF, float)).astype(complex) ** 0.5
+    for tau in np.linspace(-1, 1, 9):
+        time = half_period(1 + share * float(REACH) * tau)
+        first, second = np.cos(2 * time * rates)
+        for function_, value in zip(found.characteristic, (first + second, first * second), strict=True):
+            enclosure = function_.enclosed.value(arb(tau))
+            assert (enclosure + arb(0, 1e-11 * abs(value))).contains(arb(value.real))
+            assert enclosure.rad() < 1e-6 * abs(value)
+
+
+@pytest.mark.parametrize("precision", [72, 88, 108, 120, 136, 156])
+def test_the_second_half_has_fewer_bits_from_an_error_on(precision: int) -> None:
+    """The formats that lists are asked for with, at first and again: min(p, max(64, 44 - floor(log2 e)))."""
+    _, tube, _ = two_rates()
+    tube = replace(tube, limits=replace(tube.limits, precision=precision))
+    least = Fraction(2) ** (45 - precision)
+    for error, fewer in ((least, 1), (least * Fraction(127, 128), 0), (2 * least, 2), (least / 2**30, 0)):
+        assert tube._format(Fraction(1, 2**20), error).bits == precision - fewer
+    assert tube._format(Fraction(1, 2**20), Fraction(1, 2**12)).bits == 64
+    assert tube._format(Fraction(1, 2**20)).bits == precision
 
 
 # The CR3BP

@@ -31,7 +31,7 @@ class Coordinates:
         section_program: see `verify.poincare.section_field`.
         section: index of the section coordinate.
         regularisation: `None` for the system's own coordinates.
-        embedding: the state at a point of Fix(R); `None` for the system's own coordinates.
+        embedding: the state at a point of the section; `None` for the system's own coordinates.
         steps: about as many regularised ones a half return takes, where that was estimated; else 0.
     """
 

@@ -26,7 +26,7 @@ def is_regularised(system: ReversibleSystem) -> bool:
 
 
 def regularised(system: ReversibleSystem, state: Sequence[float], parameters: Sequence[float]) -> Coordinates | None:
-    """Regularised coordinates of the system, if it has any, that suit a point of Fix(R)."""
+    """Regularised coordinates of the system, if it has any, that suit a point of the section."""
     if not is_regularised(system):
         return None
     regularisation = REGULARISATIONS[system.name]
