@@ -10,8 +10,10 @@ from functools import cache, partial
 from itertools import product
 from typing import Any
 
+import numpy as np
 import pytest
 from flint import arb, arb_series, ctx, fmpz_poly
+from scipy.integrate import solve_ivp
 from support.claims import known
 from support.flow_checks import (
     ball,
@@ -159,6 +161,25 @@ def test_the_projection_undoes_the_embedding(branch: int) -> None:
                 assert vanishes(found - given)
             assert vanishes(bilinear(spinors[:4], spinors[4:8]))
             assert spinors[8:] == [0, 0]
+
+
+def test_orbits_from_any_point_of_the_section_are_those_of_the_three_body_problem() -> None:
+    """Lemma 14.1, where all components of the velocity are other than 0; two integrations that know no enclosures."""
+    source, mu = np.random.default_rng(14), float(MU)
+    for _ in range(5):
+        x, z = source.uniform(-0.15, 0.15, 2)
+        state = [1 - mu + x, 0.0, z, *source.uniform(-0.6, 0.6, 3)]
+        assert CR3BP.first_integral is not None
+        level = CR3BP.first_integral(state, (mu,))
+        field = lambda _, v, level=level: KUSTAANHEIMO_STIEFEL.vector_field(v, (mu,), level)  # noqa: E731
+        branch = KUSTAANHEIMO_STIEFEL.branch(state, (mu,))
+        start = [float(value) for value in KUSTAANHEIMO_STIEFEL.embedding(state, (mu,), branch)]
+        end = solve_ivp(field, (0, 3), start, "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+        motion = lambda _, v: CR3BP.vector_field(v, (mu,))  # noqa: E731
+        there = solve_ivp(motion, (0, end[9]), state, "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+        assert end[9] > 0.1
+        assert np.abs(there - state).max() > 0.05
+        assert np.allclose(KUSTAANHEIMO_STIEFEL.projection(end, (mu,)), there, rtol=1e-7, atol=1e-8)
 
 
 def test_both_formulas_of_the_embedding_agree_where_both_are_valid() -> None:

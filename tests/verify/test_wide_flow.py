@@ -23,7 +23,7 @@ from orbitproof.verify.algebra import Arithmetic, Grading, PreparedProgram, Seri
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow import FlowStep, advance
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.wide_solution import expand
+from orbitproof.verify.oracle.wide_solution import CircleExpansion, expand
 from orbitproof.verify.poincare import Arrival, CrossingCounter, HalfOrbits, wide_parts
 from orbitproof.verify.poincare.section import onto_section
 from orbitproof.verify.poincare.section_field import build_section_program
@@ -97,6 +97,23 @@ def test_a_step_without_its_defect_is_caught(monkeypatch: pytest.MonkeyPatch) ->
         orbitproof.verify.flow.step, "_defect", lambda solution, field, step: solution.arithmetic.zero_errors()
     )
     assert escapes(WIDE_SETS["twist"], half_return(WIDE_SETS["twist"]), 1, 6) > 0
+
+
+def test_float64_does_where_coefficients_are_at_most_a_multiple_of_their_errors(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """2^41 times the errors, as the chapter says (3.4); coefficients of the largest size are between 1/2 and 1."""
+    corrected: list[int] = []
+    monkeypatch.setattr(CircleExpansion, "_correct", lambda self, *_: corrected.append(1))
+    wide = WIDE_SETS["twist"]
+    wide = replace(wide, limits=(88, *wide.limits[1:]))
+    returns = wide.returns()
+    assert max(abs(float(known_value(x, mpmath.mpf(0), [0, 0]).real)) for x in returns.state) < 1
+    for error in (2.0**-41, 2.0**-43, 0.0):
+        corrected.clear()
+        state = [x.with_errors([error, 0.0, 0.0]) for x in returns.state]
+        wide_step(returns.program, wide.arithmetic, state, returns.fixed, 0.25)
+        assert bool(corrected) == (error < 2.0**-42), error
 
 
 # HalfOrbits

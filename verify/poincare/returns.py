@@ -1,7 +1,7 @@
 """Successive returns to the section of a set of orbits (sections 3 to 5 and 14).
 
 `Orbits` follows the orbits of elements of the algebra from one crossing of the section to the next, with the proof that
-it is that crossing; `Returns` those that start on Fix(R).
+it is that crossing; `Returns` those that start on the section.
 """
 
 from __future__ import annotations
@@ -206,7 +206,7 @@ class Orbits:
 
 
 class Returns(Orbits):
-    """The orbits of a set of points of Fix(R), and their crossings of the section so far: see `Orbits`."""
+    """The orbits of a set of points of the section, mostly of Fix(R), and their crossings so far: see `Orbits`."""
 
     def __init__(
         self,
@@ -217,7 +217,7 @@ class Returns(Orbits):
         coordinates: str = AUTO,
         level: Series | None = None,
     ) -> None:
-        """Start from points of Fix(R).
+        """Start from points of the section.
 
         Args:
             point: by name, as in `initial_values`.
@@ -263,7 +263,7 @@ class Returns(Orbits):
 
 
 def initial_values(system: ReversibleSystem, arithmetic: Arithmetic, point: Mapping[str, Series]) -> list[Series]:
-    """State and parameters at points of Fix(R), in the order of the system.
+    """State and parameters at points of the section, in the order of the system.
 
     Args:
         point: by name, all parameters and those coordinates that are neither zero nor follow from others.
@@ -283,7 +283,7 @@ def initial_values(system: ReversibleSystem, arithmetic: Arithmetic, point: Mapp
 
 
 def first_integral(system: ReversibleSystem, arithmetic: Arithmetic, point: Mapping[str, Series]) -> Series | None:
-    """The first integral at points of Fix(R), as in `initial_values`; `None` if the system has none."""
+    """The first integral at points of the section, as in `initial_values`; `None` if the system has none."""
     program = system.first_integral_program
     return None if program is None else at_start(program, initial_values(system, arithmetic, point))[0]
 
