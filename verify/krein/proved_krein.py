@@ -10,10 +10,8 @@ from flint import arb
 
 from orbitproof.shared.claims.fields import Title
 from orbitproof.shared.formats import KREIN_COLLISION, Candidate
-from orbitproof.verify.claim import check_frames, check_level, check_symmetries
 from orbitproof.verify.evidence import (
     Checklist,
-    NotEstablishedError,
     Outcome,
     Reason,
     all_finite,
@@ -35,8 +33,10 @@ from orbitproof.verify.reversor_breaking import (
     both_points,
     check_curve,
     check_half_return,
+    check_maps_exactly,
     check_sheet,
     enclose_breaking,
+    not_about_maps,
     parameter_of,
     period_of,
 )
@@ -91,29 +91,18 @@ class KreinTheorem:
 
 def theorem_of_krein(candidate: Candidate) -> KreinTheorem | Reason:
     """The theorem that a candidate claims, or why none applies."""
-    system = candidate.system
+    n = len(candidate.kernel_frame)
     if candidate.kind != KREIN_COLLISION:
         return Reason("theorem", f"{candidate.kind} is about other points", "claim another kind")
-    if len(candidate.kernel_frame) != SIZE:
-        n = len(candidate.kernel_frame)
-        return Reason("theorem", f"two pairs of multipliers are needed, {system.name} has {n}", "claim another kind")
-    if not candidate.is_family_of_maps:
-        message = "the points of the box have no common parameter"
-        return Reason("theorem", message, "claim it with the first integral as parameter (section 27.1)")
-    if system.normalised:
-        return Reason("theorem", f"{system.name} is a form of other orbits", "claim it in the original coordinates")
-    return KreinTheorem(candidate)
+    if n != SIZE:
+        message = f"two pairs of multipliers are needed, {candidate.system.name} has {n}"
+        return Reason("theorem", message, "claim another kind")
+    return not_about_maps(candidate) or KreinTheorem(candidate)
 
 
 def check_krein_exactly(checklist: Checklist, candidate: Candidate) -> None:
     """All hypotheses that need no integration; raises `NotEstablishedError` for the first that fails."""
-    theorem = theorem_of_krein(candidate)
-    if isinstance(theorem, Reason):
-        raise NotEstablishedError(theorem)
-    check_symmetries(checklist, candidate.system, None)
-    check_frames(checklist, candidate)
-    if candidate.uses_level:
-        check_level(checklist, candidate)
+    check_maps_exactly(checklist, candidate, theorem_of_krein(candidate))
 
 
 def enclose_krein(

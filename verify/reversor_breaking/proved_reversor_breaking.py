@@ -85,20 +85,29 @@ class BreakingTheorem:
 
 def theorem_of(candidate: Candidate) -> BreakingTheorem | Reason:
     """The theorem that a candidate claims, or why none applies."""
-    system = candidate.system
     if candidate.kind != REVERSOR_BREAKING:
         return Reason("theorem", f"{candidate.kind} is about symmetric orbits", "claim another kind")
+    return not_about_maps(candidate) or BreakingTheorem(candidate)
+
+
+def not_about_maps(candidate: Candidate) -> Reason | None:
+    """Why no theorem about a family of half returns applies to a candidate, if none does."""
+    system = candidate.system
     if not candidate.is_family_of_maps:
         message = "the points of the box have no common parameter"
         return Reason("theorem", message, "claim it with the first integral as parameter (section 27.1)")
     if system.normalised:
         return Reason("theorem", f"{system.name} is a form of other orbits", "claim it in the original coordinates")
-    return BreakingTheorem(candidate)
+    return None
 
 
 def check_breaking_exactly(checklist: Checklist, candidate: Candidate) -> None:
     """All hypotheses that need no integration; raises `NotEstablishedError` for the first that fails."""
-    theorem = theorem_of(candidate)
+    check_maps_exactly(checklist, candidate, theorem_of(candidate))
+
+
+def check_maps_exactly(checklist: Checklist, candidate: Candidate, theorem: object) -> None:
+    """Those of a theorem about a family of half returns, or the reason why there is none."""
     if isinstance(theorem, Reason):
         raise NotEstablishedError(theorem)
     check_symmetries(checklist, candidate.system, None)
