@@ -36,10 +36,11 @@ from support.wide_checks import MU, libration_point
 
 from orbitproof.shared.claims import Piece
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
-from orbitproof.verify.algebra import Grading, WideArithmetic
+from orbitproof.verify.algebra import Grading, Series, WideArithmetic
 from orbitproof.verify.atlas import condition_of
-from orbitproof.verify.curve import UNCLEAR_SLOPE, Equation, PieceLimits, prove_piece
-from orbitproof.verify.evidence import NotProved
+from orbitproof.verify.curve import UNCLEAR_SLOPE, Equation, PieceLimits, check_newton, prove_piece
+from orbitproof.verify.curve.equation import combined, inverse_near, values_on
+from orbitproof.verify.evidence import Checklist, NotProved, exact_value
 from orbitproof.verify.oracle import ORACLE
 
 BITS = 110
@@ -141,7 +142,7 @@ def test_derivatives_of_the_equation_hold_its_unknown_parts(seed: int) -> None:
         part = ball(s) + arb(0, 1) / 64
         assert equation.value(part).contains(ball(value))
         assert equation.slope(0, part).contains(ball(slope))
-        assert equation.wide_derivative([ball(w)], part, False).contains(ball(Fraction(1, 4) + change))
+        assert values_on(part, *equation.along([ball(w)], False)).contains(ball(Fraction(1, 4) + change))
 
 
 @pytest.mark.parametrize("power", [2, 4, 16, 32])
@@ -154,8 +155,75 @@ def test_derivatives_divided_by_s_hold_the_unknown_parts_of_an_even_function(pow
     s, w = Fraction(16, 17), Fraction(1, 2)
     truth = Fraction(1, 2) + Fraction(1, 2) * power * s ** (power - 2) * w**grade
     with ctx.workprec(100):
-        found = Equation(known.with_errors(errors)).wide_derivative([ball(w)], ball(s), True)
+        found = values_on(ball(s), *Equation(known.with_errors(errors)).along([ball(w)], True))
         assert found.contains(ball(truth))
+
+
+def nearly_dependent(source: random.Random, weak: Fraction) -> tuple[WideArithmetic, list[Series], list[Any]]:
+    """F with singular values of about 2 and `weak`, whose directions turn with sigma, and the functions themselves.
+
+    The first component is f + omega_1 + sigma omega_2, the second sigma times the first, and weak omega_2.
+    """
+    arithmetic = WideArithmetic(Grading((1, 1), 1), 100, 0, 4, width=4)
+    f = [Fraction(source.randint(-9, 9), 10**12) for _ in range(3)]
+    known = [
+        arithmetic.polynomial({(0, 0): f, (1, 0): ONE, (0, 1): [ZERO, ONE]}),
+        arithmetic.polynomial({(0, 0): [ZERO, *f], (1, 0): [ZERO, ONE], (0, 1): [weak, ZERO, ONE]}),
+    ]
+
+    def value(s: Fraction, v: Fraction, w: Fraction) -> Fraction:
+        return sum((c * s**n for n, c in enumerate(f)), ZERO) + v + s * w
+
+    functions = [value, lambda s, v, w: s * value(s, v, w) + weak * w]
+    return arithmetic, known, functions
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_combinations_of_the_equations_hold_their_unknown_parts(seed: int) -> None:
+    """F + e_0 sigma^a + e_1 sigma^b omega_1 + e_2 omega_1^2 omega_2 for each component, times polynomials."""
+    source = random.Random(seed)
+    _, known, functions = nearly_dependent(source, Fraction(1, 100))
+    errors = [[source.random() for _ in range(3)] for _ in known]
+    a, b = (source.choice((0, 1, 2, 7)) for _ in range(2))
+    s, v, w = (Fraction(source.choice((-1, 1)) * source.randint(9, 16), d) for d in (17, 32, 32))
+    made = [Equation(each.with_errors(own)) for each, own in zip(known, errors, strict=True)]
+    signs = [source.choice((-1, 1)) for _ in known]
+    unknown = [[sign * Fraction(e) for e in own] for sign, own in zip(signs, errors, strict=True)]
+    eps = Fraction(1, 10**9)
+    with ctx.workprec(150):
+        part = ball(s) + arb(0, 1) / 64
+        for row in inverse_near(made, part.mid() + arb(1) / 128):
+            at = [exact_value(weight(ball(s)).mid()) for weight in row]
+            values = [f(s, ZERO, ZERO) + e[0] * s**a for f, e in zip(functions, unknown, strict=True)]
+            slopes = [
+                (f(s, ONE, ZERO) - f(s, ZERO, ZERO)) + e[1] * s**b + 2 * e[2] * v * w
+                for f, e in zip(functions, unknown, strict=True)
+            ]
+            turned = [
+                (f(s + eps, v, w) - f(s - eps, v, w)) / (2 * eps)
+                + (e[0] * a * s ** (a - 1) if a else 0)
+                + (e[1] * b * s ** (b - 1) * v if b else 0)
+                for f, e in zip(functions, unknown, strict=True)
+            ]
+            for truth, enclosed in (
+                (values, [each.at_zero for each in made]),
+                (slopes, [each.across(0) for each in made]),
+                (turned, [each.along([ball(v), ball(w)], False) for each in made]),
+            ):
+                exact = sum((x * y for x, y in zip(at, truth, strict=True)), ZERO)
+                found = combined(row, enclosed, part)
+                assert abs(exact_value(found.mid()) - exact) <= exact_value(found.rad()) + Fraction(1, 10**12)
+
+
+def test_nearly_dependent_equations_are_told_apart_on_large_parts() -> None:
+    """Singular values 2 and 1e-9, whose directions turn along the piece: balls of the components tell nothing."""
+    _, known, _ = nearly_dependent(random.Random(1), Fraction(1, 10**9))
+    with ctx.workprec(150):
+        deviation, slope = check_newton(Checklist(), known, ONE)
+        # omega_1 = -f is the zero, and omega_2 = 0.
+        assert float(deviation[0]) < 3e-11
+        assert float(deviation[1]) < 1e-3
+        assert float(slope[0]) < 1
 
 
 def equations(system: ReversibleSystem) -> Callable[[Sequence[Fraction]], list[Any]]:

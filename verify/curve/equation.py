@@ -10,16 +10,22 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import arb, arb_poly
+from flint import arb, arb_mat, arb_poly
 
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series, recentred, values_around
-from orbitproof.verify.evidence import enclose
+from orbitproof.verify.evidence import enclose, total
 from orbitproof.verify.poincare import HalfOrbits, WideOracle
 
 BEYOND = Fraction(17, 16)
 TUBE = Fraction(1, 2)
+
+Enclosed = tuple[arb_poly, arb]
+"""A function of sigma: a polynomial, and a bound of the rest on the whole interval."""
+
+_TERMS = 5
+"""Powers of sigma in what the equations are multiplied by."""
 
 
 def parameter_series(
@@ -131,16 +137,39 @@ class Equation:
         self.errors = [*map(arb, element.errors[:2]), sum(map(arb, beyond), arb(0))]
         self.inside = 1 / enclose(BEYOND)
 
-    def value(self, part: arb) -> arb:
+    @property
+    def at_zero(self) -> Enclosed:
         """F(sigma, 0)."""
-        return _over(self.polynomials[0], part) + arb(0, 1) * self.errors[0]
+        return self.polynomials[0], self.errors[0]
 
-    def slope(self, variable: int, part: arb) -> arb:
+    def across(self, variable: int) -> Enclosed:
         """dF/d omega_variable for all omega in the tube.
 
         A monomial of degree n >= 2 in omega changes by at most n 2^(1-n) <= 1 on the tube.
         """
-        return _over(self.linear(variable), part) + arb(0, 1) * (self.errors[1] + self.errors[2])
+        return self.linear(variable), self.errors[1] + self.errors[2]
+
+    def along(self, omega: Sequence[arb], divided: bool) -> Enclosed:
+        """dF/d sigma, or that divided by sigma for an even F, at omega in given balls of the tube.
+
+        With |sigma| <= r a power sigma^j of the unknown part changes by at most j r^(j-1) <= 1/(1 - r).
+        """
+        result = _slope_of(self.polynomials[0], divided)
+        for variable, ball in enumerate(omega):
+            result += _slope_of(self.linear(variable), divided) * ball
+        unknown = self.errors[0] + self.errors[1] + self.errors[2]
+        factor = 1 / (1 - self.inside)
+        if divided:
+            factor = factor / self.inside
+        return result, unknown * factor
+
+    def value(self, part: arb) -> arb:
+        """F(sigma, 0) on a part of the interval."""
+        return values_on(part, *self.at_zero)
+
+    def slope(self, variable: int, part: arb) -> arb:
+        """dF/d omega_variable on a part of the interval, for all omega in the tube."""
+        return values_on(part, *self.across(variable))
 
     def linear(self, variable: int) -> arb_poly:
         """What is known of the coefficient of omega_variable, a polynomial in sigma."""
@@ -148,31 +177,41 @@ class Equation:
         assert position is not None
         return self.polynomials[position]
 
-    def wide_derivative(self, omega: Sequence[arb], part: arb, divided: bool) -> arb:
-        """dF/d sigma, or that divided by sigma for an even F, at omega in given balls of the tube.
 
-        With |sigma| <= r a power sigma^j of the unknown part changes by at most j r^(j-1) <= 1/(1 - r).
-        """
-        result = _slope_of(self.polynomials[0], part, divided)
-        for variable, ball in enumerate(omega):
-            result += _slope_of(self.linear(variable), part, divided) * ball
-        unknown = self.errors[0] + self.errors[1] + self.errors[2]
-        factor = 1 / (1 - self.inside)
-        if divided:
-            factor = factor / self.inside
-        return result + arb(0, 1) * (unknown * factor)
+def values_on(part: arb, polynomial: arb_poly, error: arb) -> arb:
+    """Values of a function on a part of the interval."""
+    return values_around(polynomial, part.mid(), part.rad()) + arb(0, 1) * error
 
 
-def _slope_of(polynomial: arb_poly, part: arb, divided: bool) -> arb:
+def combined(weights: Sequence[arb_poly], functions: Sequence[Enclosed], part: arb) -> arb:
+    """Values on a part of the interval of a sum of functions times weights, which is formed before it is evaluated."""
+    known = sum((weight * function for weight, (function, _) in zip(weights, functions, strict=True)), arb_poly())
+    sizes = [abs(values_on(part, weight, arb(0))) for weight in weights]
+    return values_on(part, known, total(size * error for size, (_, error) in zip(sizes, functions, strict=True)))
+
+
+def inverse_near(equations: Sequence[Equation], middle: arb) -> list[list[arb_poly]]:
+    """Approximately the inverse of the derivative in omega: its power series about `middle`, up to `_TERMS`.
+
+    Raises `ZeroDivisionError` if the derivative is numerically singular there.
+    """
+    size = range(len(equations))
+    series = [[equation.linear(j)(arb_poly([middle, 1])) for j in size] for equation in equations]
+    derivative = [arb_mat([[entry[power] for entry in row] for row in series]).mid() for power in range(_TERMS)]
+    inverse = [derivative[0].inv().mid()]
+    for power in range(1, _TERMS):
+        products = (derivative[i] * inverse[power - i] for i in range(1, power + 1))
+        inverse.append((inverse[0] * -sum(products, arb_mat(len(size), len(size)))).mid())
+    back = arb_poly([-middle, 1])
+    return [[arb_poly([term[i, j] for term in inverse])(back) for j in size] for i in size]
+
+
+def _slope_of(polynomial: arb_poly, divided: bool) -> arb_poly:
     derivative = polynomial.derivative()
     if divided:
         # Odd coefficients of an even function are not there; what is known of them is rounding.
         derivative = arb_poly([c if n % 2 == 0 else arb(0) for n, c in enumerate(derivative.coeffs()[1:])])
-    return _over(derivative, part)
-
-
-def _over(polynomial: arb_poly, part: arb) -> arb:
-    return values_around(polynomial, part.mid(), part.rad())
+    return derivative
 
 
 def divided_by_wide(element: Series) -> Series:

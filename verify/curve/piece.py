@@ -22,8 +22,10 @@ from orbitproof.verify.curve.equation import (
     TUBE,
     Equation,
     HalfReturn,
+    combined,
     divided_by_wide,
     halves,
+    inverse_near,
     parameter_series,
     parts_of_interval,
     tube_points,
@@ -315,11 +317,13 @@ def _singular_between(equations: Sequence[Equation]) -> IntegrationFailure | Non
 
 def _newton(equations: Sequence[Equation], part: arb, radius: Fraction, divided: bool) -> tuple[list[arb], list[arb]]:
     """Newton image and slope of omega on a part of the interval of sigma; raises if it is not inside the tube."""
-    matrix = _slopes(equations, part)
-    residual = [equation.value(part) for equation in equations]
-    if not all_finite(residual) or not all_finite(entry for row in matrix for entry in row):
+    if not all_finite(error for equation in equations for error in equation.errors):
         raise IntegrationFailure("newton", "the half return was not enclosed", "give a narrower piece")
+    across = [[equation.across(j) for equation in equations] for j in range(len(equations))]
     try:
+        weights = inverse_near(equations, part.mid())
+        matrix = [[combined(row, column, part) for column in across] for row in weights]
+        residual = [combined(row, [equation.at_zero for equation in equations], part) for row in weights]
         image = newton_image(matrix, residual) if is_regular(matrix) else None
     except ZeroDivisionError:
         image = None
@@ -330,7 +334,8 @@ def _newton(equations: Sequence[Equation], part: arb, radius: Fraction, divided:
         far = ", ".join(f"{float(ball.abs_upper() / enclose(TUBE)):.3g}" for ball in image)
         message = f"the Newton image, {far} of the tube, is not well inside of it"
         raise IntegrationFailure("newton", message, "give a better polynomial, a wider tube or a narrower piece")
-    slope = newton_image(matrix, [equation.wide_derivative(image, part, divided) for equation in equations])
+    along = [equation.along(image, divided) for equation in equations]
+    slope = newton_image(matrix, [combined(row, along, part) for row in weights])
     scale = enclose(radius * radius if divided else radius)
     return image, [value / scale for value in slope]
 
