@@ -63,6 +63,21 @@ def precise_only(argument: Argument, report: Report) -> dict[str, Any]:
     return proving(argument, report) if enough or not _second(argument) else failing(argument, report)
 
 
+def steep_only(argument: Argument, report: Report) -> dict[str, Any]:
+    """Leaves open without second derivatives whether the derivative across the second piece is regular."""
+    if argument["integrator"]["top"] > 1 or not _second(argument):
+        return proving(argument, report)
+    reason = {"condition": "slope", "message": "the derivative may be singular", "remedy": "give a larger top"}
+    return {**failing(argument, report), "reason": reason}
+
+
+def unclear(argument: Argument, report: Report) -> dict[str, Any]:
+    """Leaves that open with all settings, on intervals of the second piece longer than 1/2."""
+    if _length(argument) <= Fraction(3, 5) or not _second(argument):
+        return proving(argument, report)
+    return {**failing(argument, report), "reason": {"condition": "slope", "message": "may be singular", "remedy": ""}}
+
+
 def not_the_second(argument: Argument, report: Report) -> dict[str, Any]:
     """Fails on the second piece, however short the interval."""
     return failing(argument, report) if _second(argument) else proving(argument, report)

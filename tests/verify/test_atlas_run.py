@@ -206,6 +206,47 @@ def test_an_unclear_slope_is_split_before_more_precision_is_tried(condition: str
     assert plan(piece, values([unclear]), attempts, 0).missing == more_precision
 
 
+def test_second_derivatives_are_followed_where_first_ones_leave_a_slope_open(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    run, engine = AtlasRun(CURVE, RunLimits({})), InOrder()
+    with (display := Display(dict.fromkeys(run.pending, 1.0), quiet=False)).shown():
+        run.run(engine, display, lambda results: None, atlas_work.steep_only)
+    assert "p001: again with second derivatives, not proved" in capsys.readouterr().err
+    assert [name for name, _ in engine.asked].count("p001") == 2
+    assert run.plan_of("p001").is_proved
+    first, second = (result.computation for result in run.results_of("p001"))
+    assert (first.top, second.top) == (1, 2)
+    assert first.precision == second.precision
+    (other,) = (result.computation for result in run.results_of("p000"))
+    assert other.top == 1
+    # Nothing of it is tried again by a run that goes on.
+    assert not go(CURVE, atlas_work.steep_only, earlier=run.results)[1].asked
+
+
+def test_who_begins_with_second_derivatives_is_not_given_third_ones() -> None:
+    run, _ = go(CURVE, atlas_work.unclear, RunLimits({"top": 2}))
+    assert {result.computation.top for result in run.results} == {2}
+    assert run.plan_of("p001").is_proved
+
+
+def test_what_second_derivatives_leave_open_is_halved_without_them() -> None:
+    run, _ = go(CURVE, atlas_work.unclear)
+    tops = [result.computation.top for result in run.results_of("p001")]
+    assert tops == [1, 2, 1, 1, 1, 1, 1, 1]
+    assert run.plan_of("p001").is_proved
+
+
+def test_results_of_the_attempt_with_second_derivatives_count_in_the_next_run(tmp_path: Path) -> None:
+    target = tmp_path / "curve.json"
+    given = [write(tmp_path / "atlas.json"), "-o", str(target), "--max-splits", "0", "--quiet"]
+    assert main(given, atlas_work.unclear) == 1
+    before = target.read_text()
+    assert [result.computation.top for result in read_atlas_certificate(target).results] == [1, 1, 2, 1, 1]
+    assert main(given, atlas_work.proving) == 1
+    assert json.loads(target.read_text())["results"] == json.loads(before)["results"]
+
+
 def test_an_engine_asks_for_more_after_every_answer() -> None:
     """Tasks that exist only because of an answer are done too, also by processes that had become idle."""
     waiting = [Task("p001", task_argument("p001"))]

@@ -43,7 +43,8 @@ examples:
   orbitproof verify atlas --recheck --integrate curve.json --jobs 2
       and prove every interval, and the bifurcations on the curve, again in another way
 
-A piece that fails is tried with more precision, then split in two; what was proved is kept.
+A piece that fails is tried with more precision, or where that promises more with second derivatives across the curve,
+then split in two; what was proved is kept.
 exit codes: 0 the theorem is proved, every bifurcation asked about lies on the curve, and the list leaves out
 nothing; 1 not; 2 bad input; 130 interrupted. "not proved" never means "shown to be false"
 """

@@ -65,6 +65,22 @@ def attempts_of(atlas: AnyAtlas, limits: RunLimits) -> tuple[Settings, ...]:
     return first, {name: value + more.get(name, 0) for name, value in first.items()}
 
 
+def for_slopes_of(attempts: Sequence[Settings]) -> Settings | None:
+    """Settings for intervals on which the derivative across the curve may be singular: second ones are followed too.
+
+    Bounds of what is beyond the first derivatives grow along an orbit; `None` if these are not the highest anyway.
+    """
+    return {**attempts[0], "top": 2} if attempts[0]["top"] == 1 else None
+
+
+def all_attempts_of(atlas: AnyAtlas, limits: RunLimits) -> tuple[Settings, ...]:
+    """`attempts_of`, then those for special cases: `for_slopes_of`, and last of all `closer_look_of`."""
+    attempts = attempts_of(atlas, limits)
+    across = for_slopes_of(attempts)
+    special = (*(() if across is None else (across,)), *((closer_look_of(attempts),) if limits.lasting else ()))
+    return *attempts, *special
+
+
 def _wanted(atlas: AnyAtlas, limits: RunLimits) -> Settings:
     if limits.lasting:
         return _FOR_LASTING

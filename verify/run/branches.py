@@ -42,8 +42,9 @@ from orbitproof.verify.run.branch_checks import checked_side_by_side, watching
 from orbitproof.verify.run.branch_tasks import (
     HALVED_FOR_LASTING,
     RunLimits,
+    all_attempts_of,
     attempts_of,
-    closer_look_of,
+    for_slopes_of,
     result_of,
     task_of,
 )
@@ -71,7 +72,7 @@ class AtlasRun:
         self.limits = limits
         self.output = output
         self._attempts = attempts_of(atlas, limits)
-        self._all_attempts = (*self._attempts, closer_look_of(self._attempts)) if limits.lasting else self._attempts
+        self._all_attempts = all_attempts_of(atlas, limits)
         self._results: dict[str, list[Result]] = {piece.id: [] for piece in atlas.pieces}
         for result in earlier:
             self._results[result.piece].append(result)
@@ -130,6 +131,7 @@ class AtlasRun:
             0 if isinstance(piece, BirthPiece) else self.limits.max_splits,
             self._lacks,
             HALVED_FOR_LASTING if lasting else 0,
+            for_slopes_of(self._attempts),
         )
         return with_closer_looks(state, results, self._rough, self._all_attempts) if lasting else state
 
@@ -210,8 +212,9 @@ class AtlasRun:
             return
         if result.reason is not None:
             start, end = result.interval
-            again = any(interval == (start, end) for interval, _ in state.missing)
-            word = "again with more precision" if again else "split"
+            again = [attempt for interval, attempt in state.missing if interval == (start, end)]
+            how = "more precision" if again[:1] < [len(self._attempts)] else "second derivatives"
+            word = f"again with {how}" if again else "split"
             place = self._place(name, (start, end))
             display.message(
                 f"{name}: {word}, not proved for s in {exact_interval_text(start, end)}{place}: {result.reason.message}"
@@ -349,9 +352,7 @@ def started(atlas: AnyAtlas, limits: RunLimits, output: Path | None = None, fres
             output,
             before.atlas.id,
         )
-    attempts = attempts_of(atlas, limits)
-    attempts = (*attempts, closer_look_of(attempts)) if limits.lasting else attempts
-    earlier = reusable(before, atlas, attempts, limits.stability, limits.lasting)
+    earlier = reusable(before, atlas, all_attempts_of(atlas, limits), limits.stability, limits.lasting)
     return AtlasRun(atlas, limits, earlier, output)
 
 

@@ -1,6 +1,7 @@
 """Which intervals of the pieces of an atlas remain to be proved.
 
-What fails is tried again with more precision, and then split in two; where that promises more, it is split first.
+What fails is tried again with more precision, and then split in two; where that promises more, it is split first, or
+tried with higher derivatives across the curve.
 Nothing here carries proof: what the proved intervals show together is decided by `verify.curve.conclude`, from the
 intervals themselves.
 """
@@ -83,12 +84,15 @@ def plan(
     max_splits: int,
     lacks: Callable[[Result], str] = lambda result: "",
     halved: int = 0,
+    for_slopes: Settings | None = None,
 ) -> Plan:
     """What is left to do for a piece, given the results of its intervals.
 
     Each interval is tried with one of the `attempts` after the other, and then halved, at most `max_splits` times.
 
     Args:
+        for_slopes: settings with which an interval is tried first if the derivative across the curve may be singular on
+            it, and its halves no more if they left that open; as an attempt, the one after `attempts`.
         lacks: what else is wanted of a proved result and is not there, as a condition; empty for nothing.
         halved: how often intervals are halved before they are tried, `max_splits` times at most.
     """
@@ -106,7 +110,7 @@ def plan(
     missing: list[tuple[Interval, int]] = []
     failed: list[Interval] = []
 
-    def walk(interval: Interval, splits: int) -> None:
+    def walk(interval: Interval, splits: int, unclear: bool = False) -> None:
         if covers(enough, interval):
             done.append(interval)
             return
@@ -118,6 +122,12 @@ def plan(
         mended_by_halves = [*FOR_SPLITTING]
         if splits < max_splits:
             mended_by_halves += (*FIRST_FOR_SPLITTING, *(FIRST_FOR_ONE_SPLIT if splits <= halved else ()))
+        left_open = [result for result, condition in against.get(interval, []) if condition == UNCLEAR_SLOPE]
+        if for_slopes is not None and left_open and not unclear:
+            unclear = any(made_with(result, for_slopes) for result in left_open)
+            if not any(made_with(result, for_slopes) for result, _ in against[interval]):
+                missing.append((interval, len(attempts)))
+                return
         wide = splits < min(halved, max_splits) or any(condition in mended_by_halves for condition in conditions)
         tried = [result for result, _ in against.get(interval, [])]
         untried = [n for n, settings in enumerate(attempts) if not any(made_with(r, settings) for r in tried)]
@@ -127,7 +137,7 @@ def plan(
             (done if only_lacks else failed).append(interval)
         else:
             for half in halves(interval):
-                walk(half, splits + 1)
+                walk(half, splits + 1, unclear)
 
     walk(full_interval(piece), 0)
     return Plan(tuple(done), tuple(missing), tuple(failed))
