@@ -38,7 +38,7 @@ class AtlasPreset:
         increasing: coordinates claimed to increase.
         title: for the atlas.
         birth: whether the arc ends at the doubling from which its orbits are born.
-        tube: the default of --tube.
+        tube, decay: the defaults of --tube and --decay.
     """
 
     system: str
@@ -49,6 +49,7 @@ class AtlasPreset:
     title: str
     birth: bool = False
     tube: float = 1e-9
+    decay: float = 1e-13
 
 
 ATLAS_PRESETS = {
@@ -90,6 +91,16 @@ ATLAS_PRESETS = {
         ("x",),
         "L3 halo orbits of the Earth-Moon system from their birth to x = -0.1",
         tube=5e-9,
+    ),
+    "l3-halo-sun-jupiter": AtlasPreset(
+        "cr3bp",
+        "sun-jupiter",
+        "L3-halo",
+        ("x", "-1", "-0.02"),
+        ("x",),
+        "L3 halo orbits of the Sun-Jupiter system from their birth to x = -0.02",
+        tube=1e-8,
+        decay=1e-15,
     ),
     **{
         f"axial-{point.lower()}-{mass}": AtlasPreset(
@@ -202,7 +213,7 @@ def add_parser(commands: Any) -> None:
         help="a piece is so wide that coefficient D of the flow in the curve's parameter falls to --decay "
         "(default: %(default)s)",
     )
-    pieces.add_argument("--decay", type=common.positive, default=1e-13, metavar="E", help="default: %(default)s")
+    pieces.add_argument("--decay", type=common.positive, metavar="E", help="default: 1e-13, with --preset as it suits")
     pieces.add_argument(
         "--tube",
         type=common.positive,
@@ -245,8 +256,10 @@ def run(options: argparse.Namespace) -> int:
 
         return check_file(options.check, options.quiet)
     source = _source(options)
-    if options.tube is None:
-        options.tube = ATLAS_PRESETS[options.preset].tube if options.preset else AtlasPreset.tube
+    suited = ATLAS_PRESETS[options.preset] if options.preset else AtlasPreset
+    for name in ("tube", "decay"):
+        if getattr(options, name) is None:
+            setattr(options, name, getattr(suited, name))
     for name, value, (low, high) in (
         ("degree", options.degree, DEGREES),
         ("decay", options.decay, DECAYS),
