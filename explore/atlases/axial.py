@@ -17,15 +17,18 @@ from orbitproof.explore.atlases.births import VX, VY, VZ, OrbitsAtBirth, X, Y, Z
 from orbitproof.explore.atlases.complex_flow import HalfReturns
 from orbitproof.explore.atlases.graphs import pieces_of
 from orbitproof.explore.atlases.lyapunov import LibrationFailure, LyapunovFamily
-from orbitproof.explore.atlases.vertical import VerticalFamily
+from orbitproof.explore.atlases.vertical import VerticalFamily, VerticalOrbit
 from orbitproof.explore.flow import FlowFailure, Vector, flow_of
 from orbitproof.shared.formats import Atlas, Claim, Covers
 from orbitproof.shared.systems import CR3BP, LIFTED, ReversibleSystem
 
-NEWTON_STEPS, TOLERANCE = 15, 1e-11
+NEWTON_STEPS, TOLERANCE, NOISE = 15, 1e-11, 1e-8
+"""Newton's method ends with a step below the tolerance, or one below the noise that is no shorter than the last."""
 STEPS = 60
 """So many steps lead from the planar orbit to the end."""
-OUTER = {"L1": -1, "L2": 1}
+FARTHEST, HALVINGS = 0.05, 6
+"""A step after which the period is another by more than this part of it is halved, so many times at most."""
+OUTER = {"L1": -1, "L2": 1, "L3": -1}
 """On which side of the libration point the planar orbit starts: where eps2 increases all the way."""
 BEFORE = 0.01
 """How far the pieces go beyond eps2 = 0 on the other side, relative to the end."""
@@ -82,10 +85,24 @@ class AxialFamily:
         near = min(self._known, key=lambda orbit: abs(orbit.eps2 - place))
         count = int(np.ceil(abs(place - near.eps2) / self.step))
         for goal in np.linspace(near.eps2, place, count + 1)[1:]:
-            x, vy, time = np.array([near.x, near.vy, near.half_period]) + (goal - near.eps2) * near.slopes
-            near = self._correct(float(goal), float(x), float(vy), float(time))
-            self._known.append(near)
+            near = self._next(near, float(goal), HALVINGS)
         return near
+
+    def _next(self, near: AxialOrbit, eps2: float, halvings: int) -> AxialOrbit:
+        """The orbit of eps2, from one beside it; farther away Newton's method may find another one, or none."""
+        x, vy, time = np.array([near.x, near.vy, near.half_period]) + (eps2 - near.eps2) * near.slopes
+        try:
+            found = self._correct(eps2, float(x), float(vy), float(time))
+        except LibrationFailure:
+            if not halvings:
+                raise
+            found = None
+        if halvings and (found is None or abs(found.half_period - near.half_period) > FARTHEST * near.half_period):
+            middle = self._next(near, 0.5 * (near.eps2 + eps2), halvings - 1)
+            return self._next(middle, eps2, halvings - 1)
+        assert found is not None
+        self._known.append(found)
+        return found
 
     @property
     def system(self) -> ReversibleSystem:
@@ -104,7 +121,7 @@ class AxialFamily:
 
     def _correct(self, eps2: float, x: float, vy: float, time: float) -> AxialOrbit:
         """Newton's method for x, vy and the half period: y, z and vx vanish at its end."""
-        wanted, unknowns = [Y, Z, VX], np.array([x, vy, time])
+        wanted, unknowns, longest = [Y, Z, VX], np.array([x, vy, time]), np.inf
         for _ in range(NEWTON_STEPS):
             start = [unknowns[0], 0.0, 0.0, 0.0, unknowns[1], 1.0]
             try:
@@ -115,15 +132,16 @@ class AxialFamily:
             columns = (transition[wanted, X], transition[wanted, VY], result.velocity[wanted])
             jacobian = np.stack(columns, axis=1)
             step = np.linalg.solve(jacobian, result.state[wanted])
-            unknowns = unknowns - step
-            if np.abs(step).max() < TOLERANCE:
+            unknowns, length = unknowns - step, float(np.abs(step).max())
+            if length < TOLERANCE or longest <= length < NOISE:
                 slopes = -np.linalg.solve(jacobian, result.parameter_derivative[wanted])
                 return AxialOrbit(eps2, *map(float, unknowns), slopes)
+            longest = length
         raise LibrationFailure(f"at eps2 = {eps2:.6g}: Newton's method does not converge")
 
 
 def axial_atlas(point: str, mu: Fraction, label: str, tube: float) -> Atlas:
-    """The atlas of the axial family of L1 or L2 from its birth on the planar family to that on the vertical one.
+    """The atlas of an axial family from its birth on the planar family to that on the vertical one.
 
     Arguments:
         label: the mass as people call it.
@@ -135,11 +153,11 @@ def axial_atlas(point: str, mu: Fraction, label: str, tube: float) -> Atlas:
     eps = planar.symmetry_breaking(OUTER[point], "axial")
     first = planar.orbit(eps)
     vertical = VerticalFamily(point, mu)
-    eps2 = vertical.birth()
-    width = AMPLITUDE * float(np.sqrt(eps2))
+    born_at = vertical.birth()
+    width = AMPLITUDE * float(np.sqrt(born_at.eps2))
     used = LEAVES * width
     sizes = WIDER * np.array([1, 1, 1, DIRECTION])
-    piece, ends = birth_piece(_at_vertical_orbit(vertical, eps2), width, used, tube * sizes)
+    piece, ends = birth_piece(_at_vertical_orbit(vertical, born_at), width, used, tube * sizes)
     # Of the two points of an orbit on the axis the one that it leaves more slowly across the plane.
     end = min(ends, key=lambda each: abs(each[VZ]))
     goal = float(end[VZ] ** 2)
@@ -156,13 +174,11 @@ def axial_atlas(point: str, mu: Fraction, label: str, tube: float) -> Atlas:
         # A short number for the statement; the pieces go beyond it.
         claim=Claim("arc", None, ("eps2",), Covers("eps2", Fraction(0), Fraction(f"{0.9999 * goal:.5e}"))),
         pieces=(*pieces_of(family, -BEFORE * goal, goal, tube, WIDEST), piece),
-        provenance={"planar_birth": start[0], "vertical_birth": float(eps2), "amplitude": used},
+        provenance={"planar_birth": start[0], "vertical_birth": born_at.eps2, "amplitude": used},
     )
 
 
-def _at_vertical_orbit(family: VerticalFamily, eps2: float) -> OrbitsAtBirth:
+def _at_vertical_orbit(family: VerticalFamily, orbit: VerticalOrbit) -> OrbitsAtBirth:
     """Axial orbits near a vertical one."""
-    orbit = family.orbit(eps2)
-    start = [family.libration.x + eps2 * orbit.x, 0.0, 0.0, 0.0, eps2 * orbit.vy, float(np.sqrt(eps2))]
-    state = flow_of(CR3BP).derivative(start, orbit.half_period, [float(family.mu)]).state
+    state = flow_of(CR3BP).derivative(family.state(orbit), orbit.half_period, [float(family.mu)]).state
     return OrbitsAtBirth(family.mu, state[[X, Z, VY]], orbit.half_period, (Z, VX))

@@ -27,7 +27,7 @@ NEWTON_STEPS, VY_TOLERANCE = 12, 1e-11
 STEP = 0.02
 """Of the continuation in eps, in units of the distance of the libration point from the nearest primary."""
 FARTHEST, HALVINGS = 0.05, 6
-"""A step after which vy is another by more than this part of it is halved, so many times at most."""
+"""A step after which vy or the period is another by more than this part of it is halved, so many times at most."""
 NODES = 48
 NOISE = 3e-15
 """Size, relative to vy, below which Chebyshev coefficients are rounding."""
@@ -60,11 +60,18 @@ class PlanarOrbit:
         eps: the distance from the libration point at which it starts on the axis, negative on the left.
         vy: the speed there, in units of eps.
         half_period: nondimensional time.
+        slopes: shape (2,), derivatives of vy and the half period in eps.
     """
 
     eps: float
     vy: float
     half_period: float
+    slopes: Vector
+
+    def is_far_from(self, other: PlanarOrbit) -> bool:
+        """Whether Newton's method may have led from one to another family."""
+        pairs = ((self.vy, other.vy), (self.half_period, other.half_period))
+        return any(abs(mine - its) > FARTHEST * abs(its) for mine, its in pairs)
 
 
 @dataclass(frozen=True)
@@ -108,13 +115,14 @@ class LyapunovFamily:
 
     def _next(self, near: PlanarOrbit, eps: float, halvings: int) -> PlanarOrbit:
         """The orbit that starts at eps, from one beside it; farther away Newton's method may find another family."""
+        vy, half_period = np.array([near.vy, near.half_period]) + (eps - near.eps) * near.slopes
         try:
-            found = self._correct(eps, near.vy, near.half_period)
+            found = self._correct(eps, float(vy), float(half_period))
         except LibrationFailure:
             if not halvings:
                 raise
             found = None
-        if halvings and (found is None or abs(found.vy - near.vy) > FARTHEST * abs(near.vy)):
+        if halvings and (found is None or found.is_far_from(near)):
             middle = self._next(near, 0.5 * (near.eps + eps), halvings - 1)
             return self._next(middle, eps, halvings - 1)
         assert found is not None
@@ -138,7 +146,8 @@ class LyapunovFamily:
                 raise LibrationFailure(f"at eps = {eps:.6g}: the family turns around") from None
             vy, half_period = vy - float(step[0]), half_period - float(step[1])
             if abs(step[0]) < VY_TOLERANCE * abs(vy):
-                return PlanarOrbit(eps, vy, half_period)
+                slopes = -np.linalg.solve(jacobian, result.parameter_derivative[1:3])
+                return PlanarOrbit(eps, vy, half_period, slopes)
         raise LibrationFailure(f"at eps = {eps:.6g}: Newton's method does not converge")
 
     def breaking_function(self, eps: float, born: str = "halo") -> float:
@@ -213,25 +222,27 @@ def expansion(family: FamilyOfSizes, low: float, high: float) -> list[Vector]:
     return [row[: np.flatnonzero(np.abs(row) > min(rounding, 0.5 * np.abs(row).max()))[-1] + 1] for row in rows]
 
 
-def decay(family: OrbitsOfSizes, low: float, high: float, coefficients: list[Vector]) -> float:
+def decay(family: OrbitsOfSizes, low: float, high: float, coefficients: list[Vector], over: int = 0) -> float:
     """The factor by which the Taylor coefficients of the half return in s decay on the piece over [low, high].
 
-    The orbits are followed from the points of the unit circle of s by the classical Runge-Kutta method, whose errors
-    are below the coefficients of the degrees `FROM` and `TO` that are compared; infinite if the latter is `SMALL`.
+    `over`: index of the coordinate whose range that is; the coefficients are those of the others. The orbits are
+    followed from the points of the unit circle of s by the classical Runge-Kutta method, whose errors are below the
+    coefficients of the degrees `FROM` and `TO` that are compared; infinite if the latter is `SMALL`.
     """
     s = np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    program = family.system.program
-    parameters = [*family.constants, middle + half * s]
+    program, system = family.system.program, family.system
+    rows = [chebyshev.chebval(s, row) for row in coefficients]
+    size, *others = [*rows[:over], middle + half * s, *rows[over:]]
+    parameters = [*family.constants, size]
 
     def slope(state: ComplexArray) -> ComplexArray:
         return np.array(program.evaluate([*state, *parameters]))
 
     step = family.orbit(middle).half_period / TIME_STEPS
-    ones, system = np.ones(CIRCLE, dtype=complex), family.system
+    ones = np.ones(CIRCLE, dtype=complex)
     known = {name: float(value) * ones for name, value in system.normalised.items()}
-    names = system.centre_coordinates[1:]
-    known |= {name: chebyshev.chebval(s, row) for name, row in zip(names, coefficients, strict=True)}
+    known |= dict(zip(system.centre_coordinates[1:], others, strict=True))
     state = np.array([known.get(name, 0 * ones) for name in system.state])
     with np.errstate(all="ignore"):
         for _ in range(TIME_STEPS):
@@ -248,35 +259,40 @@ def decay(family: OrbitsOfSizes, low: float, high: float, coefficients: list[Vec
     return float((sizes[FROM] / sizes[TO]) ** (1 / (TO - FROM)))
 
 
-def pieces_over(family: FamilyOfSizes, low: float, high: float, tube: float) -> tuple[Piece, ...]:
-    """Pieces over [low, high] from left to right, each as wide as is narrow enough. Raises `LibrationFailure`."""
+def pieces_over(family: FamilyOfSizes, low: float, high: float, tube: float, over: int = 0) -> tuple[Piece, ...]:
+    """Pieces over [low, high] from left to right, each as wide as is narrow enough. Raises `LibrationFailure`.
+
+    `over`: index of the coordinate whose range that is.
+    """
     pieces: list[Piece] = []
     begin = low
     while True:
         end = high
         while True:
             coefficients = expansion(family, begin, end)
-            if decay(family, begin, end, coefficients) >= LEAST_DECAY:
+            if decay(family, begin, end, coefficients, over) >= LEAST_DECAY:
                 break
             end = begin + SHRINK * (end - begin)
             if end - begin < NARROWEST * (high - low):
                 raise LibrationFailure(f"at eps = {begin:.6g}: no piece is narrow enough (near a singularity)")
         name = f"p{len(pieces) + 1:03d}"
-        pieces.append(graph_piece(name, 0.5 * (begin + end), 0.5 * (end - begin), coefficients, tube))
+        pieces.append(graph_piece(name, 0.5 * (begin + end), 0.5 * (end - begin), coefficients, tube, over))
         if end == high:
             return tuple(pieces)
         begin = end - OVERLAP * (end - begin)
 
 
-def graph_piece(name: str, middle: float, half: float, coefficients: list[Vector], tube: float) -> Piece:
-    """A piece over |size - middle| <= half, given by Chebyshev coefficients of the other coordinates."""
+def graph_piece(name: str, middle: float, half: float, coefficients: list[Vector], tube: float, over: int = 0) -> Piece:
+    """A piece over |c - middle| <= half, c the coordinate `over`, given by Chebyshev coefficients of the others."""
     rows = [chebyshev.cheb2poly(row) for row in coefficients]
-    size = 1 + len(rows)
+    centre = [Fraction(float(row[0])) for row in rows]
+    centre.insert(over, Fraction(middle))
+    order = [over, *(i for i in range(len(centre)) if i != over)]
     return Piece(
         id=name,
         kind="regular",
-        centre=(Fraction(middle), *(Fraction(float(row[0])) for row in rows)),
-        frame=tuple(tuple(Fraction(int(i == j)) for j in range(size)) for i in range(size)),
+        centre=tuple(centre),
+        frame=tuple(tuple(Fraction(int(i == j)) for j in order) for i in range(len(centre))),
         half_width=Fraction(half),
         polynomial=tuple((Fraction(0), *(Fraction(float(value)) for value in row[1:])) for row in rows),
         tube=tuple(Fraction(tube * float(np.abs(row).max())) for row in coefficients),

@@ -1,11 +1,13 @@
 """Atlases of vertical families from their libration point, through the birth of the axial orbits.
 
 In the equations of `shared.systems.VERTICAL` the family is a curve over eps2, the square of the speed across the plane
-on the axis, through eps2 = 0, where z is that of the linear centre and drives a small orbit in the plane.
+on the axis, through eps2 = 0, where z is that of the linear centre and drives a small orbit in the plane. That of L3
+turns around in eps2 before axial orbits are born, and is a curve over vy.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
@@ -25,9 +27,13 @@ STEP = 0.05
 FARTHEST, HALVINGS = 0.05, 6
 """A step after which x or vy is another by more than this part of their size is halved, so many times at most."""
 BEYOND, BEFORE = 0.06, 0.02
-"""So far the pieces go beyond the birth, and beyond eps2 = 0 on the other side, relative to the birth's eps2."""
+"""So far the pieces go beyond the birth, and beyond eps2 = 0 on the other side, relative to the birth's eps2 or vy."""
+VY = 2
+"""Index of the coordinate over which a family that turns around is a curve."""
 Y, VX, V = 1, 2, 5
 """Indices of what vanishes after a quarter of the period."""
+VELOCITY_STEP, LARGEST_VELOCITY = 0.02, 4.0
+"""Of the continuation of a family that turns around, in units of the speed of the primaries; so far it goes."""
 
 
 @dataclass(frozen=True)
@@ -135,26 +141,98 @@ class VerticalFamily:
                 return VerticalOrbit(eps2, x, vy, quarter)
         raise LibrationFailure(f"at eps2 = {eps2:.6g}: Newton's method does not converge")
 
-    def breaking_function(self, eps2: float) -> float:
+    def state(self, orbit: VerticalOrbit) -> list[float]:
+        """Of an orbit of eps2 > 0 on the axis, in the CR3BP."""
+        eps2 = orbit.eps2
+        return [self.libration.x + eps2 * orbit.x, 0.0, 0.0, 0.0, eps2 * orbit.vy, float(np.sqrt(eps2))]
+
+    def breaking_function(self, orbit: VerticalOrbit) -> float:
         """Zero where axial orbits are born, eps2 > 0.
 
         It is the determinant of the quarter map's derivative from Fix(R S) to the coordinates that R fixes.
         """
-        orbit, l = self.orbit(eps2), self.libration.x
-        state = [l + eps2 * orbit.x, 0.0, 0.0, 0.0, eps2 * orbit.vy, float(np.sqrt(eps2))]
-        transition = flow_of(CR3BP).derivative(state, orbit.half_period, [float(self.mu)]).state_transition
+        start, mu = self.state(orbit), float(self.mu)
+        transition = flow_of(CR3BP).derivative(start, orbit.half_period, [mu]).state_transition
         return float(np.linalg.det(transition[np.ix_([0, 2, 4], [0, 4, 5])]))
 
-    def birth(self) -> float:
-        """The first eps2 where axial orbits are born. Raises `LibrationFailure`."""
-        last, value = self.step, self.breaking_function(self.step)
-        for _ in range(int(4 / STEP)):
-            place = last + self.step
-            new = self.breaking_function(place)
-            if (new < 0) != (value < 0):
-                return bracketed_zero(self.breaking_function, (last, place), (value, new), 1e-12 * place)
-            last, value = place, new
-        raise LibrationFailure(f"no axial orbits are born at eps2 < {last:.6g}; give the end")
+    def birth(self) -> VerticalOrbit:
+        """The first orbit where axial orbits are born, from rest on. Raises `LibrationFailure`."""
+        if self.point == "L3":
+            return birth_along(self, TurningVerticalFamily(self).orbit, self.first.vy, VELOCITY_STEP, LARGEST_VELOCITY)
+        return birth_along(self, self.orbit, 0.0, self.step, 4 / STEP * self.step)
+
+
+def birth_along(
+    family: VerticalFamily, orbit: Callable[[float], VerticalOrbit], first: float, step: float, longest: float
+) -> VerticalOrbit:
+    """The first orbit where axial ones are born, of those over the values beyond `first`. Raises `LibrationFailure`."""
+
+    def breaking(place: float) -> float:
+        return family.breaking_function(orbit(place))
+
+    last, value = first + step, breaking(first + step)
+    while last < longest:
+        place = last + step
+        new = breaking(place)
+        if (new < 0) != (value < 0):
+            return orbit(bracketed_zero(breaking, (last, place), (value, new), 1e-12 * place))
+        last, value = place, new
+    raise LibrationFailure(f"no axial orbits are born up to {last:.6g}; give the end")
+
+
+@dataclass(frozen=True)
+class TurningVerticalFamily:
+    """The same as a curve over vy, which increases where eps2 turns around.
+
+    Attributes:
+        family: as a curve over eps2, from which it starts at eps2 = 0.
+    """
+
+    family: VerticalFamily
+    _known: list[VerticalOrbit] = field(default_factory=list, compare=False)
+
+    @property
+    def system(self) -> ReversibleSystem:
+        """The equations around the point."""
+        return self.family.system
+
+    @property
+    def constants(self) -> list[float]:
+        """The parameters before eps2."""
+        return self.family.constants
+
+    def orbit(self, place: float) -> VerticalOrbit:
+        """The orbit of vy = `place`, from its nearest known neighbour in steps. Raises `LibrationFailure`."""
+        if not self._known:
+            self._known.append(self.family.first)
+        near = min(self._known, key=lambda orbit: abs(orbit.vy - place))
+        count = int(np.ceil(abs(place - near.vy) / VELOCITY_STEP))
+        for goal in np.linspace(near.vy, place, count + 1)[1:]:
+            near = self._correct(float(goal), near)
+            self._known.append(near)
+        return near
+
+    def values(self, place: float) -> tuple[float, float]:
+        """eps2 and x."""
+        orbit = self.orbit(place)
+        return orbit.eps2, orbit.x
+
+    def _correct(self, vy: float, near: VerticalOrbit) -> VerticalOrbit:
+        """Newton's method for eps2, x and the time: y, vx and z vz vanish at its end."""
+        flow, wanted, unknowns = flow_of(self.system), [Y, VX, V], np.array([near.eps2, near.x, near.half_period])
+        for _ in range(NEWTON_STEPS):
+            eps2, x, quarter = unknowns.tolist()
+            try:
+                result = flow.derivative([x, 0.0, 0.0, vy, 0.0, 0.0, 1.0], quarter, [*self.constants, eps2])
+            except FlowFailure as error:
+                raise LibrationFailure(f"at vy = {vy:.6g}: {error}") from None
+            columns = (result.parameter_derivative, result.state_transition[:, 0], result.velocity)
+            step = np.linalg.solve(np.stack(columns, axis=1)[wanted], result.state[wanted])
+            unknowns = unknowns - step
+            if np.abs(step).max() < TOLERANCE:
+                eps2, x, quarter = unknowns.tolist()
+                return VerticalOrbit(eps2, x, vy, quarter)
+        raise LibrationFailure(f"at vy = {vy:.6g}: Newton's method does not converge")
 
 
 def vertical_atlas(family: VerticalFamily, label: str, end: float | None, tube: float) -> Atlas:
@@ -167,16 +245,20 @@ def vertical_atlas(family: VerticalFamily, label: str, end: float | None, tube: 
     Raises `LibrationFailure`.
     """
     birth = family.birth() if end is None else None
-    goal = (1 + BEYOND) * birth if birth is not None else end
-    assert goal is not None
-    pieces = pieces_over(family, -BEFORE * goal, goal, tube)
+    if birth is not None and family.point == "L3":
+        turning, size = TurningVerticalFamily(family), birth.vy - family.first.vy
+        low, high = family.first.vy - BEFORE * size, family.first.vy + (1 + BEYOND) * size
+        pieces, goal, increasing = pieces_over(turning, low, high, tube, over=VY), turning.orbit(high).eps2, "vy"
+    else:
+        goal = float(end) if birth is None else (1 + BEYOND) * birth.eps2
+        pieces, increasing = pieces_over(family, -BEFORE * goal, goal, tube), "eps2"
     return Atlas(
         id=f"vertical-{family.point.lower()}-{label}",
         title=f"vertical orbits of {family.point}, {label}, from the libration point",
         system=family.system,
         parameters={"mu": family.mu},
         # Short numbers for the statement; the pieces go beyond them.
-        claim=Claim("arc", None, ("eps2",), Covers("eps2", Fraction(0), Fraction(f"{0.9999 * goal:.5e}"))),
+        claim=Claim("arc", None, (increasing,), Covers("eps2", Fraction(0), Fraction(f"{0.9999 * goal:.5e}"))),
         pieces=pieces,
-        provenance={"libration_point": family.libration.x, "axial_birth": birth},
+        provenance={"libration_point": family.libration.x, "axial_birth": birth and birth.eps2},
     )

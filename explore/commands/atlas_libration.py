@@ -21,14 +21,15 @@ examples:
   orbitproof explore atlas-libration --point L3 --mass 0.1 --side right -o lyapunov-l3.json
   orbitproof explore atlas-libration --point L2 --mass sun-jupiter --end -0.01 -o lyapunov-l2.json
   orbitproof explore atlas-libration --vertical --point L1 --mass earth-moon -o vertical.json
-  orbitproof explore atlas-libration --axial --point L1 --mass earth-moon -o axial.json
+  orbitproof explore atlas-libration --axial --point L3 --mass earth-moon -o axial.json
 
 An orbit is given by eps, the signed distance from the libration point at which it starts on the axis, and vy, its
 speed there in units of eps; the orbit of eps = 0 is that of the linear centre. The pieces go from beyond the first
 symmetry breaking, where halo orbits branch off (or axial ones), across eps = 0. A vertical orbit is given by eps2, the
 square of its speed across the plane where it crosses the axis; the pieces go beyond the birth of axial orbits on the
-vertical family, or to the end that is given. The axial family of L1 or L2 is covered from its birth on the planar
-family to that on the vertical one: by eps2 from 0 on, and last by a piece about the vertical orbit. Takes seconds.
+vertical family (of L3 eps2 falls again before that), or to the end that is given. The axial family is covered from
+its birth on the planar family to that on the vertical one: by eps2 from 0 on, and last by a piece about the vertical
+orbit. Takes seconds.
 Exit codes: 0 written, 1 the family could not be followed, 2 bad input.
 """
 
@@ -49,7 +50,7 @@ def add_parser(commands: Any) -> None:
         help=f"mass parameter: a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1), taken exactly as written",
     )
     parser.add_argument("--vertical", action="store_true", help="the vertical family instead of the planar one")
-    parser.add_argument("--axial", action="store_true", help="the axial family, of L1 or L2, from birth to birth")
+    parser.add_argument("--axial", action="store_true", help="the axial family, from birth to birth")
     parser.add_argument(
         "--side",
         choices=("left", "right"),
@@ -90,8 +91,6 @@ def run(options: argparse.Namespace) -> int:
         for name in ("vertical", "side", "through", "end"):
             if getattr(options, name) not in (None, False):
                 raise InputError(f"--{name}: not together with --axial, which goes from birth to birth; leave it out")
-        if options.point == "L3":
-            raise InputError("--point L3: with --axial L1 or L2; that of L3 is not covered")
     for name in ("side", "through"):
         if options.vertical and getattr(options, name) is not None:
             raise InputError(f"--{name}: not together with --vertical; leave it out, or give --end")

@@ -86,7 +86,7 @@ CLAIMS: Mapping[str, tuple[Claim, bool]] = {
     "from before it": (replace(CLAIM, covers=replace(COVERS, start=Fraction(-1, 200))), True),
     "from above 0": (replace(CLAIM, covers=replace(COVERS, start=Fraction(1, 10**6))), False),
     "up to 0": (replace(CLAIM, covers=replace(COVERS, start=Fraction(-1, 200), end=Fraction(0))), False),
-    "not increasing": (replace(CLAIM, increasing=()), False),
+    "not increasing": (replace(CLAIM, increasing=()), True),
     "nothing covered": (replace(CLAIM, covers=None), False),
     "a later crossing": (replace(CLAIM, crossings=2), False),
 }
@@ -98,6 +98,28 @@ def test_vertical_families_are_claimed_from_rest_to_above_with_the_first_return(
     conclusion = conclude(atlas(claim=claim), [result()])
     assert of_vertical(conclusion) == ("" if holds else "vertical")
     assert ("emanates from L1" in conclusion_in_words(conclusion)) == holds
+
+
+@pytest.mark.parametrize(
+    ("row", "parts", "holds"),
+    [
+        # Up to s = 1/2 only; it is 0 at s = -1/2.
+        ((3, 4, -4), [("-1", "1/4"), ("0", "1")], True),
+        ((3, 4, -4), [("-1", "1")], False),
+        ((0, -3, 0, 4), [("-1", "1")], False),
+    ],
+)
+def test_eps2_may_fall_again_but_not_where_it_may_be_0(
+    row: tuple[int, ...], parts: list[tuple[str, str]], holds: bool
+) -> None:
+    """A piece over vy, along which eps2 is a polynomial in s."""
+    frame = tuple(tuple(Fraction(int(i == j)) for j in (2, 0, 1)) for i in range(3))
+    size = tuple(Fraction(value, 200) for value in row)
+    over = replace(piece(), frame=frame, polynomial=(size, (Fraction(0),)), centre=(Fraction(0), *CENTRE[1:]))
+    claim = replace(CLAIM, increasing=("vy",), covers=replace(COVERS, end=Fraction(1, 400)))
+    results = [proved(over, start, end, time=ball_to_json(QUARTER)) for start, end in parts]
+    found = conclude(atlas(claim=claim, pieces=(over,)), results)
+    assert of_vertical(found) == ("" if holds else "vertical")
 
 
 def test_another_coordinate_that_is_covered_is_no_size() -> None:
