@@ -134,12 +134,12 @@ branches: $(VENV)/demo.stamp
 # Who proves: processes here, or those of a dask scheduler (SCHEDULER=tcp://..).
 WORKERS = $(if $(SCHEDULER),--scheduler $(SCHEDULER),--jobs $(JOBS))
 
-# Planar, halo, axial and vertical families of L1 and L2, planar and vertical ones of L3, distant retrograde orbits as graphs (docs/webs); with Earth
-# and Moon halo orbits of L3 and butterfly orbits too.
+# Planar, halo, axial and vertical families of L1 and L2, planar, axial and vertical ones of L3, distant retrograde orbits as graphs (docs/webs);
+# with Earth and Moon halo orbits of L3 and butterfly orbits too.
 # What exists is kept, what was interrupted goes on. ARCS="vertical-L1 ..": only these. LISTS=4: with the lists of resonances up to
 # 1:4, and where arcs are stable. The index is counted between the points of an
 # arc's list, else at one orbit; not that of butterfly orbits, which takes minutes of processor time.
-WEB := lyapunov-L1 l1-circle axial-L1 vertical-L1 lyapunov-L2 l2-arc axial-L2 vertical-L2 lyapunov-L3 vertical-L3 dro
+WEB := lyapunov-L1 l1-circle axial-L1 vertical-L1 lyapunov-L2 l2-arc axial-L2 vertical-L2 lyapunov-L3 axial-L3 vertical-L3 dro
 WEB_OF_EARTH_MOON := $(WEB) l3-halo butterfly
 ARCS :=
 LISTS :=
@@ -169,6 +169,7 @@ web: $(VENV)/demo.stamp
 	search halo-and-doublings --preset tables -k 1 2; search axial --preset axial-births -k 1; \
 	for mass in $(MASSES); do \
 	  search l3-$$mass --family L3-halo --mass $$mass --z-max 0.1 -k 1; \
+	  search l3-axial-$$mass --family L3-axial --mass $$mass --max-orbits 40 -k 1; \
 	  search dro-$$mass --system cr3bp --family dro --mass $$mass --jacobi-min 2.3 -k 1; \
 	done; \
 	step env $(VERIFY) $$rows -o $(WEBS)/certificates.json $(WORKERS); \
@@ -178,10 +179,10 @@ web: $(VENV)/demo.stamp
 	  for name in $(or $(ARCS),$$arcs); do \
 	    plan; atlas=$(WEBS)/$$name-$$mass.json; list="$(if $(LISTS),--complete $(LISTS))"; at="--point $${name#*-} --mass $$mass"; \
 	    case $$name in \
-	      lyapunov-L3) cover atlas-libration $$at;; \
 	      lyapunov-*) cover atlas-libration $$at --through axial;; \
-	      vertical-L3) cover atlas-libration $$at --vertical --end 0.98; list=;; \
+	      vertical-L3) cover atlas-libration $$at --vertical; list=;; \
 	      vertical-*) cover atlas-libration $$at --vertical;; \
+	      axial-L3) cover atlas-libration $$at --axial; list="$$list --top 2";; \
 	      axial-*) cover atlas-libration $$at --axial;; \
 	      butterfly) cover atlas --preset $$name-$$mass; list=;; \
 	      l3-halo) cover atlas --preset $$name-$$mass --coordinates physical; list="--top 2";; \

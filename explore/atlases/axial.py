@@ -32,11 +32,12 @@ OUTER = {"L1": -1, "L2": 1, "L3": -1}
 """On which side of the libration point the planar orbit starts: where eps2 increases all the way."""
 BEFORE = 0.01
 """How far the pieces go beyond eps2 = 0 on the other side, relative to the end."""
-WIDEST = 0.28
-"""Of all of the family on one piece: where multipliers are in the hundreds, lists want narrow pieces."""
+WIDEST = {"L1": 0.28, "L2": 0.28, "L3": 0.16}
+"""Of all of the family on one piece: where multipliers are in the hundreds, lists want narrow pieces, and around L3,
+where derivatives across the family are nearly singular, what is left out along it has to be small."""
 AMPLITUDE, LEAVES = 0.3, 0.85
 """Half-width of the piece of the birth, relative to the speed of the vertical orbit; up to which part it is used."""
-WIDER, DIRECTION = 5, 10
+WIDER, DIRECTION = {"L1": 5, "L2": 5, "L3": 40}, 10
 """Its tubes in x, z and vy in units of the relative ones of others, and that in the direction in units of those."""
 
 
@@ -156,7 +157,7 @@ def axial_atlas(point: str, mu: Fraction, label: str, tube: float) -> Atlas:
     born_at = vertical.birth()
     width = AMPLITUDE * float(np.sqrt(born_at.eps2))
     used = LEAVES * width
-    sizes = WIDER * np.array([1, 1, 1, DIRECTION])
+    sizes = WIDER[point] * np.array([1, 1, 1, DIRECTION])
     piece, ends = birth_piece(_at_vertical_orbit(vertical, born_at), width, used, tube * sizes)
     # Of the two points of an orbit on the axis the one that it leaves more slowly across the plane.
     end = min(ends, key=lambda each: abs(each[VZ]))
@@ -173,7 +174,7 @@ def axial_atlas(point: str, mu: Fraction, label: str, tube: float) -> Atlas:
         parameters={"mu": mu},
         # A short number for the statement; the pieces go beyond it.
         claim=Claim("arc", None, ("eps2",), Covers("eps2", Fraction(0), Fraction(f"{0.9999 * goal:.5e}"))),
-        pieces=(*pieces_of(family, -BEFORE * goal, goal, tube, WIDEST), piece),
+        pieces=(*pieces_of(family, -BEFORE * goal, goal, tube, WIDEST[point]), piece),
         provenance={"planar_birth": start[0], "vertical_birth": born_at.eps2, "amplitude": used},
     )
 

@@ -12,7 +12,8 @@ from orbitproof.shared.systems import MASS_PARAMETERS
 
 POINTS = ("L1", "L2", "L3")
 THROUGH = ("halo", "axial")
-WIDEST_TUBE, PLANAR_TUBE, VERTICAL_TUBE, AXIAL_TUBE = 1e-3, 1e-8, 1e-7, 1e-9
+WIDEST_TUBE, PLANAR_TUBE, VERTICAL_TUBE = 1e-3, 1e-8, 1e-7
+AXIAL_TUBE = {"L1": 1e-9, "L2": 1e-9, "L3": 5e-9}
 
 _EXAMPLES = """\
 examples:
@@ -72,7 +73,7 @@ def add_parser(commands: Any) -> None:
         type=positive,
         metavar="W",
         help=f"half-width of the tubes, relative to vy, at most {WIDEST_TUBE:g} "
-        "(default: 1e-8, vertical 1e-7, axial 1e-9)",
+        "(default: 1e-8, vertical 1e-7, axial 1e-9, of L3 5e-9)",
     )
     add_output(parser, "atlas file")
     add_quiet(parser)
@@ -82,11 +83,10 @@ def add_parser(commands: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Follow the family and write the atlas; returns the exit code. Raises `InputError`."""
     mu = mass_parameter("--mass", options.mass)
-    tube = options.tube or (AXIAL_TUBE if options.axial else VERTICAL_TUBE if options.vertical else PLANAR_TUBE)
+    usual = AXIAL_TUBE[options.point] if options.axial else VERTICAL_TUBE if options.vertical else PLANAR_TUBE
+    tube = options.tube or usual
     if tube > WIDEST_TUBE:
-        raise InputError(
-            f"--tube {tube:g}: above {WIDEST_TUBE:g}; the default is 1e-8, of vertical orbits 1e-7, of axial ones 1e-9"
-        )
+        raise InputError(f"--tube {tube:g}: above {WIDEST_TUBE:g}; the default is {usual:g}")
     if options.axial:
         for name in ("vertical", "side", "through", "end"):
             if getattr(options, name) not in (None, False):

@@ -344,6 +344,12 @@ def test_axial_orbits_are_born_where_their_birth_is_certified(point: str) -> Non
     assert abs(family.libration.x + family.symmetry_breaking(-1, "axial") - float(birth.centre[0])) < 1e-9
 
 
+def test_births_at_l3_are_found_where_half_orbits_of_other_families_are_near() -> None:
+    """Near the larger primary Newton's method may lead to an orbit run through twice, or to one about that primary."""
+    family = LyapunovFamily("L3", EARTH_MOON)
+    assert abs(family.libration.x + family.symmetry_breaking(1, "axial") + 0.1091210908) < 1e-9
+
+
 def test_a_parameter_that_follows_from_others_is_not_given(atlas: Atlas) -> None:
     document = atlas_to_json(atlas)
     document["parameters"]["x_l"] = "0.5"

@@ -20,6 +20,7 @@ from support.stored import entry_of
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.atlases import VerticalFamily, vertical_atlas
 from orbitproof.explore.atlases.lyapunov import LEAST_DECAY, decay, expansion
+from orbitproof.explore.atlases.vertical import TurningVerticalFamily
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.seeds import libration_point
 from orbitproof.shared.claims import REVERSOR_BREAKING, Atlas, Claim
@@ -94,12 +95,43 @@ def proved(atlas: Atlas) -> PieceResult[ProvedInterval]:
     return prove_piece(atlas.system, atlas.parameters, piece, WHOLE, ORACLE, FAST)
 
 
-def test_pieces_of_l3_where_x_is_small_beside_vy_are_wide() -> None:
-    family = VerticalFamily("L3", EARTH_MOON)
-    x, vy = expansion(family, -0.002, 0.1)
+@pytest.fixture(scope="module")
+def beyond() -> VerticalFamily:
+    return VerticalFamily("L3", EARTH_MOON)
+
+
+def test_pieces_of_l3_where_x_is_small_beside_vy_are_wide(beyond: VerticalFamily) -> None:
+    x, vy = expansion(beyond, -0.002, 0.1)
     assert abs(x[0]) < abs(vy[0]) / 100
     assert max(len(x), len(vy)) < 12
-    assert decay(family, -0.002, 0.1, [x, vy]) > 2 * LEAST_DECAY
+    assert decay(beyond, -0.002, 0.1, [x, vy]) > 2 * LEAST_DECAY
+
+
+def test_where_eps2_turns_around_the_family_of_l3_goes_on_over_vy(beyond: VerticalFamily) -> None:
+    turning = TurningVerticalFamily(beyond)
+    early = turning.orbit(0.52)
+    assert turning.values(0.52) == pytest.approx((early.eps2, beyond.orbit(early.eps2).x), rel=1e-8)
+    sizes = [turning.orbit(vy).eps2 for vy in (0.9, 0.98, 1.06)]
+    assert sizes[0] < sizes[1] > sizes[2] > 0.99
+    orbit = turning.orbit(1.2)
+    top = flow_of(CR3BP).derivative(beyond.state(orbit), orbit.half_period, [float(EARTH_MOON)]).state
+    assert np.abs(top[[1, 3, 5]]).max() < 1e-9
+
+
+def test_r_is_lost_on_the_family_of_l3_where_that_is_certified(beyond: VerticalFamily) -> None:
+    born = beyond.birth()
+    top = flow_of(CR3BP).derivative(beyond.state(born), born.half_period, [float(EARTH_MOON)]).state
+    (loss,) = (item for item in read_candidates(BIRTHS) if item.id == "earth-moon-L3-vertical-loss-of-R")
+    assert [float(value) for value in loss.centre[1:]] == pytest.approx([top[0], top[2]], abs=1e-8)
+
+
+@pytest.mark.slow
+def test_a_piece_beyond_the_turn_is_proved(beyond: VerticalFamily) -> None:
+    found = vertical_atlas(beyond, "earth-moon", None, 1e-7)
+    assert found.claim.increasing == ("vy",)
+    sizes = [float(piece.centre[0]) for piece in found.curve_pieces()]
+    assert max(sizes) > sizes[-1] > 0.75
+    assert prove_piece(found.system, found.parameters, found.curve_pieces()[-1], WHOLE, ORACLE, FAST).is_proved
 
 
 def test_a_vertical_orbit_is_at_rest_of_its_size_a_quarter_later(family: VerticalFamily) -> None:
@@ -140,7 +172,7 @@ def test_only_a_curve_from_the_first_quarter_at_rest_is_a_vertical_family(
     elif change == "a later return":
         entry = {**entry, "time": {"mid": "0x3p-1", "rad": "0x1p-4", "decimal": "1.5"}}
     conclusion = conclude(replace(atlas, claim=claim), [entry])
-    assert conclusion.is_proved == (change == "nothing")
+    assert conclusion.is_proved == (change in ("nothing", "not increasing"))
     if isinstance(conclusion.outcome, NotProved):
         assert conclusion.outcome.reason.condition == "vertical"
 
