@@ -502,6 +502,10 @@ def test_small_orbits_have_the_index_of_the_linear_flow(mass: str, monkeypatch: 
         assert isinstance(known, Proved)
         assert known.results.small == ()
     assert reaches_rest(atlas)
+    # A vertical family may turn around in eps2 where its orbits are large.
+    turning = replace(atlas.claim, increasing=("vy",), covers=replace(covers, coordinate="eps2", end=Fraction(1)))
+    assert reaches_rest(replace(atlas, system=VERTICAL["L3"], claim=turning))
+    assert not reaches_rest(replace(atlas, claim=turning))
     reached = conclude_index(atlas, curve, found, orbits)
     assert isinstance(reached, Proved)
     words = index_in_words(reached.theorem, reached.results, curve, "a", "b")

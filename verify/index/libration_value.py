@@ -21,7 +21,7 @@ def reaches_rest(atlas: Atlas) -> bool:
         (point_name(atlas.system) is not None or vertical_point(atlas.system) is not None)
         and covers is not None
         and covers.coordinate == size
-        and size in claim.increasing
+        and (size in claim.increasing or vertical_point(atlas.system) is not None)
         and covers.start <= 0 <= covers.end
     )
 
