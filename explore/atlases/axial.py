@@ -132,7 +132,10 @@ class AxialFamily:
             transition = result.state_transition
             columns = (transition[wanted, X], transition[wanted, VY], result.velocity[wanted])
             jacobian = np.stack(columns, axis=1)
-            step = np.linalg.solve(jacobian, result.state[wanted])
+            try:
+                step = np.linalg.solve(jacobian, result.state[wanted])
+            except np.linalg.LinAlgError:
+                raise LibrationFailure(f"at eps2 = {eps2:.6g}: the family turns around") from None
             unknowns, length = unknowns - step, float(np.abs(step).max())
             if length < TOLERANCE or longest <= length < NOISE:
                 slopes = -np.linalg.solve(jacobian, result.parameter_derivative[wanted])

@@ -227,7 +227,10 @@ class TurningVerticalFamily:
             except FlowFailure as error:
                 raise LibrationFailure(f"at vy = {vy:.6g}: {error}") from None
             columns = (result.parameter_derivative, result.state_transition[:, 0], result.velocity)
-            step = np.linalg.solve(np.stack(columns, axis=1)[wanted], result.state[wanted])
+            try:
+                step = np.linalg.solve(np.stack(columns, axis=1)[wanted], result.state[wanted])
+            except np.linalg.LinAlgError:
+                raise LibrationFailure(f"at vy = {vy:.6g}: the family turns around") from None
             unknowns = unknowns - step
             if np.abs(step).max() < TOLERANCE:
                 eps2, x, quarter = unknowns.tolist()
