@@ -138,7 +138,7 @@ WORKERS = $(if $(SCHEDULER),--scheduler $(SCHEDULER),--jobs $(JOBS))
 # with Earth and Moon halo orbits of L3 and butterfly orbits too.
 # What exists is kept, what was interrupted goes on. ARCS="vertical-L1 ..": only these. LISTS=4: with the lists of resonances up to
 # 1:4, and where arcs are stable. The index is counted between the points of an
-# arc's list, else at one orbit; not that of butterfly orbits, which takes minutes of processor time.
+# arc's list, else at one orbit; not that of butterfly orbits and of axial ones of L3, which takes minutes of processor time.
 WEB := lyapunov-L1 l1-circle axial-L1 vertical-L1 lyapunov-L2 l2-arc axial-L2 vertical-L2 lyapunov-L3 axial-L3 vertical-L3 dro
 WEB_OF_EARTH_MOON := $(WEB) l3-halo butterfly
 ARCS :=
@@ -182,14 +182,14 @@ web: $(VENV)/demo.stamp
 	      lyapunov-*) cover atlas-libration $$at --through axial;; \
 	      vertical-L3) cover atlas-libration $$at --vertical; list=;; \
 	      vertical-*) cover atlas-libration $$at --vertical;; \
-	      axial-L3) cover atlas-libration $$at --axial; list="$$list --top 2";; \
+	      axial-L3) cover atlas-libration $$at --axial; list="--top 2";; \
 	      axial-*) cover atlas-libration $$at --axial;; \
 	      butterfly) cover atlas --preset $$name-$$mass; list=;; \
 	      l3-halo) cover atlas --preset $$name-$$mass --coordinates physical; list="--top 2";; \
 	      *) cover atlas --preset $$name-$$mass;; \
 	    esac; \
 	    [ ! -e $$atlas ] || step env $(VERIFY) atlas $$atlas -o $(WEBS)/$$name-$$mass-certificate.json $$list $(WORKERS); \
-	    [ $$name = butterfly ] || count $(WEBS)/$$name-$$mass-certificate.json $(WEBS)/$$name-$$mass-index.json; \
+	    case $$name in butterfly|axial-L3) ;; *) count $(WEBS)/$$name-$$mass-certificate.json $(WEBS)/$$name-$$mass-index.json;; esac; \
 	  done; \
 	  plan; \
 	  if [ -n "$$missing" ]; then failed=1; continue; fi; \
