@@ -12,7 +12,7 @@ from support import periodic_cases as cases
 
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import PeriodicOrbit, define_system
-from orbitproof.verify.evidence import Checklist, NotEstablishedError, Proved, guarded
+from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Proved, enclose, guarded
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic import (
     Linearised,
@@ -159,3 +159,19 @@ def test_the_level_may_replace_the_last_equation() -> None:
     frame = ((ZERO, ZERO, ONE), (ZERO, ZERO, ZERO), (ONE, ZERO, ZERO), (ZERO, ONE, ZERO))
     found = _proof(cases.oscillators(frame=frame)).results.multipliers
     assert (found.inside, found.on, found.outside) == (0, 2, 0)
+
+
+def test_the_value_at_the_centre_counts_with_its_radius() -> None:
+    """With twice the half-width of the box the zero is not shown to be inside, nor is it excluded."""
+    claim = cases.hopf()
+    found = enclose_periodic(claim, IntegratorSettings(BITS), ORACLE)
+    (last,) = found.returns
+    for place, radius in enumerate(claim.radii):
+        image = list(last.image)
+        with guarded(BITS):
+            unknown = arb(0, enclose(2 * radius))
+            image[place] = replace(image[place], centre=image[place].centre + unknown)
+            outcome = prove_periodic(claim, Checklist(), replace(found, returns=(replace(last, image=tuple(image)),)))
+        assert isinstance(outcome, NotProved)
+        assert outcome.reason.condition == "periodic"
+        assert not outcome.reason.excluded
