@@ -18,8 +18,8 @@ _VARIATIONS = ("w_1", "w_1'", "w_2", "w_2'")
 _START = (1, 0, 0, 1)
 
 
-def with_variations(system: ReversibleSystem) -> ReversibleSystem:
-    """The system with two solutions of w'' = -g w along its orbits: 4 more coordinates w_1, w_1', w_2, w_2'.
+def with_variations(system: ReversibleSystem, names: Sequence[str] = _VARIATIONS) -> ReversibleSystem:
+    """The system with solutions of w'' = -g w along its orbits: coordinates w, w' of each more, with these names.
 
     Without its symmetries, of which nothing is said there.
     """
@@ -28,9 +28,11 @@ def with_variations(system: ReversibleSystem) -> ReversibleSystem:
         raise ValueError(f"{system.name} is not the motion in a plane")
 
     def extended(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
-        own, (first, first_rate, second, second_rate) = state[:size], state[size:]
+        own, more = state[:size], state[size:]
         (strength,) = stiffness(own, parameters)
-        rates = (first_rate, -(strength * first), second_rate, -(strength * second))
+        rates: list[Any] = []
+        for w, rate in zip(more[::2], more[1::2], strict=True):
+            rates += [rate, -(strength * w)]
         return (*field(own, parameters), *rates)
 
     integral = system.first_integral
@@ -42,9 +44,9 @@ def with_variations(system: ReversibleSystem) -> ReversibleSystem:
     return replace(
         system,
         name=f"{system.name}-out-of-plane",
-        state=(*system.state, *_VARIATIONS),
+        state=(*system.state, *names),
         vector_field=extended,
-        reversing_symmetry=(*system.reversing_symmetry, 1, -1, 1, -1),
+        reversing_symmetry=(*system.reversing_symmetry, *((1, -1) * (len(names) // 2))),
         symmetries={},
         reversors={},
         first_integral=None if integral is None else constant,

@@ -41,7 +41,6 @@ from orbitproof.verify.stability.list_entries import (
     level_name,
 )
 from orbitproof.verify.stability.matrix import (
-    SHARE,
     SPARE_BITS,
     OtherPoint,
     TubeOfOrbits,
@@ -50,5 +49,5 @@ from orbitproof.verify.stability.matrix import (
     stability_slope_bits,
 )
 from orbitproof.verify.stability.proved_list import ListConclusion, ListTheorem, ProvedList, conclude_list
-from orbitproof.verify.stability.stored_stability import StabilityFunctions, StabilityResult
+from orbitproof.verify.stability.stored_stability import SHARE, StabilityFunctions, StabilityResult
 from orbitproof.verify.stability.zeros import Zeros, between, ends_of, zeros_on

@@ -7,6 +7,7 @@ curve, is the stability matrix Sigma(s) of the orbits. The proof of the piece ha
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -31,11 +32,9 @@ from orbitproof.verify.curve import (
     parameter_series,
     tube_points,
 )
-from orbitproof.verify.distances import DistanceFunctions, distance_along
+from orbitproof.verify.distances import distance_along
 from orbitproof.verify.evidence import IntegrationFailure, NotKnown, guarded, is_inside
 from orbitproof.verify.functions import (
-    REACH,
-    StoredFunction,
     bounded,
     determinant,
     error_of,
@@ -56,11 +55,9 @@ from orbitproof.verify.poincare import (
     initial_values,
 )
 from orbitproof.verify.stability.along import CurveInTube, at_origin, level_around, solve
-from orbitproof.verify.stability.stored_stability import StabilityFunctions
+from orbitproof.verify.stability.first_half import from_first_half, is_enough
+from orbitproof.verify.stability.stored_stability import SHARE, OrbitFunctions, StabilityFunctions
 from orbitproof.verify.stability.units import at_other_point, in_own_units, units_of
-
-SHARE = 1 / BEYOND * REACH
-"""sigma = SHARE tau."""
 
 _LEAST_SLOPE_BITS, _BITS_LEFT_OUT = 56, 32
 _BELOW_ERROR, _LEAST_BITS, _LEAST_ORDER = 44, 64, 24
@@ -82,35 +79,6 @@ _CIRCLE = np.exp(2j * np.pi * np.arange(257) / 256)
 def stability_slope_bits(precision: int) -> int:
     """Significant bits of the derivatives across the curve where the stability of the orbits is enclosed as well."""
     return max(_LEAST_SLOPE_BITS, precision - _BITS_LEFT_OUT)
-
-
-@dataclass(frozen=True)
-class OrbitFunctions:
-    """Functions of tau on an interval of a piece, as elements of the algebra (section 18.3).
-
-    Attributes:
-        characteristic: a_1, .., a_n with det(c - Sigma) = c^n - a_1 c^(n-1) + a_2 c^(n-2) - ..
-        level: the family parameter, or the first integral.
-        half_period: the time to the end of a half orbit.
-        first_factor: the determinant of D(pi_p P) on Fix(R), up to a constant factor.
-        distance: along the orbits, or why it is not known; `None` if the system names none.
-        out_of_plane: V of variations out of the plane, or why not; `None` if the system is none in a plane.
-    """
-
-    characteristic: tuple[Series, ...]
-    level: Series
-    half_period: Series
-    first_factor: Series
-    distance: DistanceFunctions | NotKnown | None = None
-    out_of_plane: VariationFunctions | NotKnown | None = None
-
-    @property
-    def stored(self) -> StabilityFunctions:
-        """As they are stored."""
-        level, half_period, first_factor = map(StoredFunction.of, (self.level, self.half_period, self.first_factor))
-        characteristic = tuple(map(StoredFunction.of, self.characteristic))
-        known = self.distance, self.out_of_plane
-        return StabilityFunctions(characteristic, level, half_period, first_factor, *known)
 
 
 @dataclass(frozen=True)
@@ -176,7 +144,10 @@ class TubeOfOrbits:
         return WideArithmetic(Grading((1,), 0), self.limits.precision + SPARE_BITS, 0, 0, width=self.limits.width)
 
     def functions(self, half: HalfReturn, progress: Callable[[float], None] | None) -> OrbitFunctions:
-        """All functions, from the first half of the orbits by integrating the second."""
+        """All functions, from the first half of the orbits, where that is enough, or by integrating the second."""
+        if is_enough(self):
+            with suppress(IntegrationFailure):
+                return from_first_half(self, half, progress)
         system, widths = self.system, half.widths
         flow = half.state[0].arithmetic
         assert isinstance(flow, WideArithmetic)
@@ -184,7 +155,7 @@ class TubeOfOrbits:
         level = half.start[str(system.family_parameter)] if integral is None else integral
         curve = self.curve(half)
         beyond = self._at_other_point(curve, half.state)
-        there = self._named(half.start, half.state, 1)
+        there = self.named(half.start, half.state, 1)
         other = OtherPoint.of([curve.value(element) for element in there])
         images = [
             [restricted(curve.across(element, j).scaled(1 / width), SHARE) for element in there]
@@ -207,9 +178,9 @@ class TubeOfOrbits:
                 progress(half.steps + number)
 
         second, _ = returns.half_orbit(self.crossings, after_step)
-        back = self._back(curve, widths, around, self._named(begun, second, 0))
+        back = self._back(curve, widths, around, self.named(begun, second, 0))
         sigma = _stability_matrix(out, back)
-        points = self._initial(system, curve, half.start), self._initial(beyond, curve, half.start, there)
+        points = self.initial(system, curve, half.start), self.initial(beyond, curve, half.start, there)
         return OrbitFunctions(
             tuple(_minors(sigma, order) for order in range(1, len(widths) + 1)),
             restricted(curve.value(level), SHARE),
@@ -242,7 +213,7 @@ class TubeOfOrbits:
         there = bounded(restricted(curve.value(state[system.state.index(str(system.level_coordinate))]), SHARE))
         return on_sheet(system, [there.value(part) for part in _PARTS])
 
-    def _initial(
+    def initial(
         self, system: ReversibleSystem, curve: CurveInTube, start: Mapping[str, Series], point: Sequence[Series] = ()
     ) -> list[Series]:
         """State and parameters on Fix(R) as functions of sigma: at x(s), or at a point with these coordinates."""
@@ -267,9 +238,9 @@ class TubeOfOrbits:
             for index in self.system.kernel_coordinates
         ]
 
-    def _named(self, tube: Mapping[str, Series], state: Sequence[Series], end: int) -> list[Series]:
+    def named(self, tube: Mapping[str, Series], state: Sequence[Series], end: int) -> list[Series]:
         """The coordinates of a return in the order of the system's `centre_coordinates`; `end` is 0 at x, 1 at P(x)."""
-        named = {**tube, **dict(zip(self.system.state, state, strict=True))}
+        named = {**tube, **dict(zip(self.system.state, state[: len(self.system.state)], strict=True))}
         if self.system.normalised:
             named.update(in_own_units(self.system, units_of(self.system)[end], named))
         return [named[name] for name in self.system.centre_coordinates]
