@@ -17,13 +17,14 @@ from support.closed_form_lists import ellipse, in_plane, line, minors
 from orbitproof.shared.claims import Atlas, Piece
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR, FALKNER_SKAN
+from orbitproof.verify.algebra import Grading, WideArithmetic
 from orbitproof.verify.curve import PieceLimits
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.functions import REACH, BoundedFunction, bounded
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.out_of_plane import VariationFunctions
 from orbitproof.verify.stability import TubeOfOrbits, orbit_functions
-from orbitproof.verify.stability.first_half import _needed, is_enough, preserves_volume
+from orbitproof.verify.stability.first_half import _needed, _on_curve, is_enough, preserves_volume
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -118,6 +119,17 @@ def test_the_second_half_is_followed_for_distances_and_in_other_coordinates() ->
     assert not is_enough(replace(tube, system=distant))
     assert not is_enough(replace(tube, coordinates="regularised"))
     assert not is_enough(replace(tube, system=replace(tube.system, stiffness_across=None)))
+
+
+def test_the_points_have_the_error_with_which_the_curve_is_known() -> None:
+    here, there = (
+        WideArithmetic(Grading((1,) * count, top), 64, 8 * top, 4, width=4) for count, top in ((1, 0), (2, 1))
+    )
+    found = _on_curve(there, here.polynomial({(0,): [Fraction(1), Fraction(3)]}).widened(Fraction(1, 2**20)))
+    assert list(found.coefs[0].coeffs()) == [2**64, 3 * 2**64]
+    assert not any(each.length() for each in found.coefs[1:])
+    assert 2.0**-20 <= found.errors[0] < 2.0**-19
+    assert found.errors[1:] == [0.0, 0.0]
 
 
 def test_as_many_bits_are_followed_as_the_points_are_known_to() -> None:

@@ -23,13 +23,19 @@ def with_variations(system: ReversibleSystem, names: Sequence[str] = _VARIATIONS
 
     Without its symmetries, of which nothing is said there.
     """
-    size, field, stiffness = len(system.state), system.vector_field, system.stiffness_across
-    if stiffness is None:
+    size, field, program = len(system.state), system.vector_field, system.stiffness_across_program
+    if program is None:
         raise ValueError(f"{system.name} is not the motion in a plane")
+    powers = {step.value for step in system.program.instructions if step.operation == "pow"}
+
+    def power(base: Any, exponent: Fraction) -> Any:
+        """A third power of a root that the field takes as well is found from that."""
+        root = exponent / 3
+        return base**root * base**root * base**root if root in powers - {exponent} else base**exponent
 
     def extended(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
         own, more = state[:size], state[size:]
-        (strength,) = stiffness(own, parameters)
+        (strength,) = program.evaluate([*own, *parameters], Fraction, power)
         rates: list[Any] = []
         for w, rate in zip(more[::2], more[1::2], strict=True):
             rates += [rate, -(strength * w)]
