@@ -7,6 +7,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,12 +20,13 @@ from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR, FALKNER_SKAN
 from orbitproof.verify.algebra import Grading, WideArithmetic
 from orbitproof.verify.curve import PieceLimits
-from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.evidence import IntegrationFailure, guarded
 from orbitproof.verify.functions import REACH, BoundedFunction, bounded
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.out_of_plane import VariationFunctions
+from orbitproof.verify.poincare import HalfOrbits
 from orbitproof.verify.stability import TubeOfOrbits, orbit_functions
-from orbitproof.verify.stability.first_half import _needed, _on_curve, is_enough, preserves_volume
+from orbitproof.verify.stability.first_half import _needed, _on_curve, from_first_half, is_enough, preserves_volume
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -119,6 +121,32 @@ def test_the_second_half_is_followed_for_distances_and_in_other_coordinates() ->
     assert not is_enough(replace(tube, system=distant))
     assert not is_enough(replace(tube, coordinates="regularised"))
     assert not is_enough(replace(tube, system=replace(tube.system, stiffness_across=None)))
+
+
+def test_the_second_half_is_followed_where_the_section_has_other_coordinates_or_n_is_2() -> None:
+    tube = planar()
+    given = {name: getattr(tube.system, name) for name in ("program", "state", "stiffness_across")}
+    plain = {**given, **dict.fromkeys(("defined", "arrival", "fixed_level", "squared_distance"))}
+    assert is_enough(replace(tube, system=SimpleNamespace(**plain)))  # type: ignore[arg-type]
+    for name in ("defined", "arrival", "fixed_level", "squared_distance"):
+        assert not is_enough(replace(tube, system=SimpleNamespace(**plain | {name: "another"})))  # type: ignore[arg-type]
+    assert not is_enough(replace(tube, piece=replace(tube.piece, tube=2 * tube.piece.tube)))
+
+
+def test_half_orbits_are_followed_to_the_crossing_of_the_claim(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def recorded(_: HalfOrbits, crossings: int, progress: Any = None) -> Any:
+        asked.append(crossings)
+        raise IntegrationFailure("stability", "it is not followed here", "wait")
+
+    with guarded(120):
+        half = planar().wider(None)
+        monkeypatch.setattr(HalfOrbits, "half_orbit", recorded)
+        for crossings in (1, 2):
+            with pytest.raises(IntegrationFailure, match="not followed here"):
+                from_first_half(replace(planar(), crossings=crossings), half)
+    assert asked == [1, 2]
 
 
 def test_the_points_have_the_error_with_which_the_curve_is_known() -> None:
