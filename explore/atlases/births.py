@@ -14,8 +14,9 @@ import numpy as np
 
 from orbitproof.explore.atlases.lyapunov import LibrationFailure
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
+from orbitproof.explore.refinement import IntegrationFailure, JetBasis, section_crossings, working_context
 from orbitproof.shared.formats import BirthPiece
-from orbitproof.shared.systems import CR3BP
+from orbitproof.shared.systems import CR3BP, REGULARISATIONS
 
 NEWTON_STEPS, TOLERANCE, NOISE = 15, 1e-11, 1e-8
 """Newton's method ends with a step below the tolerance, or one below the noise that is no shorter than the last."""
@@ -36,12 +37,14 @@ class OrbitsAtBirth:
         middle: shape (3,), x, z and vy where the old orbit meets y = 0, at right angles.
         time: of both from there to where they meet y = 0 next.
         vanishing: indices of what is 0 there, besides y.
+        bits: of the integration for the last step of Newton's method; 0: float64, as for the others.
     """
 
     mu: Fraction
     middle: Vector
     time: float
     vanishing: tuple[int, int]
+    bits: int = 0
 
     @cached_property
     def directions(self) -> Matrix:
@@ -64,7 +67,32 @@ class OrbitsAtBirth:
             share = (s**2 - after**2) / (after**2 - before**2) if len(known) > 1 else 0.0
             unknowns, rows[s], ends[s] = self._corrected(last + share * (last - first), s)
             known.append((s, unknowns))
+        if self.bits:
+            rows.update({s: self._sharpened(np.append(rows[s], ends[s][:, -1]), s) for s in amplitudes.tolist()})
         return np.array([rows[s] for s in amplitudes]), np.array([ends[s] for s in amplitudes])
+
+    def _sharpened(self, unknowns: Vector, s: float) -> Vector:
+        """x, z, vy and b at an amplitude, corrected by an integration with more digits.
+
+        Orbits that pass close to a primary lose those of float64.
+        """
+        context, basis = working_context(self.bits), JetBasis.graded((1,), 0)
+        x, z, vy, b = map(context.mpf, unknowns[:4].tolist())
+        velocity = [along + across * b for along, across in self.directions.tolist()]
+        ends = []
+        for side in (s, -s):
+            start = [basis.constant(value) for value in (x, 0, z, side * velocity[0], vy, side * velocity[1])]
+            crossings = section_crossings(
+                CR3BP, {"mu": self.mu}, start, None, context, regularisation=REGULARISATIONS[CR3BP.name]
+            )
+            try:
+                end = next(crossings).jets
+            except IntegrationFailure as error:
+                raise LibrationFailure(f"at the amplitude {s:.6g} of the birth: {error}") from None
+            ends.append([end[index].coefficients[0] for index in self._wanted])
+        values = [(a + c) / 2 for a, c in zip(*ends, strict=True)] + [(a - c) / (2 * s) for a, c in zip(*ends, strict=True)]
+        step = np.linalg.solve(self._equations(unknowns, s)[1], np.array([float(value) for value in values]))
+        return np.array([float(value) for value in (x - step[0], z - step[1], vy - step[2], b - step[3])])
 
     def _corrected(self, unknowns: Vector, s: float) -> tuple[Vector, Vector, Matrix]:
         """The unknowns at an amplitude, the first four of them, and the ends."""

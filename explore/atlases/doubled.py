@@ -22,9 +22,11 @@ from orbitproof.explore.flow import FlowFailure, Vector, flow_of
 from orbitproof.shared.formats import Atlas, BirthPiece, Covers
 from orbitproof.shared.systems import CR3BP
 
-AMPLITUDE, LEAVES = 0.1, 0.85
+AMPLITUDE, LEAVES = 0.2, 0.85
 """Half-width of the piece of the birth, relative to the speed there; up to which part it is used."""
-JOINT = 600
+NARROWER, BITS = 0.02, 96
+"""Its tube, relative to those of other pieces: it begins close to a primary. What its orbits are computed with."""
+JOINT = 30
 """The last tube before it is so many times wider: orbits of the piece of the birth, led to their ends, are in it."""
 
 
@@ -40,7 +42,7 @@ def doubled_atlas(request: AtlasRequest, progress: Progress | None = None) -> At
     size = AMPLITUDE * float(np.abs(birth.middle[2]))
     x, z, speed = np.abs(birth.middle - [1 - float(birth.mu), 0.0, 0.0])
     distance = float(np.hypot(x, z))
-    tubes = request.tube * np.array([6 * distance, 2 * distance, speed, 1.0])
+    tubes = NARROWER * request.tube * np.array([6 * distance, 2 * distance, speed, 1.0])
     piece, ends = birth_piece(birth, size, LEAVES * size, tubes)
     rest = _beyond(family, ends[:, [X, Z, VY]])
     try:
@@ -71,7 +73,7 @@ def _at_birth(family: Family) -> OrbitsAtBirth:
         state = flow_of(CR3BP).derivative(family.problem.initial_state(first.unknowns), time, [float(mu)]).state
     except FlowFailure as error:
         raise CoverFailure(str(error)) from None
-    return OrbitsAtBirth(mu, state[[X, Z, VY]], time, (VX, VZ))
+    return OrbitsAtBirth(mu, state[[X, Z, VY]], time, (VX, VZ), BITS)
 
 
 def _beyond(family: Family, ends: Vector) -> Family:

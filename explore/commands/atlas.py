@@ -126,15 +126,21 @@ ATLAS_PRESETS = {
         ("x",),
         "Distant retrograde orbits of the Moon, from 0.02 to 0.8 from it",
     ),
-    "butterfly-earth-moon": AtlasPreset(
-        "cr3bp",
-        "earth-moon",
-        "L2-butterfly",
-        ("x", "0.925", "1"),
-        ("x",),
-        "L2 butterfly orbits of the Earth-Moon system from x = 0.925 to their birth at a period doubling",
-        True,
-    ),
+    **{
+        f"butterfly-{mass}": AtlasPreset(
+            "cr3bp",
+            mass,
+            "L2-butterfly",
+            ("x", low, high),
+            ("x",),
+            f"L2 butterfly orbits of the {name} system from x = {low} to their birth at a period doubling",
+            True,
+        )
+        for mass, name, low, high in (
+            ("earth-moon", "Earth-Moon", "0.925", "1"),
+            ("sun-jupiter", "Sun-Jupiter", "0.985", "1.1"),
+        )
+    },
     "dro-sun-jupiter": AtlasPreset(
         "cr3bp-planar",
         "sun-jupiter",

@@ -23,7 +23,8 @@ from orbitproof.verify.curve.piece_claim import ACROSS, require_birth_piece
 from orbitproof.verify.curve.piece_result import Account, Interval, IntervalResult, PieceResult, attempt
 from orbitproof.verify.curve.proved_intervals import ProvedInterval, read_results
 from orbitproof.verify.evidence import Checklist, Evidence, dot, enclose, excludes_zero, guarded, is_inside
-from orbitproof.verify.poincare import PHYSICAL, WideOracle
+from orbitproof.verify.poincare import WideOracle
+from orbitproof.verify.poincare.returns import AUTO
 
 _SPARE_BITS = 32
 """Where orbits begin close to a primary, as they may at a doubling, derivatives have all but so many of the bits."""
@@ -87,7 +88,7 @@ def prove_birth_piece(
         raise ValueError(f"no births of orbits of {system.name} are proved")
     followed = CR3BP_AXIAL if system is LIFTED else CR3BP
     limits = PieceLimits() if limits is None else limits
-    computation: Account = {**asdict(limits), "steps": 0, "coordinates": PHYSICAL}
+    computation: Account = {**asdict(limits), "steps": 0, "coordinates": ""}
     proof = _Proof(followed, parameters, piece, max(map(abs, interval)), oracle, limits)
     with guarded(limits.precision):
         return attempt(
@@ -160,6 +161,9 @@ class _Proof:
         arithmetic = self.limits.arithmetic(self.tube, slope_bits)
         start = {**parameter_series(arithmetic, self.system, self.parameters), **self.points(arithmetic)}
 
+        def begun(coordinates: str) -> None:
+            computation["coordinates"] = coordinates
+
         def after_step(steps: int) -> None:
             computation["steps"] = steps
             if progress is not None:
@@ -168,7 +172,7 @@ class _Proof:
         with checklist.hypothesis(
             "half-return", "15.1", "the orbits of the tube meet the section again and are enclosed", "a narrower piece"
         ) as evidence:
-            half = HalfReturn.of(self.system, start, self.tube, PHYSICAL, self.oracle, progress=after_step)
+            half = HalfReturn.of(self.system, start, self.tube, AUTO, self.oracle, begun, after_step)
             evidence.record("time", half.time_of_all)
             evidence.require(half.time_of_all.is_finite(), "the times are not enclosed")
         return half
