@@ -134,13 +134,13 @@ branches: $(VENV)/demo.stamp
 # Who proves: processes here, or those of a dask scheduler (SCHEDULER=tcp://..).
 WORKERS = $(if $(SCHEDULER),--scheduler $(SCHEDULER),--jobs $(JOBS))
 
-# Planar, halo, axial and vertical families of L1 and L2, planar, axial and vertical ones of L3, distant retrograde orbits as graphs (docs/webs);
-# with Earth and Moon halo orbits of L3 and butterfly orbits too.
+# Planar, halo, axial and vertical families of L1 and L2, butterfly orbits, planar, axial and vertical families of L3, distant retrograde orbits as
+# graphs (docs/webs); with Earth and Moon halo orbits of L3 too.
 # What exists is kept, what was interrupted goes on. ARCS="vertical-L1 ..": only these. LISTS=4: with the lists of resonances up to
 # 1:4, and where arcs are stable. The index is counted between the points of an
 # arc's list, else at one orbit; not that of butterfly orbits and of axial ones of L3, which takes minutes of processor time.
-WEB := lyapunov-L1 l1-circle axial-L1 vertical-L1 lyapunov-L2 l2-arc axial-L2 vertical-L2 lyapunov-L3 axial-L3 vertical-L3 dro
-WEB_OF_EARTH_MOON := $(WEB) l3-halo butterfly
+WEB := lyapunov-L1 l1-circle axial-L1 vertical-L1 lyapunov-L2 l2-arc axial-L2 vertical-L2 lyapunov-L3 axial-L3 vertical-L3 dro butterfly
+WEB_OF_EARTH_MOON := $(WEB) l3-halo
 ARCS :=
 LISTS :=
 

@@ -90,7 +90,9 @@ class OrbitsAtBirth:
             except IntegrationFailure as error:
                 raise LibrationFailure(f"at the amplitude {s:.6g} of the birth: {error}") from None
             ends.append([end[index].coefficients[0] for index in self._wanted])
-        values = [(a + c) / 2 for a, c in zip(*ends, strict=True)] + [(a - c) / (2 * s) for a, c in zip(*ends, strict=True)]
+        values = [(a + c) / 2 for a, c in zip(*ends, strict=True)] + [
+            (a - c) / (2 * s) for a, c in zip(*ends, strict=True)
+        ]
         step = np.linalg.solve(self._equations(unknowns, s)[1], np.array([float(value) for value in values]))
         return np.array([float(value) for value in (x - step[0], z - step[1], vy - step[2], b - step[3])])
 

@@ -30,6 +30,7 @@ from orbitproof.verify.curve import (
     conclude,
     prove_birth_piece,
 )
+from orbitproof.verify.curve.equation import Equation
 from orbitproof.verify.curve.other_point import Crossing
 from orbitproof.verify.evidence import NotProved, Outcome, Proved
 from orbitproof.verify.oracle import ORACLE
@@ -67,6 +68,21 @@ DOUBLING = CertifiedPoint(
     },
 )
 
+# Those of Sun and Jupiter begin at 0.0008 from Jupiter.
+JUPITER = read_atlas(DATA / "atlas-butterfly-sun-jupiter.json")
+assert isinstance(JUPITER, Atlas)
+JUPITER_RESULTS = tuple(values(json.loads((DATA / "results-butterfly-sun-jupiter.json").read_text())))
+JUPITER_DOUBLING = replace(
+    DOUBLING,
+    id="doubling of Sun and Jupiter",
+    parameters=JUPITER.parameters,
+    point={
+        "x": ball("1.00571101174249593973721019228699925625931066"),
+        "z": ball("-0.0744659981651813693366464914301226723489128495"),
+        "vy": ball("-0.0214944681948206141978281811238096072731743768"),
+    },
+)
+
 
 def concluded(
     *points: CertifiedPoint, atlas: Atlas = ATLAS, results: tuple[IntervalResult, ...] = RESULTS, watch: Any = FOLLOW
@@ -91,6 +107,15 @@ def test_the_curve_goes_to_the_doubling_at_which_its_orbits_are_born() -> None:
     assert words.index("All half periods lie in") < words.index("From one of its orbits the curve of orbits goes on")
     assert "goes on, in piece birth, to an R-symmetric periodic orbit whose half orbits meet the section once" in words
     assert "doubling: period 2-tupling, at which the orbits of piece birth are born" in words
+
+
+def test_that_of_sun_and_jupiter_goes_to_its_doubling_too() -> None:
+    conclusion = concluded(JUPITER_DOUBLING, DOUBLING, atlas=JUPITER, results=JUPITER_RESULTS)
+    assert proof(conclusion).birth is not None
+    own, other = conclusion.bifurcations
+    assert own.place is not None, own.reason
+    assert (own.place.piece, own.place.s) == ("birth", 0)
+    assert other.place is None
 
 
 @pytest.mark.parametrize(
@@ -334,12 +359,32 @@ def test_what_r_negates_vanishes_at_the_ends_of_its_orbits(monkeypatch: pytest.M
 
 
 @pytest.mark.slow
-def test_the_piece_is_proved_and_a_false_one_is_not() -> None:
-    limits = PieceLimits(128, 48, 40)
-    found = prove_birth_piece(CR3BP, ATLAS.parameters, BIRTH, WHOLE, ORACLE, limits)
+@pytest.mark.parametrize(("atlas", "results", "precision"), [(ATLAS, RESULTS, 112), (JUPITER, JUPITER_RESULTS, 128)])
+def test_the_piece_is_proved_and_a_false_one_is_not(
+    atlas: Atlas, results: tuple[IntervalResult, ...], precision: int
+) -> None:
+    limits, (piece,) = PieceLimits(precision, 48, 40), atlas.birth_pieces()
+    found = prove_birth_piece(CR3BP, atlas.parameters, piece, WHOLE, ORACLE, limits)
     assert isinstance(found.outcome, Proved), found.outcome
-    (stored,) = (result for result in RESULTS if result.piece == BIRTH.id)
+    assert found.computation.coordinates == "Kustaanheimo-Stiefel"
+    (stored,) = (result for result in results if result.piece == piece.id)
     assert found.outcome.results.time.overlaps(stored.time)
-    beside = replace(BIRTH, polynomial=((BIRTH.polynomial[0][0] + Fraction(1, 10**9),), *BIRTH.polynomial[1:]))
-    outcome = prove_birth_piece(CR3BP, ATLAS.parameters, beside, WHOLE, ORACLE, limits).outcome
+    beside = replace(piece, polynomial=((piece.polynomial[0][0] + Fraction(1, 10**9),), *piece.polynomial[1:]))
+    outcome = prove_birth_piece(CR3BP, atlas.parameters, beside, WHOLE, ORACLE, limits).outcome
     assert isinstance(outcome, NotProved)
+
+
+@pytest.mark.slow
+def test_both_coordinates_enclose_the_same_orbits_of_a_piece(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Off Fix(R): what the orbits of the points of s are at their ends."""
+    ends: list[Any] = []
+
+    def newton(checklist: Any, equations: Any, *rest: Any, **more: Any) -> Any:
+        ends.append([Equation(equation).value(arb(0, 1)) for equation in equations])
+        raise ArithmeticError
+
+    monkeypatch.setattr(birth_piece, "check_newton", newton)
+    for coordinates in ("physical", "regularised"):
+        monkeypatch.setattr(birth_piece, "AUTO", coordinates)
+        prove_birth_piece(CR3BP, ATLAS.parameters, BIRTH, WHOLE, ORACLE, PieceLimits(112, 40, 30))
+    assert all(one.overlaps(other) for one, other in zip(*ends, strict=True))
