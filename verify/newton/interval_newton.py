@@ -53,13 +53,13 @@ def is_regular(matrix: Matrix) -> bool:
 
 
 def newton_image(matrix: Matrix, residual: Sequence[arb]) -> list[arb]:
-    """Enclosure of -A^-1 f = -(B A)^-1 B f for all matrices A and vectors f in the arguments, B about A^-1 (7.4).
+    """Enclosure of -A^-1 f for all matrices A and vectors f in the arguments.
 
     Raises `ZeroDivisionError` if some matrix may be singular.
     """
-    balls = arb_mat([list(row) for row in matrix])
-    inverse = balls.mid().inv().mid()
-    solution = (inverse * balls).solve(inverse * arb_mat([[-value] for value in residual]))
+    if not residual:
+        return []
+    solution = arb_mat([list(row) for row in matrix]).solve(arb_mat([[-value] for value in residual]))
     return [solution[i, 0] for i in range(len(residual))]
 
 
