@@ -134,13 +134,11 @@ branches: $(VENV)/demo.stamp
 # Who proves: processes here, or those of a dask scheduler (SCHEDULER=tcp://..).
 WORKERS = $(if $(SCHEDULER),--scheduler $(SCHEDULER),--jobs $(JOBS))
 
-# Planar, halo, axial and vertical families of L1 and L2, butterfly orbits, planar, axial and vertical families of L3, distant retrograde orbits as
-# graphs (docs/webs); with Earth and Moon halo orbits of L3 too.
+# Planar, halo, axial and vertical families of L1, L2 and L3, butterfly orbits, distant retrograde orbits as graphs (docs/webs).
 # What exists is kept, what was interrupted goes on. ARCS="vertical-L1 ..": only these. LISTS=4: with the lists of resonances up to
 # 1:4, and where arcs are stable. The index is counted between the points of an
 # arc's list, else at one orbit; not that of butterfly orbits and of axial ones of L3, which takes minutes of processor time.
-WEB := lyapunov-L1 l1-circle axial-L1 vertical-L1 lyapunov-L2 l2-arc axial-L2 vertical-L2 lyapunov-L3 axial-L3 vertical-L3 dro butterfly
-WEB_OF_EARTH_MOON := $(WEB) l3-halo
+WEB := lyapunov-L1 l1-circle axial-L1 vertical-L1 lyapunov-L2 l2-arc axial-L2 vertical-L2 lyapunov-L3 l3-halo axial-L3 vertical-L3 dro butterfly
 ARCS :=
 LISTS :=
 
@@ -151,7 +149,7 @@ web: $(VENV)/demo.stamp
 	is_proved() { grep -q '^ "verdict": "proved"' $$1 2>/dev/null; }; \
 	plan() { \
 	  missing=; given=; indices=; \
-	  for each in $$arcs; do \
+	  for each in $(WEB); do \
 	    file=$(WEBS)/$$each-$$mass-certificate.json; given="$$given $$file"; is_proved $$file || missing="$$missing $$each"; \
 	    file=$(WEBS)/$$each-$$mass-index.json; ! is_proved $$file || indices="$$indices $$file"; \
 	  done; \
@@ -175,8 +173,7 @@ web: $(VENV)/demo.stamp
 	step env $(VERIFY) $$rows -o $(WEBS)/certificates.json $(WORKERS); \
 	step env $(VERIFY) docs/webs/vertical-births.json -o $(WEBS)/vertical-births.json $(WORKERS); \
 	for mass in $(MASSES); do \
-	  case $$mass in earth-moon) arcs="$(WEB_OF_EARTH_MOON)";; *) arcs="$(WEB)";; esac; \
-	  for name in $(or $(ARCS),$$arcs); do \
+	  for name in $(or $(ARCS),$(WEB)); do \
 	    plan; atlas=$(WEBS)/$$name-$$mass.json; list="$(if $(LISTS),--complete $(LISTS))"; at="--point $${name#*-} --mass $$mass"; \
 	    case $$name in \
 	      lyapunov-*) cover atlas-libration $$at --through axial;; \
@@ -185,7 +182,7 @@ web: $(VENV)/demo.stamp
 	      axial-L3) cover atlas-libration $$at --axial; list="--top 2";; \
 	      axial-*) cover atlas-libration $$at --axial;; \
 	      butterfly) cover atlas --preset $$name-$$mass; list=;; \
-	      l3-halo) cover atlas --preset $$name-$$mass --coordinates physical; list="--top 2";; \
+	      l3-halo) cover atlas --preset $$name-$$mass --coordinates physical; list="--top 2 --precision 96";; \
 	      *) cover atlas --preset $$name-$$mass;; \
 	    esac; \
 	    [ ! -e $$atlas ] || step env $(VERIFY) atlas $$atlas -o $(WEBS)/$$name-$$mass-certificate.json $$list $(WORKERS); \
