@@ -71,6 +71,13 @@ def steep_only(argument: Argument, report: Report) -> dict[str, Any]:
     return {**failing(argument, report), "reason": reason}
 
 
+def steep_halves(argument: Argument, report: Report) -> dict[str, Any]:
+    """As `steep_only`, but on the whole of the second piece second derivatives fail for another reason."""
+    if argument["integrator"]["top"] > 1 and _second(argument) and _length(argument) > Fraction(3, 2):
+        return failing(argument, report)
+    return steep_only(argument, report)
+
+
 def unclear(argument: Argument, report: Report) -> dict[str, Any]:
     """Leaves that open with all settings, on intervals of the second piece longer than 1/2."""
     if _length(argument) <= Fraction(3, 5) or not _second(argument):

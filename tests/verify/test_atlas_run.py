@@ -6,6 +6,7 @@ import json
 import os
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -25,7 +26,7 @@ from orbitproof.shared.processes import Answer, Task
 from orbitproof.verify.atlas import read_atlas_certificate
 from orbitproof.verify.run import Display, Processes
 from orbitproof.verify.run.branch_command import main
-from orbitproof.verify.run.branch_tasks import RunLimits
+from orbitproof.verify.run.branch_tasks import RunLimits, all_attempts_of, attempts_of, for_slopes_of
 from orbitproof.verify.run.branches import AtlasRun
 from orbitproof.verify.run.splitting import Plan, covers, full_interval, halves, plan, with_closer_looks
 
@@ -235,6 +236,24 @@ def test_what_second_derivatives_leave_open_is_halved_without_them() -> None:
     tops = [result.computation.top for result in run.results_of("p001")]
     assert tops == [1, 2, 1, 1, 1, 1, 1, 1]
     assert run.plan_of("p001").is_proved
+
+
+def test_halves_have_second_derivatives_where_those_of_the_whole_fail_for_another_reason() -> None:
+    run, _ = go(CURVE, atlas_work.steep_halves)
+    assert [result.computation.top for result in run.results_of("p001")] == [1, 2, 1, 2, 1, 2]
+    assert run.plan_of("p001").is_proved
+
+
+def test_settings_for_special_cases_come_after_the_others_and_closer_looks_last() -> None:
+    """As a plan counts its attempts."""
+    limits = RunLimits({}, stability=True, order=4, lasting=True)
+    attempts = attempts_of(CURVE, limits)
+    *others, across, closer = all_attempts_of(CURVE, limits)
+    assert tuple(others) == attempts
+    assert across == {**attempts[0], "top": 2}
+    assert (closer["top"], closer["width"]) == (1, 12)
+    assert all_attempts_of(CURVE, replace(limits, lasting=False))[len(attempts) :] == (for_slopes_of(attempts),)
+    assert all_attempts_of(CURVE, RunLimits({"top": 2})) == attempts_of(CURVE, RunLimits({"top": 2}))
 
 
 def test_results_of_the_attempt_with_second_derivatives_count_in_the_next_run(tmp_path: Path) -> None:

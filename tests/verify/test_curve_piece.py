@@ -4,15 +4,16 @@ In the system `TWIST` the symmetric orbits are the circle a^2 + c^2 = 1 and the 
 
 from __future__ import annotations
 
+import math
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 import mpmath
 import pytest
-from flint import arb, ctx
+from flint import arb, arb_poly, ctx
 from support.exact_elements import number
 from support.flow_checks import ball
 from support.piece_cases import (
@@ -40,7 +41,7 @@ from orbitproof.verify.algebra import Grading, Series, WideArithmetic
 from orbitproof.verify.atlas import condition_of
 from orbitproof.verify.curve import UNCLEAR_SLOPE, Equation, PieceLimits, check_newton, prove_piece
 from orbitproof.verify.curve.equation import combined, inverse_near, values_on
-from orbitproof.verify.evidence import Checklist, NotProved, exact_value
+from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotProved, exact_value
 from orbitproof.verify.oracle import ORACLE
 
 BITS = 110
@@ -224,6 +225,70 @@ def test_nearly_dependent_equations_are_told_apart_on_large_parts() -> None:
         assert float(deviation[0]) < 3e-11
         assert float(deviation[1]) < 1e-3
         assert float(slope[0]) < 1
+
+
+def test_what_is_unknown_counts_with_the_largest_weight_on_the_part() -> None:
+    weight, unknown = arb_poly([0, 0, 1]), (arb_poly(), arb(1))
+    for part, largest in ((arb(0, 1), ONE), (arb("0.5", "0.25"), Fraction(9, 16))):
+        found = combined([weight], [unknown], part)
+        assert found.contains(ball(largest))
+        assert found.contains(ball(-largest))
+
+
+def newton(*components: Mapping[tuple[int, ...], Sequence[Fraction]], divided: bool = False, top: int = 1) -> Any:
+    """Bounds of omega and of its slopes for known functions of |sigma| <= 16/17."""
+    arithmetic = WideArithmetic(Grading((1,) * len(components), top), 100, 0, 4, width=4)
+    with ctx.workprec(150):
+        return check_newton(Checklist(), [arithmetic.polynomial(each) for each in components], ONE, divided)
+
+
+SMALL, EDGE = Fraction(1, 1000), Fraction(16, 17)
+
+
+@pytest.mark.parametrize("divided", [False, True])
+def test_slopes_are_those_at_the_curve_on_all_of_the_interval(divided: bool) -> None:
+    """omega = SMALL/(1 + s/2), with s^2 for s where it is even: what depends on s is the factor of omega alone."""
+    power = 2 if divided else 1
+    _, (slope,) = newton({(0,): [-SMALL], (1,): [ONE, *[ZERO] * (power - 1), ONE / 2]}, divided=divided)
+    # The slope is largest at one end, divided by s at the middle.
+    truth = SMALL if divided else SMALL / 2 / (1 - EDGE / 2) ** 2
+    assert ball(truth) <= slope
+    assert slope < ball(3 * truth)
+
+
+def test_slopes_are_the_largest_on_each_part() -> None:
+    _, (slope,) = newton({(0,): [ZERO, ZERO, -SMALL], (1,): ONE})
+    assert slope >= ball(2 * SMALL * EDGE)
+
+
+@pytest.mark.parametrize("place", [Fraction(1, 3), Fraction(1, 4), ZERO, EDGE], ids=str)
+@pytest.mark.parametrize("times", [1, 2])
+def test_a_derivative_that_is_singular_at_one_s_is_told_from_a_nearly_singular_one(place: Fraction, times: int) -> None:
+    """omega = 0 is a zero for every s; at one s all of a line are, however the parts lie about it."""
+    factor = [-place, ONE] if times == 1 else [place**2, -2 * place, ONE]
+    with pytest.raises(IntegrationFailure, match="singular|changes its sign"):
+        newton({(0, 0): [ZERO], (1, 0): ONE}, {(0, 0): [ZERO], (1, 0): [ZERO, ONE], (0, 1): factor})
+
+
+def test_of_two_curves_in_the_tube_none_is_proved() -> None:
+    """(omega - 1/1000)(omega + 9/20), whose second derivative is followed too; with the other zero at -2 it is proved."""
+    for other in (Fraction(9, 20), Fraction(2)):
+        equation = {(0,): [-SMALL * other], (1,): [other - SMALL], (2,): ONE}
+        if other < 1:
+            with pytest.raises(IntegrationFailure, match="singular"):
+                newton(equation, top=2)
+        else:
+            (omega,), _ = newton(equation, top=2)
+            assert ball(SMALL) <= omega < ball(3 * SMALL)
+
+
+@pytest.mark.parametrize("grade", [0, 1, 2])
+@pytest.mark.parametrize("error", [math.inf, math.nan])
+def test_a_return_that_is_not_enclosed_is_told_as_that(error: float, grade: int) -> None:
+    _, known, _ = nearly_dependent(random.Random(1), ONE)
+    errors = [error if each == grade else 0.0 for each in range(3)]
+    with pytest.raises(IntegrationFailure, match="the half return was not enclosed"):
+        check_newton(Checklist(), [known[0], known[1].with_errors(errors)], ONE)
 
 
 def equations(system: ReversibleSystem) -> Callable[[Sequence[Fraction]], list[Any]]:
