@@ -252,7 +252,8 @@ def test_settings_for_special_cases_come_after_the_others_and_closer_looks_last(
     assert tuple(others) == attempts
     assert across == {**attempts[0], "top": 2}
     assert (closer["top"], closer["width"]) == (1, 12)
-    assert all_attempts_of(CURVE, replace(limits, lasting=False))[len(attempts) :] == (for_slopes_of(attempts),)
+    plain = replace(limits, lasting=False)
+    assert all_attempts_of(CURVE, plain)[len(attempts) :] == (for_slopes_of(attempts_of(CURVE, plain)),)
     assert all_attempts_of(CURVE, RunLimits({"top": 2})) == attempts_of(CURVE, RunLimits({"top": 2}))
 
 

@@ -358,6 +358,20 @@ def test_what_r_negates_vanishes_at_the_ends_of_its_orbits(monkeypatch: pytest.M
         assert asked.pop() == [(part, name) for name in names for part in ("even", "odd")]
 
 
+def test_the_coordinates_that_suit_its_orbits_are_followed_and_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+
+    def of(system: Any, start: Any, widths: Any, coordinates: str, oracle: Any, begun: Any, progress: Any) -> Any:
+        asked.append(coordinates)
+        begun("those that suit")
+        raise ArithmeticError
+
+    monkeypatch.setattr(birth_piece, "HalfReturn", SimpleNamespace(of=of))
+    found = prove_birth_piece(CR3BP, ATLAS.parameters, BIRTH, WHOLE, ORACLE)
+    assert asked == ["auto"]
+    assert found.computation.coordinates == "those that suit"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("atlas", "results", "precision"), [(ATLAS, RESULTS, 112), (JUPITER, JUPITER_RESULTS, 128)])
 def test_the_piece_is_proved_and_a_false_one_is_not(

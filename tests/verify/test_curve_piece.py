@@ -266,12 +266,12 @@ def test_slopes_are_the_largest_on_each_part() -> None:
 def test_a_derivative_that_is_singular_at_one_s_is_told_from_a_nearly_singular_one(place: Fraction, times: int) -> None:
     """omega = 0 is a zero for every s; at one s all of a line are, however the parts lie about it."""
     factor = [-place, ONE] if times == 1 else [place**2, -2 * place, ONE]
-    with pytest.raises(IntegrationFailure, match="singular|changes its sign"):
+    with pytest.raises(IntegrationFailure, match=r"singular|changes its sign"):
         newton({(0, 0): [ZERO], (1, 0): ONE}, {(0, 0): [ZERO], (1, 0): [ZERO, ONE], (0, 1): factor})
 
 
 def test_of_two_curves_in_the_tube_none_is_proved() -> None:
-    """(omega - 1/1000)(omega + 9/20), whose second derivative is followed too; with the other zero at -2 it is proved."""
+    """(omega - 1/1000)(omega + 9/20), the second derivative being known; with the other zero at -2 it is proved."""
     for other in (Fraction(9, 20), Fraction(2)):
         equation = {(0,): [-SMALL * other], (1,): [other - SMALL], (2,): ONE}
         if other < 1:

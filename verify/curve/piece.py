@@ -1,7 +1,8 @@
 """One piece of a curve of symmetric orbits, proved over an interval of its parameter (section 15.2).
 
-The flow takes the whole piece at once: s is the wide variable, the unknowns across the curve have weight 1 and
-G = 1. The interval Newton operator then shows, for every s, that the tube contains exactly one symmetric orbit.
+The flow takes the whole piece at once: s is the wide variable, the unknowns across the curve have weight 1, and
+G = 1 if no more is asked for. The interval Newton operator then shows, for every s, that the tube contains exactly one
+symmetric orbit.
 """
 
 from __future__ import annotations
