@@ -86,7 +86,7 @@ class Curve:
         atlas: id, title, system, parameters, claim.
         is_proved: whether the certificate says so.
         stretches: in order along the curve.
-        marks: the certified bifurcations on it, in order along the curve.
+        marks: the certified bifurcations on these, in order along the curve; not that of the piece of a birth.
     """
 
     atlas: AnyAtlas
@@ -121,7 +121,9 @@ class Curve:
             if following is not None:
                 begin = float(_parameter(following, stretch.points[-1]))
         order = {piece.id: number for number, piece in enumerate(pieces)}
-        marks = sorted(_marks(certificate), key=lambda mark: (order[mark.piece], mark.s))
+        marks = sorted(
+            (mark for mark in _marks(certificate) if mark.piece in order), key=lambda mark: (order[mark.piece], mark.s)
+        )
         return cls(atlas, certificate.is_proved, tuple(stretches), tuple(marks))
 
     @property

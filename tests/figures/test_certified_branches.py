@@ -89,6 +89,16 @@ def test_points_on_the_curve_are_marked_where_they_are_and_others_are_not() -> N
     close(figure)
 
 
+def test_a_point_of_a_piece_that_is_not_drawn_is_not_marked() -> None:
+    """Such are the pieces of births: their orbits are no part of the curve."""
+    atlas, results = symmetric_loop()
+    document = document_of((atlas, results), POINT, IMAGE)
+    born, other = document["conclusion"]["bifurcations"]
+    born["piece"] = "birth"
+    drawn = Curve.of(AtlasCertificate(atlas, document))
+    assert [mark.id for mark in drawn.marks] == [other["id"]]
+
+
 def test_images_under_the_symmetry_are_dashed_and_close_the_loop() -> None:
     figure = draw_curves([curve(symmetric_loop())])
     lines = [line for line in figure.axes[0].lines if len(line.get_xdata()) > 5]  # type: ignore[arg-type]
