@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from flint import acb, arb, arb_poly
+from flint import acb, arb
 
 from orbitproof.shared.systems import ReversibleSystem
-from orbitproof.verify.algebra import Arithmetic, Grading, Series
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, evaluate
 from orbitproof.verify.evidence import IntegrationFailure, enclose, exact_value, guarded, is_below, power
 from orbitproof.verify.flow import advance
 from orbitproof.verify.index.half_turns import HalfTurns, Turning, Vectors, determinant, index_of
+from orbitproof.verify.index.moving import Moving, moving, reduced
 from orbitproof.verify.poincare import Oracle, Orbits, default_order, physical
 
-_UNIT_BITS = 20
+_UNIT_BITS = 40
 _UNIT = Fraction(1, 2**_UNIT_BITS)
 """Size of the variations that are followed; what is wanted is linear in them."""
-_CELLS = 4
-_DEPTH = 12
+_DEPTH = 14
 _BEYOND = tuple(Fraction(1, 2**bits) for bits in (48, 40, 32, 24, 16, 12))
 
 
@@ -59,11 +59,22 @@ class Block:
 
 
 @dataclass(frozen=True)
-class Values:
-    """A state and variations of it, enclosed."""
+class Part:
+    """The orbits at some times of a step, or at the section.
 
-    state: tuple[arb, ...]
-    variations: tuple[tuple[arb, ...], ...]
+    Attributes:
+        field: the vector field along the step.
+        variations: by their numbers.
+        theta: the times.
+    """
+
+    field: Moving
+    variations: tuple[Moving, ...]
+    theta: arb
+
+    def at(self, theta: arb) -> Part:
+        """The same step at other times."""
+        return replace(self, theta=theta)
 
 
 def followed(
@@ -91,9 +102,9 @@ class _HalfOrbit:
         grading = Grading((1,) * len(self.directions), 1)
         self.arithmetic = Arithmetic(grading, precision, _UNIT_BITS, default_order(precision))
         self.mu = self.arithmetic.constant(start.mu)
-        begun = Values(start.state, tuple(map(tuple, self._first_variations())))
+        self.orbits = Orbits(physical(start.system), self.arithmetic, self._begin(), [self.mu], oracle)
+        begun = self._part(self.orbits.state)
         self.turning = [[Turning(value) for value in self._determinants(block, begun)] for block in self.blocks]
-        self.orbits = Orbits(physical(start.system), self.arithmetic, self._begin(begun), [self.mu], oracle)
 
     def _blocks(self, count: int) -> list[Block]:
         """Those of a planar orbit are two: of the axes x and y, and of z."""
@@ -128,19 +139,26 @@ class _HalfOrbit:
         field, (vx, vy, vz) = self._field(state), state[3:]
         return [2 * vy - field[3], -2 * vx - field[4], -field[5], vx, vy, vz]
 
-    def _begin(self, begun: Values) -> list[Series]:
+    def _begin(self) -> list[Series]:
         """The state with its variations: the coefficient of variable j is `_UNIT` times variation j."""
         count = len(self.directions)
         units = [tuple(int(i == j) for i in range(count)) for j in range(count)]
         variables = [self.arithmetic.polynomial({unit: _UNIT}) for unit in units]
-        state = []
-        for index, ball in enumerate(begun.state):
+        variations, state = self._first_variations(), []
+        for index, ball in enumerate(self.start.state):
             element = _constant(self.arithmetic, ball)
-            for variable, row in zip(variables, begun.variations, strict=True):
+            for variable, row in zip(variables, variations, strict=True):
                 if not row[index].is_zero():
                     element = element + _constant(self.arithmetic, row[index]) * variable
             state.append(element)
         return state
+
+    def _part(self, solution: Sequence[Series]) -> Part:
+        """A step, at its beginning; or what does not depend on time."""
+        field = evaluate(self.orbits.program, [*solution, self.mu])
+        numbers = range(1, len(self.directions) + 1)
+        variations = (moving(solution, number, _UNIT) for number in numbers)
+        return Part(moving(field, 0, Fraction(1)), tuple(variations), arb(0))
 
     def _canonical(self, vector: Sequence[arb], block: Block) -> tuple[acb, ...]:
         """q - i p on the axes of a block, turned so that Fix(R) is R^N and R negates i R^N (section 35.2)."""
@@ -151,131 +169,82 @@ class _HalfOrbit:
             acb(q, -p) / (acb(1) if signs[k] == 1 else acb(0, 1)) for k, (q, p) in enumerate(pairs) if k in block.axes
         )
 
-    def _vectors(self, block: Block, values: Values) -> tuple[Vectors, Vectors, Vectors]:
-        """The field divided by i, if it belongs to the block, and the vectors of both kinds."""
-        along: Vectors = ()
-        if block.with_flow:
-            along = (tuple(entry / acb(0, 1) for entry in self._canonical(self._field(values.state), block)),)
-        kinds = (
-            tuple(self._canonical(values.variations[number], block) for number in numbers)
+    def _vectors(self, block: Block, part: Part) -> tuple[Vectors, Vectors, Vectors]:
+        """The field divided by i, if it belongs to the block, and the vectors of both kinds up to (35.2)."""
+
+        def canonical(vector: Moving, theta: arb) -> tuple[acb, ...]:
+            return self._canonical(vector.over(theta), block)
+
+        flow = [part.field] if block.with_flow else []
+        along = tuple(tuple(entry / acb(0, 1) for entry in canonical(vector, part.theta)) for vector in flow)
+        fixed, negated = (
+            tuple(
+                canonical(vector, part.theta)
+                for vector in reduced([*flow, *(part.variations[number] for number in numbers)], canonical, part.theta)
+            )[len(flow) :]
             for numbers in (block.fixed, block.negated)
         )
-        fixed, negated = kinds
         return along, fixed, negated
 
-    def _determinants(self, block: Block, values: Values) -> tuple[acb, acb]:
-        along, fixed, negated = self._vectors(block, values)
+    def _determinants(self, block: Block, part: Part) -> tuple[acb, acb]:
+        along, fixed, negated = self._vectors(block, part)
         return determinant((*along, *fixed)), determinant((*along, *negated))
 
     def run(self, progress: Callable[[int], None] | None) -> tuple[HalfTurns, ...]:
         def after_step(steps: int) -> None:
             assert self.orbits.step_taken is not None
-            self._cover(_Known(self.orbits.step_taken[0].solution))
+            self._cover(self._part(self.orbits.step_taken[0].solution), Fraction(0), Fraction(1))
             if progress is not None:
                 progress(steps)
 
         for _ in range(self.start.crossings):
             image, _ = self.orbits.next_crossing(after_step)
-        end = _Known(image).values(arb(0))
+        end = self._part(image)
         self._to_the_section(end)
         return tuple(
             index_of([each.angle for each in turning], *self._vectors(block, end))
             for block, turning in zip(self.blocks, self.turning, strict=True)
         )
 
-    def _cover(self, known: _Known) -> None:
-        """One step, or what is beyond the last one."""
-        for cell in range(_CELLS):
-            self._cell(known, Fraction(cell, _CELLS), Fraction(cell + 1, _CELLS), 0)
-
-    def _cell(self, known: _Known, left: Fraction, right: Fraction, depth: int) -> None:
+    def _cover(self, step: Part, left: Fraction, right: Fraction, depth: int = 0) -> None:
+        """A step from one time to another, or its halves."""
         low, high = enclose(left), enclose(right)
-        if self._go_on([known.values(low.union(high))], known.values(high)):
+        if self._go_on([step.at(low.union(high))], step.at(high)):
             return
         if depth == _DEPTH:
             raise _lost("the vectors are not enclosed well enough along the orbit")
         middle = (left + right) / 2
-        self._cell(known, left, middle, depth + 1)
-        self._cell(known, middle, right, depth + 1)
+        self._cover(step, left, middle, depth + 1)
+        self._cover(step, middle, right, depth + 1)
 
-    def _go_on(self, over: Sequence[Values], end: Values) -> bool:
-        """Follow all arguments, over the values on the way and to those at the end, if all of them are known there."""
-        ways = [
-            [
-                (turning, [self._determinants(block, values)[kind] for values in over], determinants[kind])
-                for kind, turning in enumerate(both)
-            ]
-            for block, both in zip(self.blocks, self.turning, strict=True)
-            for determinants in [self._determinants(block, end)]
-        ]
-        flat = [way for both in ways for way in both]
-        if not all(turning.reaches(values, value) for turning, values, value in flat):
+    def _go_on(self, over: Sequence[Part], end: Part) -> bool:
+        """Follow all arguments, over the parts of the way and to its end, if all of them are known there."""
+        ways: list[tuple[Turning, list[acb], acb]] = []
+        for block, both in zip(self.blocks, self.turning, strict=True):
+            on_the_way = zip(*(self._determinants(block, part) for part in over), strict=True)
+            for turning, values, value in zip(both, on_the_way, self._determinants(block, end), strict=True):
+                ways.append((turning, list(values), value))
+        if not all(turning.reaches(values, value) for turning, values, value in ways):
             return False
-        for turning, _, value in flat:
+        for turning, _, value in ways:
             turning.go_on(value)
         return True
 
-    def _to_the_section(self, end: Values) -> None:
+    def _to_the_section(self, end: Part) -> None:
         """From the end of the last step, forwards or backwards, to where the orbit meets the section (35.2)."""
         orbits = self.orbits
         assert orbits.step_taken is not None
         flow, _, length = orbits.step_taken
-        delay = _Known([orbits.delay]).values(arb(0)).state[0]
+        (delay,) = moving([orbits.delay], 0, Fraction(1)).over(arb(0))
         expansion = orbits.oracle.expand(orbits.program, self.arithmetic, orbits.state, orbits.fixed)
         for further in _BEYOND:
             if further <= length and is_below(abs(delay), enclose(further)):
                 beyond = advance(orbits.program, orbits.state, orbits.fixed, expansion, further)
                 back = enclose(1 - further / length).union(arb(1))
-                over = [_Known(flow.solution).values(back), _Known(beyond.solution).values(arb(0).union(arb(1)))]
+                over = [self._part(flow.solution).at(back), self._part(beyond.solution).at(arb(0).union(arb(1)))]
                 if self._go_on(over, end):
                     return
         raise _lost("the end of the half orbit is not enclosed well enough")
-
-
-class _Known:
-    """A step as polynomials in theta, with bounds of what is unknown."""
-
-    def __init__(self, solution: Sequence[Series]) -> None:
-        first = solution[0].arithmetic
-        scales = [arb(2) ** -scale for scale in first.scales]
-        self.rows = [
-            [
-                arb_poly([arb(value) * scale for value in polynomial.coeffs()])
-                for polynomial, scale in zip(element.coefs, scales, strict=True)
-            ]
-            for element in solution
-        ]
-        self.errors = [(symmetric_float(element.errors[0]), symmetric_float(element.errors[1])) for element in solution]
-        grading = first.grading
-        count = len(grading.weights)
-        self.places = [grading.index[tuple(int(i == j) for i in range(count))] for j in range(count)]
-        self.constant = grading.index[(0,) * count]
-
-    def values(self, theta: arb) -> Values:
-        """All over a ball of theta."""
-        unit = enclose(_UNIT)
-        state = tuple(
-            _over(row[self.constant], theta) + error for row, (error, _) in zip(self.rows, self.errors, strict=True)
-        )
-        variations = tuple(
-            tuple(
-                (_over(row[place], theta) + error) / unit
-                for row, (_, error) in zip(self.rows, self.errors, strict=True)
-            )
-            for place in self.places
-        )
-        return Values(state, variations)
-
-
-def _over(polynomial: arb_poly, theta: arb) -> arb:
-    """By the mean value theorem."""
-    middle = theta.mid()
-    return polynomial(middle) + polynomial.derivative()(theta) * (theta - middle)
-
-
-def symmetric_float(bound: float) -> arb:
-    """The numbers of at most this size."""
-    return arb(0, bound)
 
 
 def _constant(arithmetic: Arithmetic, ball: arb) -> Series:
