@@ -45,11 +45,11 @@ class Problem:
         rates = np.vstack([change[3:], slope @ change[:3] + self.turning @ change[3:]])
         return np.concatenate([velocity, force + self.turning @ velocity, rates.ravel()])
 
-    def time_of_crossing(self, state: Any, number: int) -> float:
-        """Of {y = 0}, after the start."""
+    def time_of_crossing(self, state: Any, number: int, section: int) -> float:
+        """Of the plane where a coordinate is 0, after the start."""
 
         def height(_: float, flat: Any) -> Any:
-            return flat[1]
+            return flat[section]
 
         # The start may count as one.
         height.terminal = number + 1  # type: ignore[attr-defined]
@@ -112,10 +112,13 @@ def index_of_path(path: Any) -> int:
     return round(turns) + len(basis)
 
 
-def index_of_orbit(state: Any, mu: float, crossings: int) -> tuple[int, ...]:
-    """Of a periodic orbit of the CR3BP whose half meets {y = 0} so often; of a planar one in the plane and across."""
+def index_of_orbit(state: Any, mu: float, crossings: int, section: int = 1) -> tuple[int, ...]:
+    """Of a periodic orbit of the CR3BP whose half meets {y = 0}, or another plane, so often.
+
+    Of a planar one that in the plane and that across it.
+    """
     problem = Problem(mu)
-    gradient, flow = problem.linearised(state, 2 * problem.time_of_crossing(state, crossings))
+    gradient, flow = problem.linearised(state, 2 * problem.time_of_crossing(state, crossings, section))
     if state[2] or state[5]:
         return (_transverse(gradient, flow, (0, 1, 2), range(6)),)
     across = flow[2:, [2, 5]].transpose(2, 0, 1)

@@ -13,10 +13,10 @@ from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import pytest
-from flint import acb, arb, ctx, fmpz_poly
+from flint import acb, arb, arb_poly, ctx, fmpz_poly
 from support.forgeries import atlas_certificate, forged
 from support.graph_index import index_of_orbit
 from support.stored import values
@@ -24,7 +24,7 @@ from support.stored import values
 from orbitproof import verify
 from orbitproof.shared.claims import SURFACE, Atlas
 from orbitproof.shared.formats import InputError, atlas_from_json, read_atlas
-from orbitproof.shared.systems import AROUND, CR3BP_AXIAL, FALKNER_SKAN, LIFTED, MASS_PARAMETERS, VERTICAL
+from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, FALKNER_SKAN, LIFTED, MASS_PARAMETERS, VERTICAL
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.atlas import (
@@ -56,8 +56,9 @@ from orbitproof.verify.index import (
     proved_index,
     start_at,
 )
-from orbitproof.verify.index.half_turns import Turning, index_of
+from orbitproof.verify.index.half_turns import Turning, determinant, index_of
 from orbitproof.verify.index.libration_value import _whole, index_of_small_orbits, reaches_rest
+from orbitproof.verify.index.moving import Moving, moving, reduced
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.run import index_command
 from orbitproof.verify.stability import Bound, Gap, Matter, ProvedList, Resonance, StabilityResult, conclude_list
@@ -170,14 +171,18 @@ def test_the_angles_over_a_ball_of_starts_contain_those_of_its_points(monkeypatc
     heights: list[arb] = []
 
     def noted(orbit: Any, end: Any) -> None:
-        delays.append(following._Known([orbit.orbits.delay]).values(arb(0)).state[0])
-        go_on = orbit._go_on
+        delays.extend(moving([orbit.orbits.delay], 0, Fraction(1)).over(arb(0)))
+        states, part, go_on = [], orbit._part, orbit._go_on
+
+        def kept(solution: Any) -> Any:
+            states.append(moving(solution, 0, Fraction(1)))
+            return part(solution)
 
         def over_all_times(over: Any, end: Any) -> bool:
-            heights[:] = [values.state[1] for values in over]
+            heights[:] = [state.over(part.theta)[1] for state, part in zip(states[-2:], over, strict=True)]
             return bool(go_on(over, end))
 
-        orbit._go_on = over_all_times
+        orbit._part, orbit._go_on = kept, over_all_times
         to_the_section(orbit, end)
 
     def measured(*given: Any) -> Any:
@@ -209,23 +214,22 @@ def test_the_symplectic_form_of_variations_is_the_same_at_both_ends(monkeypatch:
 
     def noted(orbit: Any, end: Any) -> None:
         # Of the last step: at the section itself variations are along it.
-        ends.append((orbit, following._Known(orbit.orbits.state).values(arb(0))))
+        ends.append((orbit, [each.over(arb(0)) for each in orbit._part(orbit.orbits.state).variations]))
         to_the_section(orbit, end)
 
     monkeypatch.setattr(following._HalfOrbit, "_to_the_section", noted)
     followed(Start(CR3BP_AXIAL, tuple(map(arb, AXIAL_ORBIT)), MU, 1, False), 128, ORACLE)
     ((orbit, end),) = ends
-    start = following.Values(orbit.start.state, tuple(map(tuple, orbit._first_variations())))
 
-    def form(state: Any) -> list[arb]:
-        vectors = [orbit._canonical(each, orbit.blocks[0]) for each in state.variations]
+    def form(variations: Any) -> list[arb]:
+        vectors = [orbit._canonical(each, orbit.blocks[0]) for each in variations]
         return [
             sum(((a.conjugate() * b).imag for a, b in zip(one, other, strict=True)), arb(0))
             for one in vectors
             for other in vectors
         ]
 
-    for before, after in zip(form(start), form(end), strict=True):
+    for before, after in zip(form(orbit._first_variations()), form(end), strict=True):
         assert before.overlaps(after)
         assert after.rad() < 1e-9
 
@@ -233,8 +237,8 @@ def test_the_symplectic_form_of_variations_is_the_same_at_both_ends(monkeypatch:
 def test_every_part_of_a_step_is_followed(monkeypatch: pytest.MonkeyPatch) -> None:
     covered: list[tuple[Fraction, Fraction]] = []
 
-    class Cells:
-        def values(self, theta: arb) -> arb:
+    class Step:
+        def at(self, theta: arb) -> arb:
             return theta
 
     def short_ones(_: Any, over: Any, end: arb) -> bool:
@@ -245,29 +249,80 @@ def test_every_part_of_a_step_is_followed(monkeypatch: pytest.MonkeyPatch) -> No
         covered.append((Fraction(float(cell.lower())), Fraction(float(end))))
         return True
 
+    def cover() -> None:
+        following._HalfOrbit._cover(object.__new__(following._HalfOrbit), cast("Any", Step()), Fraction(0), Fraction(1))
+
     monkeypatch.setattr(following._HalfOrbit, "_go_on", short_ones)
-    following._HalfOrbit._cover(object.__new__(following._HalfOrbit), Cells())
+    cover()
     assert covered[0][0] <= 0
     assert covered[-1][1] == 1
     assert all(before[1] >= after[0] >= before[0] for before, after in pairwise(covered))
     monkeypatch.setattr(following._HalfOrbit, "_go_on", lambda *_: False)
     with pytest.raises(IntegrationFailure, match="not enclosed well enough"):
-        following._HalfOrbit._cover(object.__new__(following._HalfOrbit), Cells())
+        cover()
 
 
 def test_what_is_known_of_a_step_has_the_errors_of_its_grades() -> None:
-    arithmetic = Arithmetic(Grading((1,), 1), 64, 20, 2)
-    unit = following._UNIT
-    polynomial = arithmetic.polynomial({(0,): Fraction(2), (1,): 3 * unit})
-    values_at = following._Known([polynomial.with_errors([0.25, 0.125 * float(unit), 9.0])]).values(arb(0, 1))
-    assert values_at.state[0].contains(arb(2, 0.25))
-    assert values_at.variations[0][0].contains(arb(3, 0.125))
-    assert values_at.variations[0][0].rad() < 0.2
+    arithmetic, unit = Arithmetic(Grading((1,), 1), 64, 20, 2), Fraction(1, 2**20)
+    polynomial = arithmetic.polynomial({(0,): Fraction(2), (1,): 3 * unit}).with_errors([0.25, 0.125 * float(unit), 9])
+    (state,) = moving([polynomial], 0, Fraction(1)).over(arb(0, 1))
+    (variation,) = moving([polynomial], 1, unit).over(arb(0, 1))
+    assert state.contains(arb(2, 0.25))
+    assert variation.contains(arb(3, 0.125))
+    assert variation.rad() < 0.2
     # Twice a polynomial in time, over an interval of it.
-    moving = Series(arithmetic, [fmpz_poly([0, 0, 1 << 64]), fmpz_poly([])], arithmetic.zero_errors())
-    (square,) = following._Known([moving]).values(arb(0.5, 0.5)).state
-    assert square.contains(arb(0))
-    assert square.contains(arb(1))
+    square = Series(arithmetic, [fmpz_poly([0, 0, 1 << 64]), fmpz_poly([])], arithmetic.zero_errors())
+    (values,) = moving([square], 0, Fraction(1)).over(arb(0.5, 0.5))
+    assert values.contains(arb(0))
+    assert values.contains(arb(1))
+
+
+def _canonical(vector: Moving, theta: arb) -> tuple[acb, ...]:
+    """Of coordinates q and p in turn."""
+    values = vector.over(theta)
+    return tuple(acb(q, -p) for q, p in zip(values[::2], values[1::2], strict=True))
+
+
+def _exact(vector: Moving, errors: list[float], theta: float) -> tuple[acb, ...]:
+    values = [
+        polynomial(arb(theta)) + arb(error) * bound
+        for polynomial, error, bound in zip(vector.known, errors, vector.errors, strict=True)
+    ]
+    return tuple(acb(q, -p) for q, p in zip(values[::2], values[1::2], strict=True))
+
+
+def test_determinants_of_what_is_left_of_the_vectors_are_those_of_the_vectors() -> None:
+    """Vectors that are nearly multiples of the field and of each other, over times and errors at random."""
+    chance = random.Random(5)
+
+    def polynomials(size: float) -> list[arb_poly]:
+        return [arb_poly([size * chance.uniform(-1, 1) * 3.0**-power for power in range(4)]) for _ in range(6)]
+
+    with ctx.workprec(128):
+        for _ in range(60):
+            errors = tuple(arb(chance.uniform(0, 1e-20)) for _ in range(6))
+            field = Moving(tuple(polynomials(1)), errors)
+            many, vectors = [1e7 * chance.uniform(-1, 1) for _ in range(3)], []
+            for number in range(2):
+                rest = polynomials(1)
+                known = [rest[k] + many[number] * field.known[k] for k in range(6)]
+                if number:
+                    known = [known[k] + many[2] * vectors[0].known[k] for k in range(6)]
+                vectors.append(Moving(tuple(known), errors))
+            theta = arb(0.5, 0.5) if chance.random() < 0.5 else arb(chance.random(), 0.1)
+            first, *others = reduced([field, *vectors], _canonical, theta)
+            assert first == field
+            along = tuple(entry / acb(0, 1) for entry in _canonical(field, theta))
+            found = determinant((along, *(_canonical(each, theta) for each in others)))
+            for _ in range(20):
+                middle, radius = float(theta.mid()), float(theta.rad())
+                time = min(1.0, max(0.0, middle + radius * chance.uniform(-1, 1)))
+                unknown = [[chance.choice([-1, 1, chance.uniform(-1, 1)]) for _ in range(6)] for _ in range(3)]
+                rows = [_exact(each, own, time) for each, own in zip((field, *vectors), unknown, strict=True)]
+                assert found.contains(determinant((tuple(entry / acb(0, 1) for entry in rows[0]), *rows[1:])).mid())
+            # Orthogonal at the middle, and of the size of what is not common to them.
+            assert all(abs(entry) < 30 for each in others for entry in _canonical(each, theta.mid()))
+            assert all(error < 1e-3 for each in others for error in each.errors)
 
 
 Along = tuple[ProvedCurve, ProvedList, tuple[CountedOrbit, ...]]
@@ -334,6 +389,31 @@ def half_turns_along(state: tuple[float, ...], crossings: int) -> HalfTurns:
 def test_orbits_under_the_half_turn_about_the_axis(state: tuple[float, ...], crossings: int, index: int) -> None:
     assert half_turns_along(state, crossings).index == index
     assert index_of_orbit(state, float(MU), crossings) == (index,)
+
+
+BUTTERFLY = Start(
+    CR3BP, tuple(map(arb, (0.9307299281188731, 0, -0.15805543156280744, 0, -0.029167679439055474, 0))), MU, 2, False
+)
+FAR_AXIAL = (-1.1624410439309225, 0, 0, 0, 1.5669624016474406, 0.7456693471091529)
+AROUND_THE_EARTH = Start(along_curve.ACROSS_PLANE, tuple(map(arb, FAR_AXIAL)), MU, 1, False)
+
+
+@pytest.mark.parametrize(("start", "section", "index"), [(BUTTERFLY, 1, 7), (AROUND_THE_EARTH, 2, 4)])
+def test_variations_that_grow_along_the_orbit_are_followed_in_few_parts(
+    start: Start, section: int, index: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A butterfly orbit past the Moon, and an axial one of L3 past the Earth."""
+    tried, go_on = [], following._HalfOrbit._go_on
+
+    def counted(orbit: Any, over: Any, end: Any) -> bool:
+        tried.append(end)
+        return go_on(orbit, over, end)
+
+    monkeypatch.setattr(following._HalfOrbit, "_go_on", counted)
+    (turns,) = followed(start, 128, ORACLE)
+    state = [float(x) for x in start.state]
+    assert (turns.index,) == (index,) == index_of_orbit(state, float(MU), start.crossings, section)
+    assert len(tried) < 200
 
 
 def test_half_orbits_from_plane_to_plane_turn_as_those_from_the_section_of_the_axis(

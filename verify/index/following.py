@@ -170,7 +170,7 @@ class _HalfOrbit:
         )
 
     def _vectors(self, block: Block, part: Part) -> tuple[Vectors, Vectors, Vectors]:
-        """The field divided by i, if it belongs to the block, and the vectors of both kinds up to (35.2)."""
+        """The field divided by i, if it belongs to the block, and the vectors (35.3) of both kinds."""
 
         def canonical(vector: Moving, theta: arb) -> tuple[acb, ...]:
             return self._canonical(vector.over(theta), block)

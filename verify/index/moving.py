@@ -55,12 +55,10 @@ def moving(elements: Sequence[Series], place: int, unit: Fraction) -> Moving:
     )
 
 
-def reduced(
-    vectors: Sequence[Moving], canonical: Callable[[Moving, arb], tuple[acb, ...]], theta: arb
-) -> list[Moving]:
-    """The vectors less real multiples of those before them, close to orthogonal in the middle of a ball of times.
+def reduced(vectors: Sequence[Moving], canonical: Callable[[Moving, arb], tuple[acb, ...]], theta: arb) -> list[Moving]:
+    """The vectors less real multiples of those before them (35.3), about orthogonal in the middle of a ball of times.
 
-    The multiples are some numbers, whatever rounding makes of them (section 35.2).
+    Which multiples these are is of no account: numbers that rounding has made.
     """
     middle = theta.mid()
     found: list[tuple[Moving, tuple[acb, ...]]] = []
