@@ -136,8 +136,7 @@ WORKERS = $(if $(SCHEDULER),--scheduler $(SCHEDULER),--jobs $(JOBS))
 
 # Planar, halo, axial and vertical families of L1, L2 and L3, butterfly orbits, distant retrograde orbits as graphs (docs/webs).
 # What exists is kept, what was interrupted goes on. ARCS="vertical-L1 ..": only these. LISTS=4: with the lists of resonances up to
-# 1:4, and where arcs are stable. The index is counted between the points of an
-# arc's list, else at one orbit; not that of butterfly orbits and of axial ones of L3, which takes minutes of processor time.
+# 1:4, and where arcs are stable. The index is counted between the points of an arc's list, else at one orbit.
 WEB := lyapunov-L1 l1-circle axial-L1 vertical-L1 lyapunov-L2 l2-arc axial-L2 vertical-L2 lyapunov-L3 l3-halo axial-L3 vertical-L3 dro butterfly
 ARCS :=
 LISTS :=
@@ -186,7 +185,7 @@ web: $(VENV)/demo.stamp
 	      *) cover atlas --preset $$name-$$mass;; \
 	    esac; \
 	    [ ! -e $$atlas ] || step env $(VERIFY) atlas $$atlas -o $(WEBS)/$$name-$$mass-certificate.json $$list $(WORKERS); \
-	    case $$name in butterfly|axial-L3) ;; *) count $(WEBS)/$$name-$$mass-certificate.json $(WEBS)/$$name-$$mass-index.json;; esac; \
+	    count $(WEBS)/$$name-$$mass-certificate.json $(WEBS)/$$name-$$mass-index.json; \
 	  done; \
 	  plan; \
 	  if [ -n "$$missing" ]; then failed=1; continue; fi; \

@@ -277,6 +277,14 @@ def test_what_is_known_of_a_step_has_the_errors_of_its_grades() -> None:
     assert values.contains(arb(1))
 
 
+def test_what_is_left_of_a_vector_is_unknown_by_both_errors() -> None:
+    zero = arb_poly([0])
+    for share in (-3, 3):
+        (rest,) = Moving((zero,), (arb(1),)).less(arb(share), Moving((zero,), (arb(2),))).over(arb(0))
+        assert rest.contains(arb(7))
+        assert rest.contains(arb(-7))
+
+
 def _canonical(vector: Moving, theta: arb) -> tuple[acb, ...]:
     """Of coordinates q and p in turn."""
     values = vector.over(theta)
