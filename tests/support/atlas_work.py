@@ -72,9 +72,9 @@ def steep_only(argument: Argument, report: Report) -> dict[str, Any]:
 
 
 def steep_halves(argument: Argument, report: Report) -> dict[str, Any]:
-    """As `steep_only`, but on the whole of the second piece second derivatives fail for another reason."""
+    """As `steep_only`, but with second derivatives the whole of the second piece takes too long."""
     if argument["integrator"]["top"] > 1 and _second(argument) and _length(argument) > Fraction(3, 2):
-        return failing(argument, report)
+        return {**failing(argument, report), "reason": {"condition": "time", "message": "too long", "remedy": ""}}
     return steep_only(argument, report)
 
 
@@ -83,6 +83,20 @@ def unclear(argument: Argument, report: Report) -> dict[str, Any]:
     if _length(argument) <= Fraction(3, 5) or not _second(argument):
         return proving(argument, report)
     return {**failing(argument, report), "reason": {"condition": "slope", "message": "may be singular", "remedy": ""}}
+
+
+def unclear_and_lost(argument: Argument, report: Report) -> dict[str, Any]:
+    """As `unclear`, but no process bears second derivatives."""
+    if argument["integrator"]["top"] > 1:
+        return {**failing(argument, report), "reason": {"condition": "process", "message": "lost", "remedy": ""}}
+    return unclear(argument, report)
+
+
+def unclear_and_failing(argument: Argument, report: Report) -> dict[str, Any]:
+    """As `unclear`, but with second derivatives the Newton operator fails."""
+    if argument["integrator"]["top"] > 1:
+        return failing(argument, report)
+    return unclear(argument, report)
 
 
 def not_the_second(argument: Argument, report: Report) -> dict[str, Any]:

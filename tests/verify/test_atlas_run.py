@@ -24,7 +24,7 @@ from support.stored import values
 from orbitproof.shared import format_exact
 from orbitproof.shared.processes import Answer, Task
 from orbitproof.verify.atlas import read_atlas_certificate
-from orbitproof.verify.run import Display, Processes
+from orbitproof.verify.run import Display, Processes, Work
 from orbitproof.verify.run.branch_command import main
 from orbitproof.verify.run.branch_tasks import RunLimits, all_attempts_of, attempts_of, for_slopes_of
 from orbitproof.verify.run.branches import AtlasRun
@@ -231,14 +231,25 @@ def test_who_begins_with_second_derivatives_is_not_given_third_ones() -> None:
     assert run.plan_of("p001").is_proved
 
 
-def test_what_second_derivatives_leave_open_is_halved_without_them() -> None:
-    run, _ = go(CURVE, atlas_work.unclear)
+@pytest.mark.parametrize("work", [atlas_work.unclear, atlas_work.unclear_and_lost, atlas_work.unclear_and_failing])
+def test_where_second_derivatives_fail_an_interval_is_halved_without_them(work: Work) -> None:
+    run, _ = go(CURVE, work)
     tops = [result.computation.top for result in run.results_of("p001")]
     assert tops == [1, 2, 1, 1, 1, 1, 1, 1]
     assert run.plan_of("p001").is_proved
 
 
-def test_halves_have_second_derivatives_where_those_of_the_whole_fail_for_another_reason() -> None:
+def test_the_loss_of_a_process_to_second_derivatives_is_no_reason_to_halve_without_end() -> None:
+    run, _ = go(CURVE, atlas_work.unclear_and_lost, RunLimits({}, max_splits=1))
+    attempts = [
+        (result.computation.top, result.reason and result.reason.condition) for result in run.results_of("p001")
+    ]
+    assert attempts == [(1, "slope"), (2, "process"), (1, "slope"), (1, "slope")]
+    assert run.plan_of("p001").is_settled
+    assert not run.plan_of("p001").is_proved
+
+
+def test_halves_have_second_derivatives_where_the_whole_has_them_in_vain_for_its_length() -> None:
     run, _ = go(CURVE, atlas_work.steep_halves)
     assert [result.computation.top for result in run.results_of("p001")] == [1, 2, 1, 2, 1, 2]
     assert run.plan_of("p001").is_proved

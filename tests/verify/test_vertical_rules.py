@@ -20,8 +20,13 @@ from orbitproof.verify.atlas.conclusion import conclusion_of
 from orbitproof.verify.curve import CertifiedPoint, Conclusion, Place, ProvedCurve, certified_systems, jacobi_constant
 from orbitproof.verify.curve import conclude as concluded
 from orbitproof.verify.curve.lyapunov_family import libration_point
-from orbitproof.verify.curve.vertical_family import in_units_of_vertical_orbit, stiffness_at_rest, vertical_point
-from orbitproof.verify.evidence import NotProved, Proved, ball_to_json
+from orbitproof.verify.curve.vertical_family import (
+    check_vertical,
+    in_units_of_vertical_orbit,
+    stiffness_at_rest,
+    vertical_point,
+)
+from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Proved, ball_to_json
 from orbitproof.verify.web import Arc, Incidence, level_at, libration_vertex
 from orbitproof.verify.web.meetings import meeting_shown
 from orbitproof.verify.words import conclusion_in_words, place_in_words
@@ -98,6 +103,21 @@ def test_vertical_families_are_claimed_from_rest_to_above_with_the_first_return(
     conclusion = conclude(atlas(claim=claim), [result()])
     assert of_vertical(conclusion) == ("" if holds else "vertical")
     assert ("emanates from L1" in conclusion_in_words(conclusion)) == holds
+
+
+@pytest.mark.parametrize("kind", ["arc", "loop", "symmetric-arc", "symmetric-loop"])
+def test_a_vertical_family_is_an_arc(kind: str) -> None:
+    """Whatever the other hypotheses are, which a loop cannot satisfy together with `covers`."""
+    conclusion = conclude(atlas(), [result()])
+    assert isinstance(conclusion.outcome, Proved)
+    checklist, claimed = Checklist(), atlas(claim=replace(CLAIM, kind=kind))
+    said = ""
+    try:
+        check_vertical(checklist, claimed, conclusion.outcome.results.chain)
+    except NotEstablishedError as error:
+        said = error.reason.message
+    assert said.endswith("" if kind == "arc" else f": the claim is about no arc, but about a {kind}")
+    assert bool(said) == (kind != "arc")
 
 
 @pytest.mark.parametrize(

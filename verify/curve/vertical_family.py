@@ -37,6 +37,7 @@ def check_vertical(checklist: Checklist, atlas: Atlas, chain: Chain) -> None:
     with checklist.hypothesis("vertical", "16.7", statement, remedy) as evidence:
         covers = atlas.claim.covers
         from_rest = covers is not None and covers.coordinate == SIZE
+        evidence.require(atlas.claim.kind == "arc", f"the claim is about no arc, but about a {atlas.claim.kind}")
         evidence.require(atlas.claim.crossings == 1, "the claim is about a later return")
         evidence.require(
             from_rest and covers is not None and covers.start <= 0 < covers.end, "the claim does not say the former"

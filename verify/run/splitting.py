@@ -20,7 +20,7 @@ _OVERLAP = Fraction(1, 64)
 """By this part of its length an interval that is split is exceeded by each half beyond the middle."""
 
 NOT_FOR_SPLITTING = ("process",)
-"""Conditions that a shorter interval does not mend."""
+"""Conditions that a shorter interval does not mend; except of second derivatives, without which halves are tried."""
 
 FOR_SPLITTING = ("time", "collision", "section", "crossing count", "stability")
 """Conditions that more precision does not mend: the interval takes too long, or its orbits differ too much."""
@@ -92,7 +92,8 @@ def plan(
 
     Args:
         for_slopes: settings with which an interval is tried first if the derivative across the curve may be singular on
-            it, and its halves no more if they left that open; as an attempt, the one after `attempts`.
+            it, and its parts no more if they failed for a reason that is not `FOR_SPLITTING`; as an attempt, the one
+            after `attempts`.
         lacks: what else is wanted of a proved result and is not there, as a condition; empty for nothing.
         halved: how often intervals are halved before they are tried, `max_splits` times at most.
     """
@@ -110,34 +111,37 @@ def plan(
     missing: list[tuple[Interval, int]] = []
     failed: list[Interval] = []
 
-    def walk(interval: Interval, splits: int, unclear: bool = False) -> None:
+    def is_across(result: Result) -> bool:
+        return for_slopes is not None and made_with(result, for_slopes)
+
+    def walk(interval: Interval, splits: int, in_vain: bool = False) -> None:
         if covers(enough, interval):
             done.append(interval)
             return
         only_lacks = covers(proved, interval)
-        conditions = [condition for _, condition in against.get(interval, [])]
-        if any(condition in (*NOT_FOR_SPLITTING, SINGULAR) for condition in conditions):
+        tried = against.get(interval, [])
+        conditions = [condition for _, condition in tried]
+        across = [(result, condition) for result, condition in tried if is_across(result)]
+        lost = any(condition in NOT_FOR_SPLITTING and not is_across(result) for result, condition in tried)
+        if lost or SINGULAR in conditions:
             (done if only_lacks else failed).append(interval)
             return
         mended_by_halves = [*FOR_SPLITTING]
         if splits < max_splits:
             mended_by_halves += (*FIRST_FOR_SPLITTING, *(FIRST_FOR_ONE_SPLIT if splits <= halved else ()))
-        left_open = [result for result, condition in against.get(interval, []) if condition == UNCLEAR_SLOPE]
-        if for_slopes is not None and left_open and not unclear:
-            unclear = any(made_with(result, for_slopes) for result in left_open)
-            if not any(made_with(result, for_slopes) for result, _ in against[interval]):
-                missing.append((interval, len(attempts)))
-                return
+        if for_slopes is not None and UNCLEAR_SLOPE in conditions and not (across or in_vain):
+            missing.append((interval, len(attempts)))
+            return
+        in_vain = in_vain or any(not r.is_proved and condition not in FOR_SPLITTING for r, condition in across)
         wide = splits < min(halved, max_splits) or any(condition in mended_by_halves for condition in conditions)
-        tried = [result for result, _ in against.get(interval, [])]
-        untried = [n for n, settings in enumerate(attempts) if not any(made_with(r, settings) for r in tried)]
+        untried = [n for n, settings in enumerate(attempts) if not any(made_with(r, settings) for r, _ in tried)]
         if untried and not wide:
             missing.append((interval, untried[0]))
         elif splits >= (min(max_splits, halved + _SPLITS_FOR_LIST) if only_lacks else max_splits):
             (done if only_lacks else failed).append(interval)
         else:
             for half in halves(interval):
-                walk(half, splits + 1, unclear)
+                walk(half, splits + 1, in_vain)
 
     walk(full_interval(piece), 0)
     return Plan(tuple(done), tuple(missing), tuple(failed))
