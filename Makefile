@@ -175,6 +175,7 @@ web: $(VENV)/demo.stamp
 	  for name in $(or $(ARCS),$(WEB)); do \
 	    plan; atlas=$(WEBS)/$$name-$$mass.json; list="$(if $(LISTS),--complete $(LISTS))"; at="--point $${name#*-} --mass $$mass"; \
 	    case $$name in \
+	      lyapunov-L2) case $$mass in sun-jupiter) to="--end -0.065";; *) to="--through axial";; esac; cover atlas-libration $$at $$to;; \
 	      lyapunov-*) cover atlas-libration $$at --through axial;; \
 	      vertical-L3) cover atlas-libration $$at --vertical; list=;; \
 	      vertical-*) cover atlas-libration $$at --vertical;; \
