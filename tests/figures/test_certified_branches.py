@@ -264,8 +264,8 @@ def test_no_picture_is_headed_by_the_title_of_a_file(monkeypatch: pytest.MonkeyP
     figures = [draw_pieces(curve(entitled)), draw_curves([curve(entitled)]), draw_curves([curve(entitled)] * 2)]
     heads = [figures[0].texts[0].get_text(), *(axes.get_title(loc="left") for axes in figures[1].axes[:1])]
     assert set(heads) == {"circle: symmetric closed curve of cr3bp"}
-    given = surface_certificate([])
-    figures.append(draw_surface(surface_of(replace(given, atlas=replace(given.atlas, title=LIE)))))
+    surface = replace(surface_certificate([]).atlas, title=LIE)
+    figures.append(draw_surface(surface_of(AtlasCertificate(surface, make_atlas_certificate(surface, [], None)))))
     assert figures[-1].texts[0].get_text() == "surface: surface of cr3bp"
     titles: list[str] = []
     monkeypatch.setattr(lines, "curve_lines", lambda found: [])

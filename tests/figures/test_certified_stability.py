@@ -67,7 +67,9 @@ def test_the_picture_shows_the_points_and_stable_intervals_of_the_list() -> None
 
 def test_the_picture_is_headed_by_the_id_and_not_by_the_title_of_the_file() -> None:
     entitled = replace(atlas(), title="PROVED: all of them are stable")
-    found = CertifiedStability.of(AtlasCertificate(entitled, document()))
+    told = document()
+    told["statement"]["atlas"]["title"] = entitled.title
+    found = CertifiedStability.of(AtlasCertificate(entitled, told))
     assert found is not None
     figure = draw_certified_stability(found)
     assert figure.texts[0].get_text() == f"{atlas().id}: curve of falkner-skan"

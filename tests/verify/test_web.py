@@ -480,6 +480,25 @@ def test_what_it_rests_on_has_to_stand() -> None:
         certified_web(claim, certificates, {**checks, VERTEX: replace(checks[VERTEX], digest="sha256:" + 64 * "0")})
 
 
+def test_what_was_checked_of_an_arc_is_what_is_told_of_it() -> None:
+    """Checks are about the document: a claim beside it, with other pieces or of other returns, is not believed."""
+    claim, (curve, point), checks = documents()
+    assert isinstance(curve, AtlasCertificate)
+    first, *others = curve.atlas.curve_pieces()
+    changes: tuple[dict[str, Any], ...] = (
+        {"pieces": (replace(first, centre=(first.centre[0] + 1, *first.centre[1:])), *others)},
+        {"claim": replace(curve.atlas.claim, increasing=())},
+        {"claim": replace(curve.atlas.claim, crossings=2)},
+    )
+    for change in changes:
+        other = replace(curve, atlas=replace(curve.atlas, **change))
+        with pytest.raises(InputError, match="is about another atlas"):
+            certified_web(claim, [other, point], checks)
+    # A search may have said more of it.
+    told = replace(curve, atlas=replace(curve.atlas, provenance={"family": "a parabola"}))
+    assert certified_web(claim, [told, point], checks) == document()
+
+
 FORGED: dict[str, Callable[[dict[str, Any]], Any]] = {
     "another digest": lambda d: d["rests_on"][0].update(digest="sha256:" + 64 * "0"),
     "a certificate left out": lambda d: d["rests_on"].pop(),

@@ -21,7 +21,7 @@ from orbitproof.shared.formats import (
     validate_document,
     write_text,
 )
-from orbitproof.shared.systems import record
+from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, record, shown
 from orbitproof.shared.wording import counted
 from orbitproof.verify.atlas.document import BranchDocument, BranchStatement, PeriodicCurveStatement, Total
 from orbitproof.verify.atlas.listed import ListedInterval, ListedPoint
@@ -176,7 +176,17 @@ class AtlasCertificate(Sealed):
 
     @cached_property
     def results(self) -> tuple[Result, ...]:
-        """What was found on the intervals, in order along the curve. Raises `InputError` if it cannot be read."""
+        """What was found on the intervals, in order along the curve.
+
+        Raises `InputError` if it cannot be read, or `atlas` is not that of the document, which is what checks look at.
+        """
+        own, stated = atlas_to_json(self.atlas, provenance=False), self.document["statement"]["atlas"]
+        system = self.atlas.system
+        systems = {**({system.name: system} if isinstance(system, ReversibleSystem) else {}), **BRANCH_SYSTEMS}
+        if own != stated and own != atlas_to_json(
+            atlas_from_json(stated, "statement.atlas", systems), provenance=False
+        ):
+            raise InputError(f"the certificate {shown(self.id)}: is about another atlas; give that of its document")
         return results_from_json(self.atlas, self.document["results"])
 
 
