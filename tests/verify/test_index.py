@@ -184,6 +184,13 @@ def test_the_angles_over_a_ball_of_starts_contain_those_of_its_points(monkeypatc
 
         orbit._part, orbit._go_on = kept, over_all_times
         to_the_section(orbit, end)
+        # There variations are along the section; at the end of the step they are not.
+        assert all(abs(variation.over(arb(0))[1]) < 1e-3 for variation in end.variations)
+        # A step that is shorter than the way to the section is not followed backwards.
+        flow, begun, _ = orbit.orbits.step_taken
+        orbit.orbits.step_taken = flow, begun, Fraction(1, 2**60)
+        with pytest.raises(IntegrationFailure, match="end of the half orbit"):
+            to_the_section(orbit, end)
 
     def measured(*given: Any) -> Any:
         lengths.append(given[-1])
@@ -199,6 +206,8 @@ def test_the_angles_over_a_ball_of_starts_contain_those_of_its_points(monkeypatc
     assert abs(delays[0]) / 2 < reach
     assert any(height.lower() < -reach for height in heights)
     assert any(height.upper() > reach for height in heights)
+    # Both parts begin at the end of that step.
+    assert all(height.contains(0) for height in heights)
     for sign in (-1, 1):
         point = tuple(arb(x + sign * radius * (0.9 if x else 0)) for x in state)
         (sharp,) = followed(Start(CR3BP_AXIAL, point, MU, 1, False), 128, ORACLE)
@@ -232,6 +241,64 @@ def test_the_symplectic_form_of_variations_is_the_same_at_both_ends(monkeypatch:
     for before, after in zip(form(orbit._first_variations()), form(end), strict=True):
         assert before.overlaps(after)
         assert after.rad() < 1e-9
+
+
+def test_parts_follow_one_another_and_hold_at_all_their_times(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Over all steps of an orbit, with other multiples of the field on each part."""
+    reached, go_on = [arb(1)], following._HalfOrbit._go_on
+
+    def determinants(orbit: Any, part: Any) -> list[acb]:
+        return [value for block in orbit.blocks for value in orbit._determinants(block, part)]
+
+    def followed_on(orbit: Any, over: Any, end: Any) -> bool:
+        before = [turning.at for turning in orbit.turning[0]]
+        if not go_on(orbit, over, end):
+            return False
+        begin = arb(0) if reached[-1] == 1 else reached[-1]
+        if len(over) == 1:
+            (part,) = over
+            assert part.theta.contains(begin)
+            assert part.theta.contains(end.theta)
+            assert end.theta > begin
+            assert all(a.overlaps(b) for a, b in zip(before, determinants(orbit, part.at(begin)), strict=True))
+            for cell in (part.theta, part.theta.mid() + arb(0, 1) / 64):
+                values = determinants(orbit, part.at(cell))
+                for time in (cell.mid(), cell.mid() + cell.rad() * 0.99, cell.mid() - cell.rad() * 0.99):
+                    exact = determinants(orbit, part.at(time.mid()))
+                    assert all(value.overlaps(other) for value, other in zip(values, exact, strict=True))
+            reached.append(end.theta)
+        else:
+            assert begin == 0
+        return True
+
+    monkeypatch.setattr(following._HalfOrbit, "_go_on", followed_on)
+    followed(Start(CR3BP_AXIAL, tuple(map(arb, AXIAL_ORBIT)), MU, 1, False), 128, ORACLE)
+    assert len(reached) > 4
+
+
+def test_a_ball_of_starts_has_the_fields_and_variations_of_its_points() -> None:
+    radius = 2.0**-20
+
+    def begun(state: Any) -> Any:
+        return following._HalfOrbit(Start(CR3BP_AXIAL, tuple(state), MU, 1, False), 128, ORACLE)
+
+    half = begun(arb(x, radius if x else 0) for x in AXIAL_ORBIT)
+    part = half._part(half.orbits.state)
+    for sign in (-1, 1):
+        point = begun(arb(x + sign * radius * (0.99 if x else 0)) for x in AXIAL_ORBIT)
+        vectors = (part.field, *part.variations)
+        own = (point._field(point.start.state), *point._first_variations())
+        for vector, expected in zip(vectors, own, strict=True):
+            assert all(a.overlaps(b) for a, b in zip(vector.over(arb(0)), expected, strict=True))
+
+
+def test_all_arguments_are_followed_or_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    half = following._HalfOrbit(Start(CR3BP_AXIAL, tuple(map(arb, AXIAL_ORBIT)), MU, 1, False), 128, ORACLE)
+    part, ((first, second),) = half._part(half.orbits.state), half.turning
+    assert half._go_on([part], part)
+    for known in (first, second):
+        monkeypatch.setattr(Turning, "reaches", lambda turning, *_, known=known: turning is known)
+        assert not half._go_on([part], part)
 
 
 def test_every_part_of_a_step_is_followed(monkeypatch: pytest.MonkeyPatch) -> None:
