@@ -155,6 +155,8 @@ def test_an_argument_is_followed_within_a_half_plane_only() -> None:
     assert not turning.reaches([turned(0.5)], turned(1.6))
     assert not turning.reaches([turned(2.8)], turned(1))
     assert not turning.reaches([acb(arb(0, 1), arb(0, 1))], turned(1))
+    assert not turning.reaches([turned(0.5) + acb(arb(0, 2), arb(0, 2))], turned(1))
+    assert not turning.reaches([turned(0.5)], turned(1) + acb(arb(0, 2), arb(0, 2)))
     assert not turning.reaches([acb("nan")], turned(1))
     for step in range(1, 12):
         assert turning.reaches([turned(step - 0.5)], turned(step))
