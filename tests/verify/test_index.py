@@ -188,11 +188,14 @@ def test_the_angles_over_a_ball_of_starts_contain_those_of_its_points(monkeypatc
         to_the_section(orbit, end)
         # There variations are along the section; at the end of the step they are not.
         assert all(abs(variation.over(arb(0))[1]) < 1e-3 for variation in end.variations)
-        # A step that is shorter than the way to the section is not followed backwards.
-        flow, begun, _ = orbit.orbits.step_taken
-        orbit.orbits.step_taken = flow, begun, Fraction(1, 2**60)
-        with pytest.raises(IntegrationFailure, match="end of the half orbit"):
-            to_the_section(orbit, end)
+        # A step that is shorter than the way to the section is not followed backwards, nor a long way either way.
+        flow, begun, length = orbit.orbits.step_taken
+        far = [(length, orbit.arithmetic.constant(Fraction(delay)), go_on) for delay in (-1, 1)]
+        own = orbit.orbits.delay
+        for last, delay, follow in ((Fraction(1, 2**60), own, go_on), *far, (length, own, lambda *_: False)):
+            orbit.orbits.step_taken, orbit.orbits.delay, orbit._go_on = (flow, begun, last), delay, follow
+            with pytest.raises(IntegrationFailure, match="end of the half orbit"):
+                to_the_section(orbit, end)
 
     def measured(*given: Any) -> Any:
         lengths.append(given[-1])
