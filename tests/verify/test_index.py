@@ -171,6 +171,7 @@ def test_the_angles_over_a_ball_of_starts_contain_those_of_its_points(monkeypatc
     delays: list[arb] = []
     to_the_section, advanced = following._HalfOrbit._to_the_section, following.advance
     heights: list[arb] = []
+    ends: list[bool] = []
 
     def noted(orbit: Any, end: Any) -> None:
         delays.extend(moving([orbit.orbits.delay], 0, Fraction(1)).over(arb(0)))
@@ -191,11 +192,19 @@ def test_the_angles_over_a_ball_of_starts_contain_those_of_its_points(monkeypatc
         # A step that is shorter than the way to the section is not followed backwards, nor a long way either way.
         flow, begun, length = orbit.orbits.step_taken
         far = [(length, orbit.arithmetic.constant(Fraction(delay)), go_on) for delay in (-1, 1)]
-        own = orbit.orbits.delay
+        own, taken = orbit.orbits.delay, lengths[:]
         for last, delay, follow in ((Fraction(1, 2**60), own, go_on), *far, (length, own, lambda *_: False)):
             orbit.orbits.step_taken, orbit.orbits.delay, orbit._go_on = (flow, begun, last), delay, follow
             with pytest.raises(IntegrationFailure, match="end of the half orbit"):
                 to_the_section(orbit, end)
+        lengths[:] = taken
+        vectors = orbit._vectors
+
+        def at_the_section(block: Any, part: Any) -> Any:
+            ends.append(part is end)
+            return vectors(block, part)
+
+        orbit._vectors = at_the_section
 
     def measured(*given: Any) -> Any:
         lengths.append(given[-1])
@@ -204,6 +213,8 @@ def test_the_angles_over_a_ball_of_starts_contain_those_of_its_points(monkeypatc
     monkeypatch.setattr(following._HalfOrbit, "_to_the_section", noted)
     monkeypatch.setattr(following, "advance", measured)
     (wide,) = followed(Start(CR3BP_AXIAL, tuple(arb(x, radius if x else 0) for x in state), MU, 1, False), 128, ORACLE)
+    # What is counted is what the vectors are at the section.
+    assert ends == [True]
     # The last step leads beyond all times at which orbits of the ball come to the section.
     assert abs(delays[0]) < float(lengths[-1])
     # The end of the step before it is followed again: y, whose speed is between 1/8 and 1/2, has either sign there.
