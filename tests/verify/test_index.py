@@ -191,10 +191,11 @@ def test_the_angles_over_a_ball_of_starts_contain_those_of_its_points(monkeypatc
         assert all(abs(variation.over(arb(0))[1]) < 1e-3 for variation in end.variations)
         # A step that is shorter than the way to the section is not followed backwards, nor a long way either way.
         flow, begun, length = orbit.orbits.step_taken
-        far = [(length, orbit.arithmetic.constant(Fraction(delay)), go_on) for delay in (-1, 1)]
+        far = [(length, orbit.arithmetic.constant(Fraction(delay)), True) for delay in (-1, 1)]
         own, taken = orbit.orbits.delay, lengths[:]
-        for last, delay, follow in ((Fraction(1, 2**60), own, go_on), *far, (length, own, lambda *_: False)):
-            orbit.orbits.step_taken, orbit.orbits.delay, orbit._go_on = (flow, begun, last), delay, follow
+        for last, delay, reached in ((Fraction(1, 2**60), own, True), *far, (length, own, False)):
+            orbit.orbits.step_taken, orbit.orbits.delay = (flow, begun, last), delay
+            orbit._go_on = lambda *_, reached=reached: reached
             with pytest.raises(IntegrationFailure, match="end of the half orbit"):
                 to_the_section(orbit, end)
         lengths[:] = taken
