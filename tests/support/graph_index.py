@@ -109,7 +109,11 @@ def index_of_path(path: Any) -> int:
     assert np.abs(np.diff(total)).max() < 2.0
     turns = (total[-1] - total[0] - ends.sum()) / (2 * np.pi)
     assert abs(turns - round(turns)) < 1e-3
-    return round(turns) + len(basis)
+    found = round(turns) + len(basis)
+    # Where double precision does not follow variations well, the parity is that of no such map.
+    begun, ended = (np.vstack([images.real, images.imag]) for images in (basis, path[-1]))
+    assert np.linalg.det((ended - begun) @ np.linalg.inv(begun)) * (-1) ** (found - len(basis)) > 0
+    return found
 
 
 def index_of_orbit(state: Any, mu: float, crossings: int, section: int = 1) -> tuple[int, ...]:
