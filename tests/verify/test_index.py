@@ -145,6 +145,12 @@ def test_an_end_between_half_turns_that_is_not_known_is_refused() -> None:
             index_of([angle] * 2, (), ((acb(angle.cos(), angle.sin()),),), ((acb(-angle.sin(), angle.cos()),),))
     sure = index_of([arb(1)] * 2, (), ((turned(1),),), ((turned(1 + math.pi / 2),),))
     assert (sure.fixed, sure.negated) == (0, 0)
+    # An angle that was followed roughly is as well known as the vectors at the end.
+    rough = index_of([arb(1, 1.5)] * 2, (), ((turned(1),),), ((turned(1 + math.pi / 2),),))
+    for angle in rough.angles:
+        assert (angle * arb.pi()).contains(1)
+        assert angle.rad() < 1e-9
+    assert (rough.fixed, rough.negated) == (0, 0)
     # Angles that are not those of the vectors at the end.
     with pytest.raises(IntegrationFailure, match="half turns"):
         index_of([arb(1.5)] * 2, (), ((turned(1),),), ((turned(1 + math.pi / 2),),))

@@ -86,7 +86,8 @@ def half_turns(angle: arb, end: acb, across: arb, planes: int) -> tuple[int, arb
         rest = planes * arb.pi() / 2 + (end / across).arg()
         number = ((angle - rest) / arb.pi()).unique_fmpz()
         if number is not None:
-            return int(number), angle / arb.pi()
+            # The same angle, better known: by the end of the path alone.
+            return int(number), number + rest / arb.pi()
     raise IntegrationFailure(
         "half turns",
         "it is not known between which half turns the orbit ends",
