@@ -175,8 +175,12 @@ web: $(VENV)/demo.stamp
 	  for name in $(or $(ARCS),$(WEB)); do \
 	    plan; atlas=$(WEBS)/$$name-$$mass.json; list="$(if $(LISTS),--complete $(LISTS))"; at="--point $${name#*-} --mass $$mass"; \
 	    case $$name in \
-	      lyapunov-L2) case $$mass in sun-jupiter) to="--end -0.065";; *) to="--through axial";; esac; cover atlas-libration $$at $$to;; \
-	      lyapunov-*) cover atlas-libration $$at --through axial;; \
+	      lyapunov-*) \
+	        case $$name-$$mass in \
+	          *-L1-earth-moon) to="--end -0.09";; *-L2-earth-moon) to="--end -0.15";; \
+	          *-L1-sun-jupiter) to="--end -0.04";; *-L2-sun-jupiter) to="--end -0.065";; *) to="--through axial";; \
+	        esac; \
+	        cover atlas-libration $$at $$to;; \
 	      vertical-L3) cover atlas-libration $$at --vertical; list=;; \
 	      vertical-*) cover atlas-libration $$at --vertical;; \
 	      axial-L3) cover atlas-libration $$at --axial; list="--top 2";; \
