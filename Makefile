@@ -178,14 +178,15 @@ web: $(VENV)/demo.stamp
 	      lyapunov-*) \
 	        case $$name-$$mass in \
 	          *-L1-earth-moon) to="--end -0.09";; *-L2-earth-moon) to="--end -0.15";; \
-	          *-L1-sun-jupiter) to="--end -0.04";; *-L2-sun-jupiter) to="--end -0.065";; *) to="--through axial";; \
+	          *-L1-sun-jupiter) to="--end -0.04";; *-L2-sun-jupiter) to="--end -0.065";; *-L3-sun-jupiter) to="--through axial --tube 2e-10";; \
+	          *) to="--through axial";; \
 	        esac; \
 	        cover atlas-libration $$at $$to;; \
 	      vertical-L3) cover atlas-libration $$at --vertical; list=;; \
 	      vertical-*) cover atlas-libration $$at --vertical;; \
 	      axial-L3) cover atlas-libration $$at --axial; list="--top 2";; \
 	      axial-*) cover atlas-libration $$at --axial;; \
-	      butterfly) cover atlas --preset $$name-$$mass; list=;; \
+	      butterfly) cover atlas --preset $$name-$$mass; list="--precision 128";; \
 	      l3-halo) cover atlas --preset $$name-$$mass --coordinates physical; list="--top 2 --precision 96";; \
 	      *) cover atlas --preset $$name-$$mass;; \
 	    esac; \
