@@ -18,6 +18,7 @@ from support.flow_checks import random_fraction, random_frame
 from support.independent_flow import extrapolated_flow
 
 from orbitproof.shared import CR3BP, EARTH_MOON, System, define_system
+from orbitproof.shared.systems import describe, evaluate_formula, record
 from orbitproof.verify import enclose
 from orbitproof.verify.enclose import Box, Enclosure, NotEnclosed
 from orbitproof.verify.evidence import IntegrationFailure, indices_up_to
@@ -337,6 +338,26 @@ def test_functions_in_formulas_are_coordinates_that_follow_from_the_others() -> 
     assert half.centre.time.rad() < 1e-20
     assert holds(half.centre.jacobian["q"][0], -1)
     assert holds(half.centre.jacobian["sin_q"][0], -mpmath.cos(1))
+
+
+@pytest.mark.parametrize("rate", ["0*v", "v*cos_q + q - q**2", "-v*cos_q", "v*sin_q"])
+def test_a_field_that_does_not_keep_its_functions_is_not_followed(rate: str) -> None:
+    """A description may say what it likes of its further coordinates."""
+    written = describe(PENDULUM)
+    assert isinstance(written, dict)
+    assert define_system(written) == PENDULUM
+    names = [*PENDULUM.state, *PENDULUM.parameters]
+
+    def field(values: Any) -> Any:
+        known = dict(zip(names, values, strict=True))
+        return [known["v"], -known["g"] * known["sin_q"], evaluate_formula(rate, known), -known["sin_q"] * known["v"]]
+
+    forged = define_system({**written, "field": record(field, names).text(), "first_integral": None})
+    start = enclose.box({"q": 1, "v": 1, "g": 1})
+    with pytest.raises(ValueError, match="sin_q, cos_q are not shown to stay the functions"):
+        enclose.flow(forged, start, "1/4")
+    with pytest.raises(ValueError, match="sin_q, cos_q are not shown to stay the functions"):
+        enclose.poincare_map(forged, start, enclose.section("v"))
 
 
 @pytest.mark.parametrize(

@@ -160,9 +160,19 @@ def test_powers_of_elements_that_may_vanish_are_refused(exponent: Fraction) -> N
     assert correct_power(approximate, base, exponent) is None
 
 
-def test_square_roots_of_negative_elements_are_refused() -> None:
-    base, approximate = constant_pair(-4.0, 0.5, [0.0, 0.0, 0.0])
-    assert correct_power(approximate, base, Fraction(-1, 2)) is None
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("exponent", [each for each in EXPONENTS if each.denominator > 1], ids=str)
+def test_fractional_powers_of_negative_elements_are_refused(exponent: Fraction, seed: int) -> None:
+    """Roots of odd order too, of which there is a real one: a program is defined at positive bases only (1.4)."""
+    source = random.Random(f"{exponent} {seed}")
+    arithmetic = random_arithmetic(source)
+    positive = random_element(source, arithmetic, centre=source.uniform(0.5, 3)).series
+    power, _ = arithmetic.power(positive.coefs[0], exponent)
+    rest = [fmpz_poly([])] * (len(arithmetic.grading.monomials) - 1)
+    for sign in (1, -1):
+        approximate = Series(arithmetic, [sign * power, *rest], arithmetic.zero_errors())
+        assert correct_power(approximate, positive.scaled(Fraction(-1)), exponent) is None
+        assert (correct_power(approximate, positive, exponent) is None) == (sign < 0)
 
 
 @pytest.mark.parametrize("seed", range(30))

@@ -362,10 +362,10 @@ def correct_power(approximate: Series, base: Series, exponent: Fraction) -> Seri
 
     With exponent = -p/q, all of E = 1 - approximate^q base^p is bounded; then base^exponent equals
     approximate * (1 - E)^(-1/q) (section 2.4). `None` if the bound of E is not below
-    1/2, or if q is even and the approximation is not positive at the centre at theta = 0.
+    1/2, or if q > 1 and base and approximation are not positive at the centre at theta = 0.
     """
     p, q = -exponent.numerator, exponent.denominator
-    if q % 2 == 0 and not approximate.coefs[0][0] > 0:
+    if q > 1 and not (base.coefs[0][0] > 0 and approximate.coefs[0][0] > 0):
         return None
     shared = min(p, q)
     mixed = approximate * base

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from orbitproof.shared.systems import System
+from orbitproof.verify.claim.functions import keeps_its_functions
 from orbitproof.verify.enclose.numbers import Number, exact
 from orbitproof.verify.maps import AffineSection, StartingSet
 
@@ -47,7 +48,17 @@ class Box:
         return self.frame.get(name, (Fraction(0),) * len(self.radii))
 
     def of(self, system: System) -> StartingSet:
-        """The box in the order of a system's coordinates. Raises `ValueError` unless the names are the same."""
+        """The box in the order of a system's coordinates.
+
+        Raises `ValueError` unless the names are the same, and for a system whose field is not shown to keep the
+        coordinates that are functions of others what they are (section 23.5).
+        """
+        if not keeps_its_functions(system):
+            further = ", ".join(each.name for each in system.defined)
+            raise ValueError(
+                f"{system.name}: {further} are not shown to stay the functions of others that they begin as; "
+                "write these functions in the formulas of the field"
+            )
         names = (*system.given_state, *system.parameters)
         for name in names:
             if name not in self.centre:
