@@ -235,9 +235,9 @@ def box_table(entry: CheckedRow) -> Table:
     rows: list[tuple[Runs, ...]] = [
         ((Math(to_latex(name)),), (Code(format_rational(value)),)) for name, value in candidate.parameters.items()
     ]
-    rows += _box_rows(claim.centre, claim.frame, claim.radii, claim.coordinates, "")
+    rows += _box_rows(claim.centre, claim.frame, claim.radii, claim.titles, "")
     if entry.claim is not entry.candidate:
-        own = candidate.centre, candidate.frame, candidate.radii, candidate.coordinates
+        own = candidate.centre, candidate.frame, candidate.radii, candidate.titles
         rows += _box_rows(*own, ", the candidate's own box")
     title = f"The box of {shown(entry.name)}; entries of A that are 0 are left out"
     return Table(("", "exact value"), tuple(rows), title, (0.26, 0.68))

@@ -12,7 +12,7 @@ from orbitproof.shared.claims.fields import Crossings, Id, Identifier, Numbers, 
 from orbitproof.shared.errors import InputError, short
 from orbitproof.shared.numbers import NUMBER, RATIONAL, format_exact, format_rational
 from orbitproof.shared.stored import Rational, rules, stored
-from orbitproof.shared.systems import ID, ID_IN_WORDS, ReversibleSystem, fits
+from orbitproof.shared.systems import ID, ID_IN_WORDS, LEVEL_NAME, ReversibleSystem, fits
 
 FOLD = "fold"
 ONCE = ("symmetry_breaking", FOLD)
@@ -129,6 +129,9 @@ class Candidate:
             refuse("kind", f"{self.kind} with k = {self.k} and {self.symmetry}", "give k = 1, and no symmetry")
         if self.resonances_meet:
             self._check_varying(refuse)
+        elif set(self.parameters) != set(self.system.fixed_parameters):
+            wanted = ", ".join(self.system.fixed_parameters) or "none"
+            refuse("parameters", f"there are {', '.join(self.parameters) or 'none'}", f"give exactly {wanted}")
         if self.level_sign is not None and self.system.family_parameter is not None:
             refuse("level_sign", f"{self.system.name} has the parameter {self.system.family_parameter}", "leave it out")
         if self.is_of_orbit != (self.equation is not None):
@@ -137,7 +140,7 @@ class Candidate:
             refuse("twist", f"{self.kind} with {self.twist!r}", "a stable orbit may have 1 or -1, others have none")
         if self.equation is not None:
             _check_equation(self, self.equation, refuse)
-        names, kernel = self.coordinates, len(self.system.kernel_coordinates)
+        names, kernel = self.titles, len(self.system.kernel_coordinates)
         size, wanted = len(names), ", ".join(names)
         for name, values in (("centre", self.centre), ("radii", self.radii)):
             if len(values) != size:
@@ -174,10 +177,19 @@ class Candidate:
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """Names of the 1 + n coordinates of the centre; the parameter before them where two resonances meet."""
+        """Names of the 1 + n coordinates of the centre; the parameter before them where two resonances meet.
+
+        No two are the same: the level of the first integral is `LEVEL_NAME`, whatever people call it (`titles`).
+        """
         if self.resonances_meet:
             return (self.varying, *self.system.centre_coordinates)
         return self.system.centre_coordinates if self.level_sign is None else self.system.level_coordinates
+
+    @property
+    def titles(self) -> tuple[str, ...]:
+        """What people call the `coordinates`; nothing is found by these."""
+        level = self.system.first_integral_name or "first integral"
+        return tuple(level if name == LEVEL_NAME else name for name in self.coordinates)
 
     @property
     def is_of_orbit(self) -> bool:

@@ -18,7 +18,17 @@ from orbitproof.shared.systems.libration import (
     mass_of_distance,
 )
 from orbitproof.shared.systems.lifted import LIFTED
-from orbitproof.shared.systems.names import ID, ID_IN_WORDS, IDENTIFIER, LINE, PIECE, PIECE_IN_WORDS, fits
+from orbitproof.shared.systems.names import (
+    ID,
+    ID_IN_WORDS,
+    IDENTIFIER,
+    LEVEL_NAME,
+    LINE,
+    PIECE,
+    PIECE_IN_WORDS,
+    fits,
+    own_name,
+)
 from orbitproof.shared.systems.parity import has_parities, parities
 from orbitproof.shared.systems.parity_of_functions import signs_with_functions
 from orbitproof.shared.systems.program import Program, Variable, record

@@ -30,6 +30,15 @@ LINE = (
 """One line of free text without characters that steer how it is shown; it is quoted where it is printed."""
 
 
+def own_name(name: str) -> str:
+    """The name of something of ours beside names that files choose: no `IDENTIFIER`, so that no file can write it."""
+    return f"({name})"
+
+
+LEVEL_NAME = own_name("level")
+"""The value of the first integral, as an input of a program or as the first coordinate of a claim."""
+
+
 def fits(pattern: str, text: object) -> bool:
     """Whether a value is a text of this form."""
     return isinstance(text, str) and re.search(pattern, text) is not None

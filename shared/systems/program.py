@@ -113,6 +113,8 @@ class _Recorder:
     def __init__(self, inputs: Sequence[str]) -> None:
         self.instructions: list[Instruction] = []
         self._seen: dict[Instruction, int] = {}
+        if len(set(inputs)) != len(inputs):
+            raise ValueError(f"two inputs of a program have one name: {', '.join(inputs)}")
         self.variables = [self.emit(Instruction("input", name=name)) for name in inputs]
 
     def emit(self, instruction: Instruction) -> Variable:
@@ -187,7 +189,7 @@ def record(function: Callable[..., Sequence[Any]], *groups: Sequence[str]) -> Pr
     """Record `function`, called with one list of variables per group of names.
 
     Outputs that are plain constants are allowed. Raises `TypeError` for an inexact constant or an
-    unsupported operation.
+    unsupported operation, `ValueError` for two inputs of one name.
     """
     names = tuple(name for group in groups for name in group)
     recorder = _Recorder(names)

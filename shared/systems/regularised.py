@@ -14,6 +14,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
+from orbitproof.shared.systems.names import LEVEL_NAME
 from orbitproof.shared.systems.program import Program, record
 from orbitproof.shared.systems.system import ReversibleSystem
 from orbitproof.shared.systems.three_body import CR3BP
@@ -63,7 +64,7 @@ class Regularisation:
     @cached_property
     def program(self) -> Program:
         """The vector field; inputs: v, parameters, level of the first integral."""
-        return record(self.vector_field, self.state, tuple(self.system.parameters), ("level",))
+        return record(self.vector_field, self.state, tuple(self.system.parameters), (LEVEL_NAME,))
 
     def embedding_program(self, branch: int) -> Program:
         """v of a point of the section; inputs: the system's state, parameters."""

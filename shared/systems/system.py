@@ -16,6 +16,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
+from orbitproof.shared.systems.names import LEVEL_NAME
 from orbitproof.shared.systems.program import Program, record
 
 VectorField = Callable[[Sequence[Any], Sequence[Any]], Sequence[Any]]
@@ -128,6 +129,14 @@ class System:
     first_integral_name: str | None = field(default=None, kw_only=True)
     defined: tuple[Defined, ...] = field(default=(), kw_only=True)
 
+    def __post_init__(self) -> None:
+        names = (*self.state, *self.parameters)
+        for name in names:
+            if not name.isidentifier():
+                raise ValueError(f"{self.name}: {name!r} is no name of a coordinate or parameter")
+            if names.count(name) > 1:
+                raise ValueError(f"{self.name}: two of its coordinates and parameters are called {name!r}")
+
     def __repr__(self) -> str:
         parameters = f", parameters {' '.join(self.parameters)}" if self.parameters else ""
         return f"<{type(self).__name__} {self.name}: state {' '.join(self.state)}{parameters}>"
@@ -207,6 +216,7 @@ class ReversibleSystem(System):
     stiffness_across: VectorField | None = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         m = len(self.state)
         for label, signs in [("R", self.reversing_symmetry), *self.symmetries.items()]:
             if len(signs) != m or any(sign not in (1, -1) for sign in signs):
@@ -334,9 +344,9 @@ class ReversibleSystem(System):
 
     @cached_property
     def level_coordinates(self) -> tuple[str, ...]:
-        """Names of the coordinates of a centre whose first one is the level of the first integral."""
+        """Names of the coordinates of a centre whose first one is the level of the first integral, `LEVEL_NAME`."""
         kept = [self.state[i] for i in self.fixed_coordinates if self.state[i] != self.level_coordinate]
-        return (self.first_integral_name or "first integral", *kept)
+        return (LEVEL_NAME, *kept)
 
     @cached_property
     def squared_distance_program(self) -> Program | None:

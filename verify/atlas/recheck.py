@@ -53,6 +53,7 @@ from orbitproof.verify.certificate import (
     overlap,
     repeated,
     systems_with,
+    taken_names,
     unknown_reason,
 )
 from orbitproof.verify.curve import Interval
@@ -179,6 +180,7 @@ def _form(document: Document, examination: Examination) -> Iterator[Finding]:
     yield from digest_findings(document)
     validate_document(document, SCHEMA, "the certificate")
     atlas = atlas_of(document)
+    yield from taken_names(atlas.system, document["software"])
     symmetric = {piece.id for piece in atlas.pieces if piece.kind == "symmetric"}
     try:
         results = results_from_json(atlas, document["results"])

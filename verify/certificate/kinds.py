@@ -7,7 +7,7 @@ from dataclasses import fields, is_dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from flint import arb
+from flint import acb, arb
 
 from orbitproof.shared.claims import BoxClaim, Candidate
 from orbitproof.shared.errors import InputError
@@ -173,7 +173,8 @@ def unconfirmed(stored: Mapping[str, Any], found: Proved[Results], place: str) -
                 yield Finding(where, "is not enclosed again")
             else:
                 yield from confirmed(ball_from_json(old), hypothesis.enclosures[name], where)
-    old, new = numbers(stored["results"]), numbers(to_json(found.results))
+    results: Any = found.results
+    old, new = numbers(from_json(type(results), stored["results"], "results")), numbers(results)
     if old.keys() != new.keys():
         yield Finding(place, "other results are found: " + ", ".join(sorted(old.keys() ^ new.keys())))
         return
@@ -185,7 +186,7 @@ def unconfirmed(stored: Mapping[str, Any], found: Proved[Results], place: str) -
 
 
 def numbers(value: Any) -> dict[str, Any]:
-    """The balls, and the words and numbers beside them, of what was enclosed or of JSON, by where they stand.
+    """The balls, and the words and numbers beside them, of what was enclosed or found, by where they stand.
 
     Raises `ValueError` if one would hide another.
     """
@@ -204,8 +205,8 @@ def _said(place: _Place) -> str:
 
 
 def _numbers(value: Any, place: _Place) -> Iterator[tuple[_Place, Any]]:
-    if isinstance(value, Mapping) and {"mid", "rad"} <= value.keys():
-        value = ball_from_json(value)
+    if isinstance(value, acb):
+        value = {"real": value.real, "imaginary": value.imag}
     if is_dataclass(value):
         value = {each.name: getattr(value, each.name) for each in fields(value) if not each.metadata.get("hidden")}
     if isinstance(value, (Mapping, list, tuple)):

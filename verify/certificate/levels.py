@@ -256,7 +256,7 @@ def differences(stored: Any, again: Any, place: str, keys: tuple[str, ...] = ())
     """Where two JSON values differ, in value or type; a ball is one value. `keys` lead to them, see `WORDS`."""
     if stored is again:
         return
-    if isinstance(stored, Mapping) and isinstance(again, Mapping) and "rad" not in stored:
+    if isinstance(stored, Mapping) and isinstance(again, Mapping) and not is_ball(stored):
         for key in sorted({*stored, *again}):
             inner = f"{place}, {quoted_name(key)}" if place else quoted_name(key)
             if key not in stored:
@@ -276,9 +276,18 @@ def differences(stored: Any, again: Any, place: str, keys: tuple[str, ...] = ())
     yield Finding(place, f"stored is {_shown(stored)}, evaluated again it is {_shown(again)}", in_words)
 
 
+def is_ball(value: Any) -> bool:
+    """Whether a JSON value is a ball; coordinates that a file calls mid and rad have balls as their values."""
+    return (
+        isinstance(value, Mapping)
+        and {"mid", "rad"} <= value.keys() <= {"mid", "rad", "decimal"}
+        and all(isinstance(each, str) for each in value.values())
+    )
+
+
 def decimals(value: Any, place: str) -> Iterator[Finding]:
     """Where the decimals beside a ball, anywhere in a JSON value, are not those of the ball."""
-    if isinstance(value, Mapping) and {"mid", "rad"} <= set(value):
+    if is_ball(value):
         yield from differences(value, ball_to_json(ball_from_json(value)), place)
     elif isinstance(value, Mapping):
         for key, inner in value.items():
@@ -339,7 +348,7 @@ def confirmed(stored: arb, fresh: arb, place: str, tolerance: Fraction = _TOLERA
 
 
 def _shown(value: Any) -> str:
-    if isinstance(value, Mapping) and {"mid", "rad"} <= set(value):
+    if is_ball(value):
         try:
             return decimal_interval(ball_from_json(value), _SHOWN_DIGITS)
         except ValueError:

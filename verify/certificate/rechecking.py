@@ -20,6 +20,7 @@ from orbitproof.shared.systems import SYSTEMS, shown
 from orbitproof.verify.certificate.certificate import Certificate, digest, make_certificate
 from orbitproof.verify.certificate.certifying import broken_off, for_origin
 from orbitproof.verify.certificate.document import Computation
+from orbitproof.verify.certificate.earlier import taken_names
 from orbitproof.verify.certificate.kinds import (
     Found,
     Results,
@@ -160,6 +161,7 @@ def _form(certificate: Entry, examination: Examination) -> Iterator[Finding]:
     document = {"format": "orbitproof-certificates", "version": 1, "software": {}, "certificates": [certificate]}
     validate_document(document, "certificates", "the certificate")
     stated = _read(certificate)
+    yield from taken_names(stated.candidate.system, certificate["software"])
     theorem = theorem_of(stated.candidate, stated.form)
     names = tuple(hypothesis["name"] for hypothesis in certificate["hypotheses"])
     if certificate["verdict"] != "proved":

@@ -22,7 +22,7 @@ from orbitproof.shared.systems import (
 )
 from orbitproof.verify.certificate.document import Names, StatedFunction, Statement, StatementWithoutSymmetry
 from orbitproof.verify.certificate.levels import CannotBeCheckedError
-from orbitproof.verify.claim import level_program, quadratic_coefficient
+from orbitproof.verify.claim import is_level_text, level_program, quadratic_coefficient
 
 _ANY = ParameterRange(None, None)
 
@@ -101,8 +101,11 @@ def systems_with(
 
 
 def named_as(stored: Mapping[str, Any], again: Mapping[str, Any]) -> dict[str, Any]:
-    """The statement `again` with its system called by name alone where the stored one does that."""
+    """The statement `again` with its system called by name alone, and its level as before, where that is stored."""
     result = dict(again)
+    level, own = stored.get("level_coordinate"), again.get("level_coordinate")
+    if own is not None and is_level_text(level, own):
+        result["level_coordinate"] = level
     for key in ("candidate", "level_form", "atlas"):
         system = result.get(key, {}).get("system")
         if isinstance(system, Mapping) and stored.get(key, {}).get("system") == system["name"]:
@@ -184,6 +187,6 @@ def _with_level_coordinate(
         return system
     for index in system.fixed_coordinates:
         found = replace(system, level_coordinate=system.state[index])
-        if quadratic_coefficient(found) and level_program(found, int(sign)).text() == text:
+        if quadratic_coefficient(found) and is_level_text(text, level_program(found, int(sign)).text()):
             return found
     raise ValueError("statement.level_coordinate: does not follow from the first integral that is stated")

@@ -86,14 +86,12 @@ class Ring:
     def __init__(self, field: Program, integral: Program) -> None:
         steps = [step for program in (field, integral) for step in program.instructions]
         number = sum(step.operation in ("div", "pow") for step in steps)
-        names = field.inputs
-        self.variables, self.work = len(names) + number, 0
-        self.polynomials = fmpq_mpoly_ctx.get((*names, *(f"s{i}" for i in range(number))), Ordering.lex)
-        generators = self.polynomials.gens()
+        self.first = len(field.inputs)
+        self.variables, self.work = self.first + number, 0
+        # Generators are told apart by their places; the system's own names are not used.
+        self.polynomials = fmpq_mpoly_ctx.get([f"x{i}" for i in range(self.variables)], Ordering.lex)
         zero = self.polynomials.constant(0)
-        self.inputs = [AlongFlow(self, x, zero) for x in generators[: len(names)]]
-        self.unused = list(generators[len(names) :])
-        self.first = len(names)
+        self.inputs = [AlongFlow(self, x, zero) for x in self.polynomials.gens()[: self.first]]
         self.symbols: list[tuple[fmpq_mpoly, int]] = []
         self.is_closed = False
 

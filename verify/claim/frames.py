@@ -54,7 +54,7 @@ def check_frames(checklist: Checklist, candidate: Candidate) -> None:
             row = candidate.frame[0]
             evidence.require(
                 row[0] == 1 and not any(row[1:]),
-                f"row 0 of frame has to be (1, 0, .., 0), so that p_0 is {candidate.coordinates[0]}",
+                f"row 0 of frame has to be (1, 0, .., 0), so that p_0 is {candidate.titles[0]}",
             )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cache
 
 from flint import arb, fmpq_mpoly
@@ -59,9 +59,11 @@ def keeps_its_functions(system: System) -> bool:
     return True
 
 
-def require_functions(evidence: Evidence, system: ReversibleSystem, involutions: Mapping[str, Sequence[int]]) -> None:
+def require_functions(
+    evidence: Evidence, system: ReversibleSystem, involutions: Sequence[tuple[str, Sequence[int]]]
+) -> None:
     """Require that orbits, and involutions of these signs, keep the states whose last coordinates are functions."""
-    for name, signs in involutions.items():
+    for name, signs in involutions:
         evidence.require(
             keeps_functions(system, signs),
             f"what coordinates are functions of others in the field of {system.name} was not shown to have the "

@@ -14,7 +14,7 @@ from typing import Any
 from flint import arb
 
 from orbitproof.shared.formats import Candidate
-from orbitproof.shared.systems import Program, ReversibleSystem, record
+from orbitproof.shared.systems import LEVEL_NAME, Program, ReversibleSystem, record
 from orbitproof.verify.claim.first_integral import derivative_terms
 from orbitproof.verify.evidence import Checklist, enclose, power
 
@@ -49,7 +49,16 @@ def level_program(system: ReversibleSystem, sign: int) -> Program:
         (rest,) = integral([0 if i == position else value for i, value in enumerate(state)], parameters)
         return (((level[0] - rest) * (1 / coefficient)) ** Fraction(1, 2) * sign,)
 
-    return record(coordinate, system.state, tuple(system.parameters), ("level",))
+    return record(coordinate, system.state, tuple(system.parameters), (LEVEL_NAME,))
+
+
+def is_level_text(stored: object, own: str) -> bool:
+    """Whether a stored text is `own`, of a `level_program`, or what versions before 0.3 wrote in its place.
+
+    They called the level ``level``, which says the same unless an input of the system is called so.
+    """
+    earlier = own.replace(f" = {LEVEL_NAME}\n", " = level\n")
+    return stored == own or (stored == earlier and " = level\n" not in own)
 
 
 def check_level(checklist: Checklist, candidate: Candidate) -> None:

@@ -56,7 +56,7 @@ def check_symmetries(checklist: Checklist, system: ReversibleSystem, symmetry: s
         if system.defined:
             from orbitproof.verify.claim.functions import require_functions
 
-            require_functions(evidence, system, {name: signs for name, signs, _ in involutions})
+            require_functions(evidence, system, [(name, signs) for name, signs, _ in involutions])
         evidence.require(
             distance is None or parities(distance, system.reversing_symmetry) == [1],
             f"the distance of {system.name} from {system.distance_name} was not shown to have the symmetry R",

@@ -122,7 +122,9 @@ class Evidence:
         self.excluded = False
 
     def record(self, name: str, ball: arb) -> arb:
-        """Keep an enclosure for the certificate and return it."""
+        """Keep an enclosure for the certificate and return it; two of one name are no evidence."""
+        if name in self.enclosures:
+            self.require(False, f"two enclosures are called {name}")
         self.enclosures[name] = ball
         return ball
 

@@ -220,7 +220,7 @@ def _results(
     return KreinResults(
         point,
         other_point,
-        candidate.coordinates[0],
+        candidate.titles[0],
         parameter_of(candidate, where),
         "above" if is_positive(speed) else "below",
         "subcritical" if is_positive(coefficient) else "supercritical",

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from flint import arb
 
-from orbitproof.shared.systems import Program, record
+from orbitproof.shared.systems import Program, own_name, record
 from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, evaluate, prepare
 from orbitproof.verify.evidence import IntegrationFailure, exact_value, excludes_zero, is_positive
 from orbitproof.verify.flow import FlowStep
@@ -141,4 +141,4 @@ def at_rate(field: Program) -> Program:
         velocity = field.evaluate(arguments, lambda value: value, lambda base, exponent: base**exponent)
         return [rate[0] * component for component in velocity]
 
-    return record(scaled, field.inputs, ("rate",))
+    return record(scaled, field.inputs, (own_name("rate"),))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from orbitproof.shared.systems import Program, record
+from orbitproof.shared.systems import Program, own_name, record
 from orbitproof.verify.algebra import PreparedProgram, prepare
 
 
@@ -28,5 +28,5 @@ def build_section_program(program: Program, size: int, section: int) -> Prepared
         slopes[section] = -distance
         return [*slopes, elapsed]
 
-    state = (*program.inputs[:size], "elapsed time")
-    return prepare(record(field, state, (*program.inputs[size:], "distance")))
+    state = (*program.inputs[:size], own_name("elapsed time"))
+    return prepare(record(field, state, (*program.inputs[size:], own_name("distance"))))

@@ -273,7 +273,7 @@ def _results(
     return BreakingResults(
         point,
         other_point,
-        candidate.coordinates[0],
+        candidate.titles[0],
         parameter_of(candidate, where),
         "above" if is_positive(coefficients.opening) else "below",
         period_of(found, where),

@@ -18,9 +18,11 @@ from .legs import Start
 from .newton import Newton
 from .periodic_statement import DEPENDENCE
 from .proof import check_integral
-from .statement import BadCertificate, Program, Statement, exact, read, read_reversible
+from .statement import LEVEL, BadCertificate, Program, Statement, exact, read, read_reversible
 
 MOST_STEPS = 10_000
+_EARLIER_LEVEL = "level"
+"""What the input `LEVEL` is called in certificates of versions before 0.3."""
 
 
 @dataclass(frozen=True)
@@ -30,11 +32,13 @@ class Lifting:
     Attributes:
         place: its index in the state; `sign`: of w.
         program: w as a function of the level and the other coordinates. It gives a guess, and nothing rests on it.
+        level: the input that is the level.
     """
 
     place: int
     sign: int
     program: Program
+    level: str
 
 
 @dataclass(frozen=True)
@@ -79,7 +83,8 @@ class SymmetricStatement:
             values = dict(zip((i for i in self.places if i != self.lifting.place), others, strict=True))
             known = {name: Jet({(): values.get(i, arb(0))}, 0) for i, name in enumerate(system.state)}
             known |= {name: Jet({(): ball(value)}, 0) for name, value in system.parameters.items()}
-            (w,) = self.lifting.program.run({"level": Jet({(): level}, 0)} | known, lambda c: Jet({(): ball(c)}, 0))
+            known[self.lifting.level] = Jet({(): level}, 0)
+            (w,) = self.lifting.program.run(known, lambda c: Jet({(): ball(c)}, 0))
             values[self.lifting.place] = w[()].mid()
         else:
             values = dict(zip(system.fixed, centre, strict=True))
@@ -112,9 +117,11 @@ def read_symmetric(certificate: Mapping[str, Any]) -> SymmetricStatement:
         (used,) = program.run(names, lambda _: frozenset(), DEPENDENCE)
         places = [i for i in system.fixed if system.state[i] not in used]
         sign = read(certificate, f"{claim}.level_sign", {1: 1, -1: -1}.__getitem__)
-        if len(places) != 1 or not {*system.state, *system.parameters, "level"} >= {*program.inputs}:
+        own = {*system.state, *system.parameters}
+        level = LEVEL if LEVEL in program.inputs else _EARLIER_LEVEL
+        if len(places) != 1 or level in own or not {*own, level} >= {*program.inputs}:
             raise BadCertificate("statement.level_coordinate: no coordinate that follows from the level")
-        lifting = Lifting(places[0], sign, program)
+        lifting = Lifting(places[0], sign, program, level)
     statement = SymmetricStatement(system, lifting)
     if kind == "reversor_breaking":
         return statement

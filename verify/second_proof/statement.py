@@ -18,6 +18,8 @@ _NUMBER = re.compile(
 )
 N = TypeVar("N")
 """Jets or numbers."""
+LEVEL = "(level)"
+"""The value of the first integral among the inputs of a program; no coordinate or parameter can be called so."""
 Operations = Mapping[str, Callable[[Any, Any], Any]]
 ARITHMETIC = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "**": operator.pow}
 """For anything that has these operations."""
@@ -76,8 +78,12 @@ class Program:
                     lines.append(("**", (known[base], Fraction(exponent[1:-1]))))
                 case [left, "+" | "-" | "*" | "/" as operation, right]:
                     lines.append((operation, (known[left], known[right])))
+                case [word] if word.isidentifier() or word == LEVEL:
+                    if ("name", (word,)) in lines:
+                        raise ValueError(f"two inputs are called {word}")
+                    lines.append(("name", (word,)))
                 case [word]:
-                    lines.append(("name", (word,)) if word.isidentifier() else ("constant", (exact(word),)))
+                    lines.append(("constant", (exact(word),)))
                 case words:
                     raise ValueError(f"no operation: {' '.join(words)}")
             known[f"v{n}"] = n

@@ -65,7 +65,7 @@ def _statement(candidate: Candidate) -> str:
         others += f" All points are on the level {where_level}, those of the box with {sheet_in_words(system)}."
     if candidate.level_sign is not None:
         sign = ">" if candidate.level_sign > 0 else "<"
-        names = ", ".join(candidate.coordinates)
+        names = ", ".join(candidate.titles)
         others += f" The box is in the coordinates {names}, with {system.level_coordinate} {sign} 0."
     if candidate.kind == FOLD:
         return (

@@ -25,7 +25,7 @@ def breaking_in_words(theorem: BreakingTheorem) -> str:
         "In the box there is exactly one point x of Fix(R) with P(x) in Fix(R) at which D(P^2)(x) - 1, "
         f"{at_fixed_parameter(candidate)}, has a kernel vector that R negates: there R is lost, and two orbits are "
         f"born that R does not map to themselves. P is the {power} of the {where}, and the parameter is "
-        f"{candidate.coordinates[0]}. The orbit of x is symmetric under R, has the time from x to P^2(x) as its least "
+        f"{candidate.titles[0]}. The orbit of x is symmetric under R, has the time from x to P^2(x) as its least "
         f"period, and {meetings(m)}. A neighbourhood of x in the section and one of the value of the parameter at x "
         "are such that for every value in the second the points x' of the first at which the parameter has that value "
         "and P^2(x') = x' are these: exactly one in Fix(R), whose orbit is symmetric, and which depends smoothly on "
@@ -63,7 +63,7 @@ def on_level(candidate: Candidate) -> str:
     if candidate.level_sign is None:
         return ""
     side = f"{system.level_coordinate} {'>' if candidate.level_sign > 0 else '<'} 0"
-    return f" The box is in the coordinates {', '.join(candidate.coordinates)}, with {side}."
+    return f" The box is in the coordinates {', '.join(candidate.titles)}, with {side}."
 
 
 def breaking_found(candidate: Candidate, found: BreakingResults) -> Iterator[str]:
@@ -71,7 +71,7 @@ def breaking_found(candidate: Candidate, found: BreakingResults) -> Iterator[str
     system = candidate.system
     here, there = (_named(keyed_in_words(system, point)) for point in (found.point, found.other_point))
     yield f"The point x has {here}; P(x) has {there}."
-    parameter = claim_in_words(candidate).coordinates[0]
+    parameter = claim_in_words(candidate).titles[0]
     yield f"The parameter there, {parameter}, lies in {decimal_interval(found.parameter, _DIGITS)}."
     yield f"The period of the orbit of x lies in {interval_text(found.period, _DIGITS)}."
     relation = "greater" if found.side == "above" else "less"

@@ -25,7 +25,7 @@ def krein_in_words(theorem: KreinTheorem) -> str:
     return (
         "In the box there is exactly one point x of Fix(R) with P(x) in Fix(R) at which the two stability parameters "
         f"of the orbit, {at_fixed_parameter(candidate)}, are equal: a Krein collision. P is the {power} of the "
-        f"{where}, and the parameter is {candidate.coordinates[0]}. The orbit of x is symmetric under R, has the time "
+        f"{where}, and the parameter is {candidate.titles[0]}. The orbit of x is symmetric under R, has the time "
         f"from x to P^2(x) as its least period, and {meetings(m)}. Its multipliers exp(i omega) and exp(-i omega) are "
         "double, on the unit circle, no roots of unity of order 1 to 4, and each has one Jordan block. The symmetric "
         "orbits next to it, one for each value of the parameter, are linearly stable on one side of the value at x; on "
@@ -40,7 +40,7 @@ def krein_found(candidate: Candidate, found: KreinResults) -> Iterator[str]:
     system = candidate.system
     here, there = (_named(keyed_in_words(system, point)) for point in (found.point, found.other_point))
     yield f"The point x has {here}; P(x) has {there}."
-    parameter = claim_in_words(candidate).coordinates[0]
+    parameter = claim_in_words(candidate).titles[0]
     yield f"The parameter there, {parameter}, lies in {decimal_interval(found.parameter, _DIGITS)}."
     yield f"The period of the orbit of x lies in {interval_text(found.period, _DIGITS)}."
     stable, other = ("greater", "less") if found.side == "above" else ("less", "greater")

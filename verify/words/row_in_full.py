@@ -130,7 +130,7 @@ def in_full(
 
 
 def _box(claim: Candidate, is_form: bool) -> Iterator[str]:
-    names = ", ".join(claim.coordinates)
+    names = ", ".join(claim.titles)
     fixed = claim.system.fixed_level
     if fixed is not None:
         which = f"its {'positive' if fixed.sign == 1 else 'negative'} solution"
@@ -149,7 +149,7 @@ def _box(claim: Candidate, is_form: bool) -> Iterator[str]:
         sign = "positive" if claim.level_sign > 0 else "negative"
         yield (
             f"The box, in the coordinates ({names}) of Fix(R), where {claim.system.level_coordinate} is the {sign} "
-            f"solution of H = {claim.coordinates[0]}:"
+            f"solution of H = {claim.titles[0]}:"
         )
     yield from _set(claim, "level_form" if is_form else "candidate")
 
@@ -164,7 +164,7 @@ def _set(claim: Candidate, where: str) -> Iterator[str]:
         f"{where} in this statement; (R_i) = ({radii})."
     )
     sides = [symmetric(radius) for radius in claim.radii]
-    for name, middle, row in zip(claim.coordinates, claim.centre, claim.frame, strict=True):
+    for name, middle, row in zip(claim.titles, claim.centre, claim.frame, strict=True):
         values = enclose(middle) + dot([enclose(value) for value in row], sides)
         centre = "0" if middle == 0 else certain_digits(enclose(middle), _DIGITS)
         yield f"  {name}: {c} is {centre}, and on the box {name} lies in {decimal_interval(values, _DIGITS)}."
