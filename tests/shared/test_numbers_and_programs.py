@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -28,9 +29,14 @@ from orbitproof.shared.formats.documents import validator
 from orbitproof.shared.numbers import NUMBER, RATIONAL, dyadic, format_dyadic, format_rational, round_dyadic
 from orbitproof.shared.systems import (
     CR3BP,
+    IDENTIFIER,
+    LEVEL_NAME,
     DescriptionError,
+    ParameterRange,
     described,
     evaluate_formula,
+    fits,
+    own_name,
     program_from_text,
     record,
 )
@@ -195,6 +201,36 @@ def test_the_name_of_a_coordinate_is_no_line_of_a_program_and_no_other_word(name
         described(entry)
 
 
+@pytest.mark.parametrize("name", ["(level)", "a b", "", "b"])
+def test_names_of_a_system_are_identifiers_and_all_different(name: str) -> None:
+    """A system that is made in Python too."""
+    with pytest.raises(ValueError, match=f"called '{name}'|'{re.escape(name)}' is no name"):
+        replace(TWIST, state=(name, *TWIST.state[1:]))
+    with pytest.raises(ValueError, match=f"called '{name}'|'{re.escape(name)}' is no name"):
+        replace(TWIST, parameters={**TWIST.parameters, name: ParameterRange(None, None)})
+
+
+def test_names_of_our_own_are_no_identifiers_and_no_text_of_a_program_has_them() -> None:
+    for name in (own_name("distance"), LEVEL_NAME):
+        assert not name.isidentifier()
+        assert not fits(IDENTIFIER, name)
+        text = record(lambda a: a, [name]).text()
+        with pytest.raises(ValueError, match="no operation"):
+            program_from_text(text)
+
+
+def test_two_inputs_of_a_program_have_two_names() -> None:
+    with pytest.raises(ValueError, match="one name"):
+        record(lambda a, b: [a[0] - b[0]], ["x"], ["x"])
+
+
+def test_coordinates_of_a_claim_differ_whatever_the_first_integral_is_called() -> None:
+    for name in ("vy", "x", "mu", "level", None):
+        system = replace(CR3BP, first_integral_name=name)
+        names = (*system.level_coordinates, *system.parameters)
+        assert len(set(names)) == len(names)
+
+
 def test_no_system_has_the_name_of_a_known_one() -> None:
     with pytest.raises(DescriptionError, match="the name of another system"):
         described({**FOCUS, "name": "cr3bp"})
@@ -225,6 +261,14 @@ def test_a_claim_that_says_nothing_is_refused(change: dict[str, Any], words: str
     assert candidate_from_json(claim(), "here").system is CR3BP
     with pytest.raises(InputError, match=f"here.{words}"):
         candidate_from_json({**claim(), **change}, "here")
+
+
+@pytest.mark.parametrize("more", [{"vx": Fraction(1)}, {"y": Fraction(1, 2)}, {"nu": Fraction(0)}])
+def test_a_claim_gives_its_parameters_and_nothing_else_a_value(more: dict[str, Fraction]) -> None:
+    """Values of a box are found by name: one for a coordinate would move its points."""
+    good = halo("earth-moon", "period_tupling", ("1e-9",) * 3)
+    with pytest.raises(InputError, match="parameters"):
+        replace(good, parameters={**good.parameters, **more})
 
 
 def test_two_claims_of_a_file_do_not_have_one_name(tmp_path: Any) -> None:

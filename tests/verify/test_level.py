@@ -24,12 +24,12 @@ from orbitproof.shared.formats import (
     read_candidates,
     write_candidates,
 )
-from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, LEVEL_NAME, ParameterRange, ReversibleSystem
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.bifurcation import enclose_first_integral, in_box, level_form
 from orbitproof.verify.certificate import Certificate, certify, digest, is_proof_of, recheck
 from orbitproof.verify.certificate.certifying import _forms
-from orbitproof.verify.claim import level_program, point_on_fixed_set, quadratic_coefficient
+from orbitproof.verify.claim import is_level_text, level_program, point_on_fixed_set, quadratic_coefficient
 from orbitproof.verify.evidence import DerivativeTable, bounds, enclose
 from orbitproof.verify.oracle import ORACLE, Limits, missing_bits
 from orbitproof.verify.poincare import IntegratorSettings, enclose_iterates
@@ -98,6 +98,18 @@ def test_the_velocity_across_the_section_follows_from_the_jacobi_constant() -> N
         level_program(FALKNER_SKAN, 1)
 
 
+def test_the_level_is_written_as_no_file_can_and_what_earlier_versions_wrote_is_the_same_program() -> None:
+    own = level_program(CR3BP, 1).text()
+    earlier = own.replace(LEVEL_NAME, "level")
+    assert is_level_text(own, own)
+    assert is_level_text(earlier, own)
+    assert not is_level_text(None, own)
+    assert not is_level_text(level_program(CR3BP, -1).text(), own)
+    called_so = replace(with_integral(lambda x, w: x + w * w), parameters={"level": ParameterRange(None, None)})
+    own = level_program(called_so, 1).text()
+    assert not is_level_text(own.replace(LEVEL_NAME, "level"), own)
+
+
 @pytest.mark.parametrize("sign", [1, -1])
 def test_initial_values_have_the_given_level_and_sign(sign: int) -> None:
     source = random.Random(7)
@@ -107,7 +119,7 @@ def test_initial_values_have_the_given_level_and_sign(sign: int) -> None:
         x, z = F(source.randint(820, 900), 1000), F(source.randint(0, 300), 1000)
         w = sign * F(source.randint(1, 400), 1000)
         (level,) = _jacobi(x, z, w, mu)
-        point = point_on_fixed_set(candidate, {"Jacobi constant": level, "x": enclose(x), "z": enclose(z)})
+        point = point_on_fixed_set(candidate, {LEVEL_NAME: level, "x": enclose(x), "z": enclose(z)})
         assert point["vy"].contains(enclose(w))
         assert point["vy"].rad() < 1e-60
         assert list(point) == ["x", "z", "vy"]
@@ -116,7 +128,7 @@ def test_initial_values_have_the_given_level_and_sign(sign: int) -> None:
 def test_the_level_coordinate_is_enclosed_where_another_coordinate_is_known_to_be_near_zero() -> None:
     hill = load_system(EXAMPLES / "hill.py")
     candidate = replace(form_of("em1"), system=hill, parameters={})
-    around = {"Jacobi constant": arb("4.4 +/- 1e-40"), "x": arb("0.4"), "z": arb("0 +/- 1e-40")}
+    around = {LEVEL_NAME: arb("4.4 +/- 1e-40"), "x": arb("0.4"), "z": arb("0 +/- 1e-40")}
     at_zero = point_on_fixed_set(candidate, around | {"z": arb(0)})["vy"]
     assert point_on_fixed_set(candidate, around)["vy"].contains(at_zero)
     assert at_zero.is_finite()
@@ -139,7 +151,7 @@ def test_the_new_box_contains_the_old_one(name: str) -> None:
                 for c, row in zip(candidate.centre, candidate.frame, strict=True)
             )
             (level,) = _jacobi(x, z, w, candidate.parameters["mu"])
-            assert in_box(form, {"Jacobi constant": level, "x": enclose(x), "z": enclose(z)})
+            assert in_box(form, {LEVEL_NAME: level, "x": enclose(x), "z": enclose(z)})
 
 
 @pytest.mark.parametrize("name", ["em1", "em2", "em4"])

@@ -6,6 +6,7 @@ import importlib
 import json
 import multiprocessing
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -15,13 +16,14 @@ from flint import arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 from support.claims import TOUCH_AND_GO, to_the_end
+from support.wide_checks import TWIST
 
 from orbitproof import verify
 from orbitproof.shared import parse_exact
 from orbitproof.shared.formats import InputError, candidate_from_json, read_candidates
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.numbers import format_dyadic
-from orbitproof.shared.systems import shown
+from orbitproof.shared.systems import ParameterRange, shown
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate import (
     Certificate,
@@ -35,6 +37,7 @@ from orbitproof.verify.certificate import (
     rechecking,
     write_certificates,
 )
+from orbitproof.verify.certificate.earlier import taken_names
 from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
 from orbitproof.verify.evidence import exact_value
 from orbitproof.verify.oracle import ORACLE, Limits
@@ -358,6 +361,18 @@ def test_other_software_is_named_where_numbers_differ(proved: Certificate) -> No
     result = recheck(forged(proved, change))
     assert result.findings[-1].place == "software"
     assert "FLINT 1.0" in result.findings[-1].message
+
+
+@pytest.mark.parametrize("name", ["distance", "rate", "level", "energy"])
+@pytest.mark.parametrize("version", ["0.1.0", "0.2.0", "0.2.9", "not installed", "0.3.0", "1.0"])
+def test_versions_that_took_names_for_their_own_are_refused_where_a_system_has_such_a_name(
+    name: str, version: str
+) -> None:
+    more = {**TWIST.parameters, name: ParameterRange(None, None)}
+    taken = replace(TWIST, parameters=more, first_integral_name="energy")
+    found = list(taken_names(taken, {"orbitproof": version}))
+    assert [each.place for each in found] == ([] if version in ("0.3.0", "1.0") else ["software"])
+    assert list(taken_names(TWIST, {"orbitproof": version})) == []
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from support.flow_checks import contains, halo
 from support.wide_checks import OSCILLATOR, TWIST
 
 from orbitproof.shared.formats import Candidate
-from orbitproof.shared.systems import CR3BP
+from orbitproof.shared.systems import CR3BP, LEVEL_NAME
 from orbitproof.verify.algebra import Arithmetic, Grading
 from orbitproof.verify.bifurcation import enclose_first_integral
 from orbitproof.verify.evidence import Checklist, DerivativeTable, IntegrationFailure, NotEstablishedError
@@ -195,7 +195,8 @@ def test_the_level_of_a_level_form_is_its_first_coordinate() -> None:
     candidate = replace(halo("earth-moon", "touch_and_go", ("1e-9",) * 3), level_sign=1)
     centre = (Fraction(3), *candidate.centre[:2])
     candidate = replace(candidate, centre=centre, radii=(Fraction(1, 10**9),) * 3)
-    assert candidate.coordinates == ("Jacobi constant", "x", "z")
+    assert candidate.coordinates == (LEVEL_NAME, "x", "z")
+    assert candidate.titles == ("Jacobi constant", "x", "z")
     table = enclose_first_integral(candidate, 80)
     assert table is not None
     assert contains(table.centre[0, 0, 0], Fraction(3))
