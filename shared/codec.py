@@ -58,6 +58,12 @@ def from_json(kind: type[T], entry: Json, place: str) -> T:
     return value
 
 
+def has_fields(kind: type, entry: Mapping[str, Json]) -> bool:
+    """Whether an object has all fields of a dataclass that have to be there, and no others than it may have."""
+    needed, known = _keys(kind)
+    return needed <= entry.keys() <= known
+
+
 def schema_of(kind: Any) -> tuple[Schema, Definitions]:
     """The JSON schema of a type, and the definitions that it refers to."""
     definitions: Definitions = {}
@@ -143,7 +149,7 @@ def form_of(kind: Any) -> Form:
 def _with(schema: Callable[[Definitions], Schema], said: Rules | ToldBy | Unread) -> Callable[[Definitions], Schema]:
     """A schema with what an annotation says."""
     if isinstance(said, Unread):
-        return form_of(said.kind).schema
+        return lambda definitions: form_of(said.kind()).schema(definitions)
     if isinstance(said, ToldBy):
         return lambda definitions: _union_schema(schema(definitions)["anyOf"], definitions, said.path)
     return lambda definitions: _named(said.name, schema(definitions) | dict(said.keywords), definitions)
@@ -181,8 +187,7 @@ def _alternatives(schema: Schema) -> list[Schema]:
 def _by_fields(kinds: tuple[Any, ...], entry: Mapping[str, Json], place: str) -> Form:
     """The form of the one of these types that has the fields of an object."""
     for kind in kinds:
-        needed, known = _keys(kind)
-        if needed <= entry.keys() <= known:
+        if has_fields(kind, entry):
             return form_of(kind)
     raise InputError(f"{place}: lacks fields, or has others; write the file again")
 

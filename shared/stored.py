@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Annotated, Any
@@ -25,9 +26,13 @@ def rules(name: str = "", **keywords: Any) -> Rules:
 
 @dataclass(frozen=True)
 class Unread:
-    """JSON that stays as it is, and fits the schema of a type: ``Annotated[Any, Unread(Kind)]``."""
+    """JSON that stays as it is, and fits the schema of a type: ``Annotated[Any, Unread(lambda: Kind)]``.
 
-    kind: Any
+    Attributes:
+        kind: gives the type, when the schema is written.
+    """
+
+    kind: Callable[[], Any]
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from formulas import with_formulas
 from orbitproof.__main__ import _COMMANDS as COMMANDS
 from orbitproof.figures.report.formulas import to_latex
 from orbitproof.shared.systems import BRANCH_SYSTEMS
-from orbitproof.verify.words import setting
+from orbitproof.verify.words.formulas import setting
 
 _WORDS = (["explore"], ["verify"], ["verify", "atlas"], ["verify", "--second-proof"], ["figures"], ["report"])
 """The command lines that have a parser of their own."""

@@ -36,7 +36,7 @@ from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import shown
 from orbitproof.verify.claim import claim_in_words, keyed_in_words, names_in_words
 from orbitproof.verify.evidence import ball_from_json, decimal_interval, exact_text, interval_text
-from orbitproof.verify.words import times_are_of_quarters
+from orbitproof.verify.words.curve import times_are_of_quarters
 
 _DIGITS = 34
 _SHORT = 12

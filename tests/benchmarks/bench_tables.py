@@ -27,7 +27,8 @@ from orbitproof.shared.claims import Candidate
 from orbitproof.shared.formats import read_candidates
 from orbitproof.shared.systems import CR3BP
 from orbitproof.shared.systems.regularised import KUSTAANHEIMO_STIEFEL
-from orbitproof.verify.oracle import ORACLE, first_precision
+from orbitproof.verify.attempt import first_precision
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import PHYSICAL, REGULARISED, IntegratorSettings, enclose_iterates
 
 _STEP = 2e-3

@@ -19,9 +19,9 @@ import orbitproof.verify.run.rows
 from orbitproof.shared.formats import candidate_from_json
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.__main__ import main
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, certify, not_proved
 from orbitproof.verify.evidence import Reason, ball_from_json, count_certain_digits
-from orbitproof.verify.oracle import Limits
 from orbitproof.verify.run.rows import certify_all
 
 ROOT = Path(__file__).resolve().parents[2]

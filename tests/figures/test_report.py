@@ -27,7 +27,7 @@ from orbitproof.shared.systems import BRANCH_SYSTEMS
 from orbitproof.verify.certificate import Certificate, Limits, certify, digest, write_certificates
 from orbitproof.verify.evidence import bounds, interval_text
 from orbitproof.verify.run.branch_command import main as verify_atlas
-from orbitproof.verify.words import equations
+from orbitproof.verify.words.formulas import equations
 
 LIMITS = Limits(max_precision=256)
 

@@ -36,6 +36,7 @@ from orbitproof.shared.systems import (
     ReversibleSystem,
 )
 from orbitproof.verify.algebra import Arithmetic, Grading
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, certify
 from orbitproof.verify.claim import check_symmetries, parities
 from orbitproof.verify.curve import (
@@ -49,8 +50,8 @@ from orbitproof.verify.curve import (
     prove_piece,
 )
 from orbitproof.verify.evidence import Checklist, IntegrationFailure, Proved, enclose
-from orbitproof.verify.oracle import ORACLE, Limits
-from orbitproof.verify.words import conclusion_in_words
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.words.branches import conclusion_in_words
 from orbitproof.verify.words.curve import meaning
 
 EARTH_MOON = MASS_PARAMETERS["earth-moon"]

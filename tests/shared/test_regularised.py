@@ -33,11 +33,12 @@ from orbitproof.shared.claims import Candidate
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 from orbitproof.shared.systems.regularised import KUSTAANHEIMO_STIEFEL
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import certify, recheck
 from orbitproof.verify.claim import point_on_fixed_set
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow import Expansion, FlowStep, advance
-from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import (
     PHYSICAL,
     REGULARISED,

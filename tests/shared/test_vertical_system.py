@@ -43,7 +43,8 @@ from orbitproof.verify.evidence import Checklist, NotProved, Proved
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.reversor_breaking import BreakingResults, is_shifted_by
 from orbitproof.verify.web import Arc, WebTheorem, conclude_web
-from orbitproof.verify.words import conclusion_in_words, web_in_words
+from orbitproof.verify.words.branches import conclusion_in_words
+from orbitproof.verify.words.web import web_in_words
 
 EARTH_MOON = MASS_PARAMETERS["earth-moon"]
 BIRTHS = Path(__file__).parents[2] / "docs" / "webs" / "vertical-births.json"

@@ -21,15 +21,15 @@ from support.claims import (
     with_radii,
 )
 
-import orbitproof.verify.certificate.bifurcation_rows
 import orbitproof.verify.flow.step
+import orbitproof.verify.theorems.bifurcation
 from orbitproof.shared import InputError
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.formats import candidate_from_json, candidate_to_json
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Integrator, certify, recheck
 from orbitproof.verify.certificate.kinds import enclose
-from orbitproof.verify.oracle import Limits
 
 BITS = 256
 """Enough for every true claim here, as the first test shows, so that precision is not what the false ones lack."""
@@ -403,7 +403,7 @@ QUICKLY_RAISED = {("fs2", 64), ("fs4", 120), ("em1", 96)}
 def test_what_fails_for_want_of_precision_is_tried_again_until_it_is_proved(
     name: str, bits: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(orbitproof.verify.certificate.bifurcation_rows, "first_precision", lambda *args: bits)
+    monkeypatch.setattr(orbitproof.verify.theorems.bifurcation, "first_precision", lambda *args: bits)
     certificate = certify(known(name), Limits(max_precision=512))
     assert verdict_of(certificate) == "proved"
     assert certificate.computation.attempts > 1

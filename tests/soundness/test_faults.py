@@ -15,8 +15,9 @@ from support.faulty_worker import EXCEPTIONS, certify_task
 
 import orbitproof.verify.run.rows
 from orbitproof.shared import processes
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, certify, recheck
-from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import enclose_iterates
 from orbitproof.verify.run.rows import certify_all
 
@@ -79,7 +80,7 @@ def test_a_fault_anywhere_else_is_not_a_proof(
 
 def test_a_fault_with_more_precision_leaves_the_proof_at_hand(monkeypatch: pytest.MonkeyPatch) -> None:
     precisions = []
-    monkeypatch.setattr("orbitproof.verify.oracle.precision.count_certain_digits", lambda ball: 0)
+    monkeypatch.setattr("orbitproof.verify.attempt.precision.count_certain_digits", lambda ball: 0)
 
     def broken_at_more(candidate: Any, settings: Any, report: Any) -> Any:
         precisions.append(settings.precision)

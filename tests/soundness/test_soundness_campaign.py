@@ -34,9 +34,9 @@ from support.new_orbits import side_of
 from orbitproof.explore.refinement import refine
 from orbitproof.shared.claims import KINDS, ONCE, Candidate
 from orbitproof.shared.numbers import round_dyadic
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, certify
 from orbitproof.verify.claim import determinant
-from orbitproof.verify.oracle import Limits
 from orbitproof.verify.run.rows import certify_all
 
 OTHER_POINT = "point on Fix(R)"

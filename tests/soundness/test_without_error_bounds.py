@@ -22,9 +22,10 @@ import orbitproof.verify.certificate.certifying
 import orbitproof.verify.flow.step
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.numbers import round_dyadic
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, certify
 from orbitproof.verify.evidence import exact_value
-from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 
 LITTLE = 1e-250

@@ -11,9 +11,10 @@ from typing import Any
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.formats import read_candidates
 from orbitproof.shared.systems import MASS_PARAMETERS
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, certify
 from orbitproof.verify.evidence import bounds
-from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import EarlyEnd, Enclosures, IntegratorSettings, enclose_iterates
 
 DATA = Path(__file__).parents[1] / "data" / "known-bifurcations.json"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from orbitproof.verify.curve import Conclusion, ProvedCurve
 from orbitproof.verify.evidence import NotProved, Proved
-from orbitproof.verify.words import conclusion_in_words
+from orbitproof.verify.words.branches import conclusion_in_words
 
 
 def refusal(conclusion: Conclusion[ProvedCurve]) -> str:

@@ -14,8 +14,8 @@ from support.claims import TOUCH_AND_GO
 from orbitproof.shared.claims import Atlas, Piece
 from orbitproof.shared.formats import candidate_from_json, read_atlas, write_atlas
 from orbitproof.verify.atlas import read_atlas_certificate
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import certify, write_certificates
-from orbitproof.verify.oracle import Limits
 from orbitproof.verify.run.branch_command import main
 
 SOURCE = Path(__file__).parents[1] / "data" / "atlas-falkner-skan.json"

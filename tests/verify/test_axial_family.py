@@ -38,7 +38,8 @@ from orbitproof.verify.curve.other_point import Crossing, meets_section_once
 from orbitproof.verify.evidence import Checklist, NotProved, Proved
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.web import Arc, conclude_web
-from orbitproof.verify.words import conclusion_in_words, web_in_words
+from orbitproof.verify.words.branches import conclusion_in_words
+from orbitproof.verify.words.web import web_in_words
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 ATLAS = read_atlas(DATA / "atlas-axial-family.json")

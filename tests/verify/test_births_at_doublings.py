@@ -36,7 +36,8 @@ from orbitproof.verify.evidence import NotProved, Outcome, Proved
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.run.branches import limits_of
 from orbitproof.verify.web import Arc, ProvedWeb, conclude_web, level_at
-from orbitproof.verify.words import conclusion_in_words, web_in_words
+from orbitproof.verify.words.branches import conclusion_in_words
+from orbitproof.verify.words.web import web_in_words
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 ATLAS = read_atlas(DATA / "atlas-butterfly.json")

@@ -16,6 +16,7 @@ from support.claims import TOUCH_AND_GO
 from orbitproof.shared import InputError
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.formats import candidate_from_json
+from orbitproof.verify.attempt import Limits, first_precision
 from orbitproof.verify.certificate import (
     Certificate,
     Computation,
@@ -42,7 +43,6 @@ from orbitproof.verify.evidence import (
     located,
     range_text,
 )
-from orbitproof.verify.oracle import Limits, first_precision
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings
 
 FALKNER_SKAN = {**TOUCH_AND_GO, "id": "falkner-skan k=3"}

@@ -40,7 +40,7 @@ from orbitproof.verify.curve import enclose_other_point, prove_piece
 from orbitproof.verify.evidence import bounds, enclose
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.orbit import OrbitResults, Stability
-from orbitproof.verify.words import conclusion_in_words
+from orbitproof.verify.words.branches import conclusion_in_words
 
 DATA = Path(__file__).parents[1] / "data"
 

@@ -27,7 +27,7 @@ from support.stored import values
 from orbitproof.shared.claims import Claim, Covers
 from orbitproof.verify.curve import check_two_points, read_tube
 from orbitproof.verify.evidence import Checklist, NotEstablishedError
-from orbitproof.verify.words import conclusion_in_words
+from orbitproof.verify.words.branches import conclusion_in_words
 
 
 def test_a_curve_that_goes_through_the_plane_on_its_way_is_found() -> None:

@@ -41,7 +41,7 @@ from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.curve import read_tube
 from orbitproof.verify.curve.conditions import hypotheses_of
 from orbitproof.verify.evidence import Proved, bounds, enclose
-from orbitproof.verify.words import conclusion_in_words
+from orbitproof.verify.words.branches import conclusion_in_words
 
 CASES: dict[str, Callable[[], Case]] = {
     "arc": parabola,

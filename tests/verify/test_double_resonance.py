@@ -13,6 +13,7 @@ from typing import Any, cast
 
 import pytest
 from flint import arb, ctx
+from support.told import in_full
 
 from orbitproof.explore.points import refine_at
 from orbitproof.explore.refinement import working_context
@@ -21,6 +22,7 @@ from orbitproof.shared.claims import DOUBLE_RESONANCE, Candidate
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import candidate_from_json, candidate_to_json, read_claims, validate_document
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR, FALKNER_SKAN, ReversibleSystem
+from orbitproof.verify.attempt.precision import Limits
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certifying import certify
 from orbitproof.verify.certificate.rechecking import recheck
@@ -46,8 +48,6 @@ from orbitproof.verify.evidence import (
     indices_up_to,
     symmetric,
 )
-from orbitproof.verify.oracle.precision import Limits
-from orbitproof.verify.words.row_in_full import in_full
 
 NAMES = ("mu", "x", "z", "vy")
 CLAIM = Path(__file__).parents[1] / "data" / "double-resonance.json"

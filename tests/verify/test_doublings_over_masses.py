@@ -31,7 +31,7 @@ from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.run.branches import limits_of
 from orbitproof.verify.web import Arc, conclude_web
-from orbitproof.verify.words import conclusion_in_words
+from orbitproof.verify.words.branches import conclusion_in_words
 from orbitproof.verify.words.curve import meaning
 
 DATA = Path(__file__).resolve().parents[1] / "data"

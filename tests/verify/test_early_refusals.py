@@ -13,13 +13,14 @@ from flint import arb
 from support.claims import known, moved, with_radii
 
 from orbitproof.shared.formats import FOLD, Candidate
+from orbitproof.verify.attempt import Limits, Verdict, accuracy_bits, first_precision
 from orbitproof.verify.bifurcation.on_the_way import _iterate, _problem
 from orbitproof.verify.certificate import certify
 from orbitproof.verify.certificate.certifying import _attempt
 from orbitproof.verify.certificate.kinds import enclose
 from orbitproof.verify.evidence import NotProved, Proved, guarded
 from orbitproof.verify.newton import BoxFunction
-from orbitproof.verify.oracle import ORACLE, Limits, Verdict, accuracy_bits, first_precision
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import EarlyEnd, HalfReturns, IntegratorSettings, Returns, enclose_iterates
 
 DIGITS = 30

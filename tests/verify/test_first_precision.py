@@ -16,10 +16,10 @@ from orbitproof.shared.claims import Candidate
 from orbitproof.shared.formats import read_candidates
 from orbitproof.shared.systems import record
 from orbitproof.verify.algebra import Arithmetic, Grading, prepare
+from orbitproof.verify.attempt import first_precision, steps_of_centre
 from orbitproof.verify.bifurcation import level_form
 from orbitproof.verify.certificate import certify
 from orbitproof.verify.flow import dyadic_below
-from orbitproof.verify.oracle import first_precision, steps_of_centre
 from orbitproof.verify.oracle.solution import CentreExpansion
 from orbitproof.verify.poincare import PHYSICAL
 

@@ -27,9 +27,9 @@ from orbitproof.shared.formats import (
     read_candidates,
 )
 from orbitproof.shared.systems import DescriptionError, FixedLevel, ReversibleSystem, describe, described
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, Integrator, certify, digest, recheck
 from orbitproof.verify.certificate.kinds import enclose
-from orbitproof.verify.oracle import Limits
 
 DATA = Path(__file__).parents[1] / "data"
 

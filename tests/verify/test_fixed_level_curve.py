@@ -28,6 +28,7 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import FixedLevel, ReversibleSystem, completed
 from orbitproof.verify.__main__ import main
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, certify, write_certificates
 from orbitproof.verify.curve import (
     CertifiedPoint,
@@ -39,9 +40,9 @@ from orbitproof.verify.curve import (
 )
 from orbitproof.verify.curve import conclude as conclude_of_points
 from orbitproof.verify.evidence import NotProved, Proved
-from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import TubeOfOrbits, orbit_functions
-from orbitproof.verify.words import conclusion_in_words
+from orbitproof.verify.words.branches import conclusion_in_words
 
 FILE = Path(__file__).parents[1] / "data" / "atlas-fixed-level.json"
 WHOLE = (F(-1), F(1))

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from flint import arb
 from support.claims import coordinates_in_box, known
+from support.told import in_full as told_in_full
 
 from orbitproof.shared.systems import (
     BRANCH_SYSTEMS,
@@ -23,8 +24,7 @@ from orbitproof.shared.systems import (
 from orbitproof.verify.bifurcation import BifurcationTheorem
 from orbitproof.verify.certificate import Certificate, Limits, certify, digest, is_proof_of, recheck
 from orbitproof.verify.claim import level_program
-from orbitproof.verify.words import equations, setting
-from orbitproof.verify.words import in_full as told_in_full
+from orbitproof.verify.words.formulas import equations, setting
 
 PROGRAMS = {
     **{name: system.program for name, system in BRANCH_SYSTEMS.items()},

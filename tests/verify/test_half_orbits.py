@@ -29,11 +29,12 @@ from orbitproof.shared.formats import (
     read_candidates,
 )
 from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, certify, digest, recheck
 from orbitproof.verify.curve import Chain, CurveTheorem, PieceLimits, ProvedCurve, prove_piece
 from orbitproof.verify.evidence import Proved as PieceProved
 from orbitproof.verify.functions import bounded
-from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.run.branches import reusable
 from orbitproof.verify.second_proof import Proved, second_proof
 from orbitproof.verify.stability import TubeOfOrbits, orbit_functions

@@ -62,7 +62,7 @@ from orbitproof.verify.index.moving import Moving, moving, reduced
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.run import index_command
 from orbitproof.verify.stability import Bound, Gap, Matter, ProvedList, Resonance, StabilityResult, conclude_list
-from orbitproof.verify.words import index_in_words
+from orbitproof.verify.words.index import index_in_words
 
 DATA = Path(__file__).parents[1] / "data"
 PLANAR, AXIAL, RETROGRADE, LOOP = "lyapunov", "births-of-axial-orbits", "distant-retrograde", "fold-and-doublings"

@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 from flint import arb, ctx
 from support.normal_form_maps import KnownBifurcation, Polynomial, derivatives_at, known_bifurcation, seen_from
+from support.told import in_full
 
 from orbitproof.shared.formats import PeriodicBifurcation, define_system
 from orbitproof.verify.evidence import (
@@ -39,7 +40,6 @@ from orbitproof.verify.periodic_bifurcation import (
     check_bifurcation_exactly,
     prove_periodic_bifurcation,
 )
-from orbitproof.verify.words import in_full
 
 BITS = 200
 ZERO, ONE = Fraction(0), Fraction(1)

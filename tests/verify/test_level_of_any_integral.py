@@ -33,10 +33,11 @@ from orbitproof.shared.systems import (
     with_slope,
 )
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, certify, digest, recheck
 from orbitproof.verify.claim import LevelEquation, check_level, is_in, on_box
 from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotEstablishedError, enclose, excludes_zero, power
-from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import IntegratorSettings, at_start, initial_values, level_set, on_sheet
 from orbitproof.verify.poincare.without_time import without_time
 from orbitproof.verify.reversor_breaking import check_sheet, enclose_breaking

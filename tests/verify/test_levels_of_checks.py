@@ -21,6 +21,7 @@ from support.springs import springs
 from orbitproof.shared import parse_exact
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.numbers import format_dyadic
+from orbitproof.verify.attempt import more_precision
 from orbitproof.verify.bifurcation import BifurcationResults
 from orbitproof.verify.certificate import (
     CannotBeCheckedError,
@@ -43,10 +44,9 @@ from orbitproof.verify.certificate import (
     tables_to_json,
 )
 from orbitproof.verify.certificate import rechecking as chapter
-from orbitproof.verify.certificate.kinds import unconfirmed
+from orbitproof.verify.certificate.kinds import kind_of, unconfirmed
 from orbitproof.verify.certificate.stored_balls import to_json as results_to_json
 from orbitproof.verify.evidence import IntegrationFailure, NotProved, Proved, Reason, ball_to_json, bounds
-from orbitproof.verify.oracle import more_precision
 from orbitproof.verify.poincare import Enclosures
 
 
@@ -396,7 +396,11 @@ def test_no_attempt_has_more_bits_than_the_limit(digits: int, point: Certificate
     found = BifurcationResults({}, "beta", arb("453.4425868", 2.0**-40), "above", {})
     outcome: Any = Proved.__new__(Proved)
     object.__setattr__(outcome, "results", found)
+    missing = kind_of(point.candidate).missing
     for limit in (128, 192, 512, 4096):
-        more = more_precision(point.candidate, 120, outcome, None, Limits(max_precision=limit, digits=digits))
+        more = more_precision(point.candidate, 120, outcome, None, Limits(max_precision=limit, digits=digits), missing)
         assert more is None or 120 < more <= limit
-    assert digits == 1 or more_precision(point.candidate, 120, outcome, None, Limits(4096, digits=digits)) is not None
+    assert (
+        digits == 1
+        or more_precision(point.candidate, 120, outcome, None, Limits(4096, digits=digits), missing) is not None
+    )

@@ -39,7 +39,7 @@ from orbitproof.verify.periodic_curve import (
 )
 from orbitproof.verify.periodic_curve.characteristic import multipliers_along
 from orbitproof.verify.periodic_curve.counted import counts_of, counts_of_pair_of_area
-from orbitproof.verify.words import conclusion_in_words
+from orbitproof.verify.words.branches import conclusion_in_words
 
 Q = Fraction
 

@@ -15,6 +15,7 @@ from support import stability_cases
 from support.claims import known
 from support.conclusions import with_complete_list
 from support.stored import values
+from support.told import in_full, theorem_in_words
 
 from orbitproof.shared.formats import Atlas, Candidate, Equation
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, DescriptionError, ReversibleSystem, described
@@ -23,7 +24,7 @@ from orbitproof.verify.certificate.kinds import theorem_of
 from orbitproof.verify.claim import names_in_words
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.evidence import Reason
-from orbitproof.verify.words import in_full, setting, theorem_in_words
+from orbitproof.verify.words.formulas import setting
 
 HOSTILE = {
     "falkner-skan": {"x": "P", "y": "H", "z": "s", "beta": "R"},

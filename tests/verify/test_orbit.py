@@ -14,9 +14,9 @@ import pytest
 from support.reference import Orbits, three_body
 
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Candidate, Equation, read_candidates
+from orbitproof.verify.attempt.precision import missing_of_orbit
 from orbitproof.verify.certificate import Certificate, Level, Limits, certify, digest, is_proof_of, recheck
 from orbitproof.verify.evidence import bounds, exact_value
-from orbitproof.verify.oracle.precision import missing_digits
 from orbitproof.verify.orbit import OrbitResults
 
 DATA = Path(__file__).resolve().parents[1] / "data"
@@ -125,7 +125,7 @@ def test_multipliers_are_those_of_the_variational_equations(orbit: OrbitResults)
 
 
 def test_all_numbers_have_the_digits_that_were_asked_for(orbit: OrbitResults) -> None:
-    assert missing_digits(orbit, LIMITS.digits) <= 0
+    assert missing_of_orbit(orbit, LIMITS.digits) <= 0
     for ball in (*orbit.point.values(), *orbit.other_point.values(), orbit.period):
         low, high = bounds(ball)
         assert high - low < Fraction(1, 10**12) * abs(low)
@@ -141,7 +141,7 @@ def test_sixteen_digits_take_few_bits_on_a_box_as_wide_as_they_allow(orbit: Orbi
     assert found.orbit.least is not None
     assert orbit.least is not None
     assert found.orbit.least.distance.overlaps(orbit.least.distance)
-    assert missing_digits(found.orbit, 16) <= 0
+    assert missing_of_orbit(found.orbit, 16) <= 0
 
 
 def test_the_certificate_stands_at_every_level(certificate: Certificate) -> None:

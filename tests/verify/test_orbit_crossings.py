@@ -14,9 +14,10 @@ from support.forgeries import noticed
 from support.reference import Orbits, three_body
 
 from orbitproof.shared.formats import HALF_PERIOD, Candidate, Equation, read_candidates
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, certify, digest, recheck
 from orbitproof.verify.evidence import bounds, exact_value
-from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.orbit import OrbitResults, enclose_orbit
 from orbitproof.verify.poincare import PHYSICAL, REGULARISED, IntegratorSettings
 

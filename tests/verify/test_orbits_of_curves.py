@@ -49,7 +49,7 @@ from orbitproof.verify.orbit import stability_from
 from orbitproof.verify.orbit_on_curve import OrbitOnCurve, OrbitPlace, OrbitsOfCurve
 from orbitproof.verify.orbit_on_curve.orbit_on_curve import _index
 from orbitproof.verify.stability import StabilityResult
-from orbitproof.verify.words import catalogue_in_words
+from orbitproof.verify.words.catalogue import catalogue_in_words
 
 DATA = Path(__file__).parents[1] / "data"
 ARCS: dict[str, Any] = json.loads((DATA / "three-body-arcs.json").read_text())

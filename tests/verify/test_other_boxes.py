@@ -14,8 +14,8 @@ from support.claims import known
 from orbitproof import verify
 from orbitproof.shared.formats import BoxClaim, Candidate, Equation, candidate_to_json
 from orbitproof.verify.__main__ import main
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import certify, is_proof_of
-from orbitproof.verify.oracle import Limits
 from orbitproof.verify.run.other_boxes import answers, certify_on_some_box, given_radii, remark
 
 TRUE = known("fs2")

@@ -12,10 +12,11 @@ from flint import acb, arb, ctx
 from support import periodic_cases as cases
 
 from orbitproof.shared.formats import PeriodicOrbit, define_system
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import certify
 from orbitproof.verify.claim import is_free_of_divergence
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Outcome, Proved, guarded
-from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic import (
     Linearised,
     PeriodicEnclosures,

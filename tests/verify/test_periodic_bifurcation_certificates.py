@@ -17,11 +17,12 @@ from orbitproof import verify
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import write_candidates
 from orbitproof.verify.__main__ import main
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, Level, certify, contradictions, digest, is_proof_of, recheck
 from orbitproof.verify.certificate.kinds import unconfirmed
 from orbitproof.verify.certificate.rechecking import derived
 from orbitproof.verify.evidence import Checklist, DerivativeTable, Proved, ball_from_json, ball_to_json, guarded
-from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic_bifurcation import (
     BifurcationEnclosures,
     PeriodicBifurcationResults,

@@ -23,7 +23,7 @@ from orbitproof.shared.systems import ParameterRange
 from orbitproof.verify.curve import IntervalResult
 from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.periodic_curve import conclude_periodic
-from orbitproof.verify.words import conclusion_in_words
+from orbitproof.verify.words.branches import conclusion_in_words
 
 
 def said(atlas: PeriodicAtlas, results: Sequence[IntervalResult]) -> str:

@@ -15,9 +15,9 @@ from support import torus_cases as cases
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import PERIODIC_DOUBLING, PERIODIC_FOLD, write_candidates
 from orbitproof.verify.__main__ import main
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, Level, certify, digest, is_proof_of, recheck
 from orbitproof.verify.certificate.rechecking import derived
-from orbitproof.verify.oracle import Limits
 
 CLAIMS = {"round": cases.round_claim(), "outside": cases.product_claim(d=Fraction(1), k=Fraction(-1, 8))}
 

@@ -28,7 +28,7 @@ from orbitproof.shared.systems import AROUND, OVER_MASSES, SIDES, mass_of_distan
 from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.surface import SurfaceLimits, conclude_surface, prove_libration_piece
-from orbitproof.verify.words import conclusion_in_words
+from orbitproof.verify.words.branches import conclusion_in_words
 
 DATA = Path(__file__).parents[1] / "data"
 WHOLE = (Fraction(-1), Fraction(1))

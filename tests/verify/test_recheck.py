@@ -25,6 +25,7 @@ from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.numbers import format_dyadic
 from orbitproof.shared.systems import ParameterRange, shown
 from orbitproof.verify.__main__ import main
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import (
     Certificate,
     Computation,
@@ -40,7 +41,7 @@ from orbitproof.verify.certificate import (
 from orbitproof.verify.certificate.earlier import taken_names
 from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
 from orbitproof.verify.evidence import exact_value
-from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import Enclosures, enclose_iterates
 from orbitproof.verify.run import Display, checking_again
 from orbitproof.verify.run.row_tables import recheck_table

@@ -12,11 +12,11 @@ from flint import arb
 from support.claims import known, to_the_end
 
 from orbitproof.shared.formats import Candidate, read_candidates
+from orbitproof.verify.attempt import Limits, Verdict, remedies
+from orbitproof.verify.attempt.remedies import advice_on
 from orbitproof.verify.bifurcation import Counsel, Failure, check_exactly, prove, silent
 from orbitproof.verify.certificate import certify
 from orbitproof.verify.evidence import Checklist, Hypothesis, NotProved, Proved, Reason, guarded
-from orbitproof.verify.oracle import Limits, Verdict, remedies
-from orbitproof.verify.oracle.remedies import advice_on
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings
 
 TRUE = known("fs2")

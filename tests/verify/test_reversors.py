@@ -26,8 +26,8 @@ from orbitproof.shared.formats import (
     read_candidates,
 )
 from orbitproof.shared.systems import CR3BP, SYSTEMS, ReversibleSystem, describe, described
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, certify, digest, recheck
-from orbitproof.verify.oracle import Limits
 
 BIRTHS = {
     "earth-moon-L1-axial-k1-1": "3.02139212923076323216679724384125",

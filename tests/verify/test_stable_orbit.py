@@ -31,11 +31,12 @@ from orbitproof.shared.formats import (
     read_candidates,
 )
 from orbitproof.shared.systems import FALKNER_SKAN, Defined, FixedLevel, ParameterRange
+from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, Level, certify, digest, is_proof_of, recheck
 from orbitproof.verify.certificate.rechecking import derived
 from orbitproof.verify.evidence import Checklist, NotProved, Proved, Reason, bounds, guarded
 from orbitproof.verify.newton import Jet
-from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import IntegratorSettings
 from orbitproof.verify.twist import (
     StableOrbitEnclosures,

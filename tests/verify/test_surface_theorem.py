@@ -39,7 +39,7 @@ from orbitproof.verify.surface import (
 from orbitproof.verify.surface.gluing import Sheet
 from orbitproof.verify.surface.piece import candidate_at
 from orbitproof.verify.surface.proved_surface import heights
-from orbitproof.verify.words import conclusion_in_words
+from orbitproof.verify.words.branches import conclusion_in_words
 from orbitproof.verify.words.surface import _digits
 
 

@@ -11,10 +11,10 @@ import pytest
 from flint import arb, ctx
 from support.closed_form_maps import ReversibleMap, claim, description, tables_of_maps, verdict
 from support.map_cases import WIDE, outcome_of, proof
+from support.told import theorem_in_words
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.bifurcation import BifurcationTheorem
-from orbitproof.verify.words import theorem_in_words
 from orbitproof.verify.words.bifurcation import kind_in_words
 
 EXCHANGES = "fixes the points of the first curve and maps the two orbits to each other"

@@ -15,7 +15,7 @@ from orbitproof.shared.formats import read_atlas, read_candidates
 from orbitproof.verify.certificate import Limits, certify
 from orbitproof.verify.curve import prove_piece
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.words import conclusion_in_words
+from orbitproof.verify.words.branches import conclusion_in_words
 
 ATLAS = Path(__file__).parents[1] / "data" / "atlas-vertical.json"
 WHOLE = (Fraction(-1), Fraction(1))

@@ -29,8 +29,9 @@ from orbitproof.verify.curve.vertical_family import (
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Proved, ball_to_json
 from orbitproof.verify.web import Arc, Incidence, level_at, libration_vertex
 from orbitproof.verify.web.meetings import meeting_shown
-from orbitproof.verify.words import conclusion_in_words, place_in_words
+from orbitproof.verify.words.branches import conclusion_in_words
 from orbitproof.verify.words.curve import bifurcations_in_words
+from orbitproof.verify.words.place import place_in_words
 
 MU = {"mu": Fraction(1, 80)}
 CENTRE = (Fraction(1, 100), Fraction(-1, 4), Fraction(1, 2))

@@ -57,7 +57,7 @@ from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.stability import conclude_list
 from orbitproof.verify.stability.matching import about_the_list
 from orbitproof.verify.web import Arc, Incidence, ProvedWeb, Switch, conclude_web, level_at, proved_web
-from orbitproof.verify.words import web_in_words
+from orbitproof.verify.words.web import web_in_words
 
 DATA = Path(__file__).parents[1] / "data"
 BREAKING: dict[str, Any] = {"kind": "symmetry_breaking", "k": 1, "symmetry": "S"}

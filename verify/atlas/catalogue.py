@@ -38,7 +38,7 @@ from orbitproof.verify.curve import conclude
 from orbitproof.verify.evidence import Proved, enclose, is_below, software
 from orbitproof.verify.orbit_on_curve import PRECISION, OrbitOnCurve, OrbitPlace, OrbitsOfCurve
 from orbitproof.verify.stability import StabilityResult
-from orbitproof.verify.words import catalogue_in_words
+from orbitproof.verify.words.catalogue import catalogue_in_words
 
 SCHEMA = "catalogue-certificate"
 

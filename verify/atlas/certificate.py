@@ -32,7 +32,7 @@ from orbitproof.verify.certificate.document import Names
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
 from orbitproof.verify.evidence import Reason, software
 from orbitproof.verify.stability import StabilityFunctions, StabilityResult
-from orbitproof.verify.words import branch_in_full
+from orbitproof.verify.words.branches import branch_in_full
 
 SCHEMA = "atlas-certificate"
 T = TypeVar("T")

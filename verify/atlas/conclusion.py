@@ -26,7 +26,7 @@ from orbitproof.verify.evidence import Proved
 from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, conclude_lasting
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import conclude_list
-from orbitproof.verify.words import BranchConclusion, conclusion_in_words
+from orbitproof.verify.words.branches import BranchConclusion, conclusion_in_words
 
 partner = partial(enclose_other_point, ORACLE)
 """Encloses the other point of a symmetric orbit on Fix(R), by integration."""

@@ -28,7 +28,7 @@ from orbitproof.verify.stability import (
     name_of,
 )
 from orbitproof.verify.surface import ProvedSurface
-from orbitproof.verify.words import BranchConclusion
+from orbitproof.verify.words.branches import BranchConclusion
 
 Json = dict[str, Any]
 

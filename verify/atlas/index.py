@@ -57,7 +57,7 @@ from orbitproof.verify.index import (
 )
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import Bound, ListedPlace, ProvedList, StabilityResult, conclude_list, name_of
-from orbitproof.verify.words import index_in_words
+from orbitproof.verify.words.index import index_in_words
 
 SCHEMA = "index-certificate"
 

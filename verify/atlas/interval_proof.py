@@ -28,12 +28,13 @@ from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.processes import Report
 from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe, described
 from orbitproof.verify.atlas.results import Result, Settings
+from orbitproof.verify.attempt import counsel
 from orbitproof.verify.certificate import systems_with
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.curve import NOT_PROVED, Computation, Interval, PieceLimits, prove_birth_piece, prove_piece
 from orbitproof.verify.evidence import Proved, Reason
 from orbitproof.verify.lasting import LastingResult, twist_of_piece
-from orbitproof.verify.oracle import ORACLE, counsel
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic_curve import PeriodicLimits, prove_periodic_piece
 from orbitproof.verify.stability import (
     TubeOfOrbits,

@@ -25,7 +25,7 @@ from orbitproof.verify.certificate import (
 )
 from orbitproof.verify.curve import Bifurcation, conclude
 from orbitproof.verify.evidence import ball_to_json, located
-from orbitproof.verify.words import place_in_words
+from orbitproof.verify.words.place import place_in_words
 
 _DIGITS = 18
 

@@ -49,7 +49,7 @@ from orbitproof.verify.web import (
     WebTheorem,
     conclude_web,
 )
-from orbitproof.verify.words import web_in_words
+from orbitproof.verify.words.web import web_in_words
 
 SCHEMA = "web-certificate"
 

@@ -1,5 +1,6 @@
 """From a candidate to its certificate, and checking a certificate again (sections 10 and 13)."""
 
+from orbitproof.verify.attempt.precision import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits
 from orbitproof.verify.certificate.certificate import (
     Certificate,
     digest,
@@ -40,4 +41,3 @@ from orbitproof.verify.certificate.rechecking import (
     recheck,
 )
 from orbitproof.verify.certificate.stated_system import named_as, stated, systems_with
-from orbitproof.verify.oracle.precision import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits

@@ -12,15 +12,15 @@ from html import escape
 from pathlib import Path
 from textwrap import indent
 from types import MappingProxyType
-from typing import Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from flint import arb
 
+from orbitproof.shared.claims import ORBIT_KINDS, PERIODIC
 from orbitproof.shared.formats import (
     ArgumentError,
     BoxClaim,
     Candidate,
-    InputError,
     claim_from_json,
     read_document,
     validate_document,
@@ -28,7 +28,16 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.verify.certificate.document import AnyStatement, Computation
 from orbitproof.verify.certificate.entry import Entry
-from orbitproof.verify.certificate.kinds import KINDS, Found, Results, kind_of, level_form, tables_to_json, theorem_of
+from orbitproof.verify.certificate.kinds import (
+    Found,
+    Results,
+    kind_named,
+    kind_of,
+    level_form,
+    results_from_json,
+    tables_to_json,
+    theorem_of,
+)
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
 from orbitproof.verify.evidence import (
     Hypothesis,
@@ -40,9 +49,10 @@ from orbitproof.verify.evidence import (
     certain_digits,
     software,
 )
-from orbitproof.verify.orbit import OrbitResults
-from orbitproof.verify.periodic import PeriodicResults
-from orbitproof.verify.words import in_full, theorem_in_words
+
+if TYPE_CHECKING:
+    from orbitproof.verify.orbit import OrbitResults
+    from orbitproof.verify.periodic import PeriodicResults
 
 _SHOWN_DIGITS = 34
 _SYMBOLS = {"Jacobi constant": "C"}
@@ -114,12 +124,14 @@ class Certificate:
     @property
     def orbit(self) -> OrbitResults | None:
         """What is proved of a symmetric orbit; `None` for other claims, or if nothing is proved."""
-        return self.results if isinstance(self.results, OrbitResults) else None
+        orbit: OrbitResults | None = self.results if self.kind in ORBIT_KINDS else None
+        return orbit
 
     @property
     def periodic(self) -> PeriodicResults | None:
         """The same of a periodic orbit without symmetry."""
-        return self.results if isinstance(self.results, PeriodicResults) else None
+        orbit: PeriodicResults | None = self.results if self.kind == PERIODIC else None
+        return orbit
 
     @property
     def statement(self) -> dict[str, Any]:
@@ -179,7 +191,7 @@ class Certificate:
 
     @property
     def _claim(self) -> str:
-        return KINDS[self.kind].said(self.k, self.kind)
+        return kind_named(self.kind).said(self.k, self.kind)
 
     def _shown_parameter(self) -> str:
         if self.parameter is None or self.parameter_name is None:
@@ -191,15 +203,14 @@ class Certificate:
 def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
     """The attributes of a certificate from its JSON, which fits the schema. Raises `InputError`."""
     stored = from_json(Entry, entry, source)
-    candidate, results = stored.statement.claim, stored.results
-    kind = KINDS[candidate["kind"]]
-    if results is not None and not isinstance(results, kind.results):
-        raise InputError(f"{source}.results: are not those of such a claim; verify the candidate again")
-    same = ("id", "verdict", "hypotheses", "reason", "results", "computation", "software")
+    candidate, kind = stored.statement.claim, kind_named(stored.statement.claim["kind"])
+    results = None if stored.results is None else results_from_json(kind, stored.results, source)
+    same = ("id", "verdict", "hypotheses", "reason", "computation", "software")
     found = {
         "kind": candidate["kind"],
         "k": candidate.get("k", 1),
         "theorem": stored.statement.theorem,
+        "results": results,
         **{name: getattr(stored, name) for name in same},
         **_NOTHING,
         **({} if results is None else {"point": results.point, **kind.attributes(results)}),
@@ -220,7 +231,7 @@ def make_certificate(
 ) -> Certificate:
     """The certificate of one candidate.
 
-    `enclosures` are what the conditions were evaluated from, if it came to that; `form` as in `RowKind.statement`.
+    `enclosures` are what the conditions were evaluated from, if it came to that; `form` as in `Kind.statement`.
     """
     claim, reason, results = kind_of(candidate).statement(candidate, form), None, None
     if isinstance(outcome, Proved):
@@ -233,7 +244,7 @@ def make_certificate(
         verdict="proved" if reason is None else "not proved",
         reason=reason,
         hypotheses=outcome.hypotheses,
-        results=results,
+        results=None if results is None else to_json(results),
         enclosures=None if enclosures is None else tables_to_json(enclosures),
         computation=computation,
         software=software(),
@@ -244,7 +255,8 @@ def make_certificate(
 
 def _told(claim: AnyStatement, candidate: BoxClaim, theorem: Theorem, results: Results) -> AnyStatement:
     """The claim in full with its theorem."""
-    return replace(claim, theorem=theorem_in_words(theorem), in_full=in_full(candidate, theorem, results))
+    kind = kind_of(candidate)
+    return replace(claim, theorem=kind.in_words(theorem), in_full=kind.in_full(candidate, theorem, results))
 
 
 def digest(entry: Mapping[str, Any]) -> str:

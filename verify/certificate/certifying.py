@@ -13,6 +13,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from orbitproof.shared.formats import BoxClaim, Candidate, InputError
+from orbitproof.verify.attempt.precision import (
+    Limits,
+    Verdict,
+    accuracy_bits,
+    missing_bits,
+    more_precision,
+)
 from orbitproof.verify.bifurcation import (
     BifurcationResults,
     check_own_box,
@@ -28,13 +35,6 @@ from orbitproof.verify.evidence import (
     Proved,
     Reason,
     guarded,
-)
-from orbitproof.verify.oracle.precision import (
-    Limits,
-    Verdict,
-    accuracy_bits,
-    missing_bits,
-    more_precision,
 )
 from orbitproof.verify.poincare import IntegratorSettings
 
@@ -169,6 +169,7 @@ def _escalate(
             progress(fraction, f"{precision} bits" if attempts == 1 else f"{precision} bits, attempt {attempts}")
 
     accuracy = accuracy_bits(candidate, limits.digits)
+    missing = kind_of(candidate).missing
     precision = min(kind_of(candidate).first_precision(candidate, limits.digits), limits.max_precision)
     while True:
         attempts += 1
@@ -180,7 +181,7 @@ def _escalate(
         except _OutOfTime:
             best = _stopped(best, precision, limits)
             break
-        more = more_precision(candidate, attempt.precision, attempt.outcome, previous, limits)
+        more = more_precision(candidate, attempt.precision, attempt.outcome, previous, limits, missing)
         best, previous = _better(best, attempt), attempt.outcome
         if more is None:
             break

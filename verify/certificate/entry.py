@@ -16,7 +16,7 @@ from orbitproof.verify.certificate.document import (
     Verdict,
     by_verdict,
 )
-from orbitproof.verify.certificate.kinds import Found, Results
+from orbitproof.verify.certificate.kinds import any_enclosures, any_results
 from orbitproof.verify.evidence import Hypothesis, Reason
 
 
@@ -38,8 +38,8 @@ class Entry:
     verdict: Verdict
     reason: Reason | None
     hypotheses: tuple[Hypothesis, ...]
-    results: Results | None
-    enclosures: Annotated[Any, Unread(Found | None)] = stored(always=True, default=None)
+    results: Annotated[Any, Unread(lambda: any_results() | None)]
+    enclosures: Annotated[Any, Unread(lambda: any_enclosures() | None)] = stored(always=True, default=None)
     computation: Computation
     software: Software = stored(always=True, default_factory=dict)
     place: StoredPlace | None = None

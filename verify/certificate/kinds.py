@@ -1,78 +1,86 @@
-"""The kinds of claims about a box: a table, and what is done with a claim of any of them."""
+"""The kinds of claims about a box: a table, and what is done with a claim of any of them.
+
+A kind is a module of `verify.theorems`, found by name when the first claim of it is met: no other kind is loaded.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
 from fractions import Fraction
+from functools import cache, reduce
+from importlib import import_module
+from operator import or_
 from typing import Any
 
 from flint import acb, arb
 
-from orbitproof.shared.claims import BoxClaim, Candidate
+from orbitproof.shared.claims import (
+    DOUBLE_RESONANCE,
+    INVARIANT_TORI,
+    KINDS,
+    KREIN_COLLISION,
+    ORBIT,
+    PERIODIC,
+    PERIODIC_DOUBLING,
+    PERIODIC_FOLD,
+    PERIODIC_PITCHFORK,
+    PERIODIC_TORUS,
+    REVERSOR_BREAKING,
+    STABLE_ORBIT,
+    BoxClaim,
+    Candidate,
+)
+from orbitproof.shared.codec import has_fields
 from orbitproof.shared.errors import InputError
-from orbitproof.verify.bifurcation import BifurcationResults
-from orbitproof.verify.certificate.bifurcation_rows import BIFURCATIONS
-from orbitproof.verify.certificate.breaking_rows import BREAKINGS
 from orbitproof.verify.certificate.document import Computation
-from orbitproof.verify.certificate.double_resonance_rows import DOUBLE_RESONANCES
-from orbitproof.verify.certificate.krein_rows import COLLISIONS
+from orbitproof.verify.certificate.kind import Kind, Progress
 from orbitproof.verify.certificate.levels import Finding, confirmed, overlap
-from orbitproof.verify.certificate.orbit_rows import ORBITS
-from orbitproof.verify.certificate.periodic_bifurcation_rows import (
-    BIFURCATIONS_OF_PERIODIC_ORBITS,
-    TORI_AT_PERIODIC_ORBITS,
-)
-from orbitproof.verify.certificate.periodic_rows import PERIODIC_ORBITS
-from orbitproof.verify.certificate.row_kind import Progress, RowKind
-from orbitproof.verify.certificate.stable_orbit_rows import STABLE_ORBITS
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
-from orbitproof.verify.certificate.tori_rows import TORI_AT_ORBITS
-from orbitproof.verify.double_resonance import ResonanceEnclosures, ResonanceResults
 from orbitproof.verify.evidence import Checklist, Outcome, Proved, Reason, Theorem, ball_from_json
-from orbitproof.verify.krein import KreinResults
-from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults
-from orbitproof.verify.periodic import PeriodicEnclosures, PeriodicResults
-from orbitproof.verify.periodic_bifurcation import BifurcationEnclosures, PeriodicBifurcationResults, TorusResults
-from orbitproof.verify.poincare import Enclosures, IntegratorSettings
-from orbitproof.verify.reversor_breaking import BreakingEnclosures, BreakingResults
-from orbitproof.verify.tori import ToriEnclosures, ToriResults
-from orbitproof.verify.twist import StableOrbitEnclosures, StableOrbitResults
+from orbitproof.verify.poincare import IntegratorSettings
 
-_ALL: tuple[RowKind[Any, Any, Any], ...] = (
-    BIFURCATIONS, ORBITS, STABLE_ORBITS, TORI_AT_ORBITS, BREAKINGS, COLLISIONS, DOUBLE_RESONANCES, PERIODIC_ORBITS,
-    BIFURCATIONS_OF_PERIODIC_ORBITS, TORI_AT_PERIODIC_ORBITS,
-)  # fmt: skip
-Found = (
-    Enclosures
-    | OrbitEnclosures
-    | StableOrbitEnclosures
-    | ToriEnclosures
-    | BreakingEnclosures
-    | ResonanceEnclosures
-    | PeriodicEnclosures
-    | BifurcationEnclosures
-)
-Results = (
-    BifurcationResults
-    | OrbitResults
-    | StableOrbitResults
-    | ToriResults
-    | BreakingResults
-    | KreinResults
-    | ResonanceResults
-    | PeriodicResults
-    | PeriodicBifurcationResults
-    | TorusResults
-)
+Found = Any
+"""What a proof of some kind is evaluated from: its `Kind.enclosures`."""
+Results = Any
+"""What is proved of some kind: its `Kind.results`."""
 
-KINDS: Mapping[str, RowKind[Any, Any, Any]] = {name: kind for kind in _ALL for name in kind.names}
-"""By the kinds of claims as candidates say them."""
+_PERIODIC_BIFURCATIONS = (PERIODIC_FOLD, PERIODIC_DOUBLING, PERIODIC_PITCHFORK)
+MODULES: Mapping[str, str] = {
+    **dict.fromkeys(KINDS, "bifurcation"),
+    ORBIT: "orbit",
+    STABLE_ORBIT: "stable_orbit",
+    INVARIANT_TORI: "invariant_tori",
+    REVERSOR_BREAKING: "reversor_breaking",
+    KREIN_COLLISION: "krein_collision",
+    DOUBLE_RESONANCE: "double_resonance",
+    PERIODIC: "periodic_orbit",
+    **dict.fromkeys(_PERIODIC_BIFURCATIONS, "periodic_bifurcation"),
+    PERIODIC_TORUS: "periodic_torus",
+}
+"""Modules of `verify.theorems`, by the kinds of claims as candidates say them."""
 
 
-def kind_of(candidate: BoxClaim) -> RowKind[Any, Any, Any]:
+@cache
+def kind_named(name: str) -> Kind[Any, Any, Any]:
+    """The kind of claims that candidates call so. Raises `KeyError` for another name."""
+    kind: Kind[Any, Any, Any] = import_module(f"orbitproof.verify.theorems.{MODULES[name]}").KIND
+    return kind
+
+
+def any_enclosures() -> Any:
+    """The type of the enclosures of a claim of any kind, for the schema."""
+    return reduce(or_, dict.fromkeys(kind_named(name).enclosures for name in MODULES))
+
+
+def any_results() -> Any:
+    """The type of the results of a claim of any kind, for the schema."""
+    return reduce(or_, dict.fromkeys(kind_named(name).results for name in MODULES))
+
+
+def kind_of(candidate: BoxClaim) -> Kind[Any, Any, Any]:
     """The kind of a claim."""
-    return KINDS[candidate.kind]
+    return kind_named(candidate.kind)
 
 
 def theorem_of(candidate: BoxClaim, form: Candidate | None = None) -> Theorem | Reason:
@@ -132,6 +140,13 @@ def tables_from_json(entry: Mapping[str, Any], candidate: BoxClaim, computation:
         raise ValueError("the enclosures hold something that is none of such a claim")
     made = {name: getattr(computation, name) for name in ("order", "precision", "steps", "coordinates")}
     return replace(found, **{name: value for name, value in made.items() if value is not None})
+
+
+def results_from_json(kind: Kind[Any, Any, Any], entry: Mapping[str, Any], source: str) -> Results:
+    """What a certificate says is proved of a claim. Raises `InputError` for what is not proved of such a claim."""
+    if not has_fields(kind.results, entry):
+        raise InputError(f"{source}.results: are not those of such a claim; verify the candidate again")
+    return from_json(kind.results, entry, f"{source}.results")
 
 
 def contradictions(stored: Found, fresh: Found, place: str) -> Iterator[Finding]:

@@ -17,6 +17,7 @@ import numpy as np
 
 from orbitproof.shared.formats import BoxClaim, Candidate, claim_from_json, validate_document
 from orbitproof.shared.systems import SYSTEMS, shown
+from orbitproof.verify.attempt.precision import GREATEST_PRECISION, LEAST_PRECISION
 from orbitproof.verify.certificate.certificate import Certificate, digest, make_certificate
 from orbitproof.verify.certificate.certifying import broken_off, for_origin
 from orbitproof.verify.certificate.document import Computation
@@ -58,7 +59,6 @@ from orbitproof.verify.evidence import (
     guarded,
     quoted_name,
 )
-from orbitproof.verify.oracle.precision import GREATEST_PRECISION, LEAST_PRECISION
 from orbitproof.verify.poincare import PHYSICAL, REGULARISED, IntegratorSettings
 
 _MORE_PRECISION = 8

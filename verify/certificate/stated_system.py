@@ -51,7 +51,7 @@ def stated(system: ReversibleSystem, symmetry: str | None, with_distance: bool =
 
 
 def with_symmetry(candidate: Candidate, form: Candidate | None = None, with_distance: bool = False) -> Statement:
-    """The statement of a claim about symmetric orbits; `form` as in `RowKind.statement`."""
+    """The statement of a claim about symmetric orbits; `form` as in `Kind.statement`."""
     system = candidate.system
     fixed = system.fixed_level
     sign = (form or candidate).level_sign if fixed is None else fixed.sign

@@ -12,7 +12,15 @@ import flint
 from orbitproof.shared.sources import source_digest
 
 ON_WHICH_NOTHING_RESTS = (
-    *("verify/oracle", "verify/words", "verify/run", "verify/second_proof", "verify/alone", "verify/enclose"),
+    *(
+        "verify/oracle",
+        "verify/attempt",
+        "verify/words",
+        "verify/run",
+        "verify/second_proof",
+        "verify/alone",
+        "verify/enclose",
+    ),
     *("verify/scripting.py", "verify/__main__.py", "verify/__init__.py"),
     *("shared/processes.py", "shared/cluster.py", "shared/interrupts.py", "shared/extras.py", "shared/arguments.py"),
     "shared/wording.py",

@@ -11,9 +11,9 @@ from typing import Any
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import BoxClaim, claim_from_json
 from orbitproof.shared.numbers import parse_exact
+from orbitproof.verify.attempt import Limits
+from orbitproof.verify.attempt.boxes import box_asked_for
 from orbitproof.verify.certificate import Certificate, certify, digest, is_proof_of
-from orbitproof.verify.oracle import Limits
-from orbitproof.verify.oracle.boxes import box_asked_for
 
 _SHOWN_DIGITS = 4
 

@@ -19,6 +19,7 @@ from orbitproof.shared.formats import (
     claim_from_json,
 )
 from orbitproof.shared.processes import answers
+from orbitproof.verify.attempt import Limits, first_precision
 from orbitproof.verify.certificate import (
     Certificate,
     Recheck,
@@ -32,7 +33,6 @@ from orbitproof.verify.certificate import (
 )
 from orbitproof.verify.certificate.levels import not_finished
 from orbitproof.verify.evidence import Reason
-from orbitproof.verify.oracle import Limits, first_precision
 from orbitproof.verify.run import (
     Answer,
     CheckLimits,

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from decimal import Decimal
 from fractions import Fraction
 from itertools import count
 from math import floor, log10
 
-from orbitproof.shared.formats import BoxClaim, Candidate, PeriodicBifurcation, PeriodicOrbit
-from orbitproof.verify.bifurcation import BifurcationTheorem, FoldTheorem
+from orbitproof.shared.formats import Candidate
+from orbitproof.verify.bifurcation import TheoremInBox
 from orbitproof.verify.claim import claim_in_words, inverse, keyed_in_words, sheet_in_words
-from orbitproof.verify.double_resonance import ResonanceResults, ResonanceTheorem
 from orbitproof.verify.evidence import (
-    Theorem,
     certain_digits,
     decimal_interval,
     dot,
@@ -22,32 +20,8 @@ from orbitproof.verify.evidence import (
     guarded,
     symmetric,
 )
-from orbitproof.verify.krein import KreinResults, KreinTheorem
-from orbitproof.verify.orbit import OrbitResults, OrbitTheorem
-from orbitproof.verify.periodic import PeriodicResults, PeriodicTheorem
-from orbitproof.verify.periodic_bifurcation import (
-    PeriodicBifurcationResults,
-    PeriodicBifurcationTheorem,
-    TorusResults,
-    TorusTheorem,
-)
-from orbitproof.verify.reversor_breaking import BreakingResults, BreakingTheorem
-from orbitproof.verify.tori import ToriResults, ToriTheorem
-from orbitproof.verify.twist import StableOrbitResults, StableOrbitTheorem
 from orbitproof.verify.words.bifurcation import Located, bifurcation_in_words, found_in_words, kind_in_words
-from orbitproof.verify.words.breaking import breaking_found, breaking_in_words
-from orbitproof.verify.words.double_resonance import resonance_found, resonance_in_words
 from orbitproof.verify.words.formulas import setting
-from orbitproof.verify.words.krein import krein_found, krein_in_words
-from orbitproof.verify.words.orbit import orbit_found, orbit_in_words
-from orbitproof.verify.words.periodic import periodic_in_full, periodic_in_words
-from orbitproof.verify.words.periodic_bifurcation import (
-    periodic_bifurcation_in_full,
-    periodic_bifurcation_in_words,
-)
-from orbitproof.verify.words.periodic_torus import torus_in_full, torus_in_words
-from orbitproof.verify.words.stable_orbit import stable_orbit_found, stable_orbit_in_words
-from orbitproof.verify.words.tori import tori_found, tori_in_words
 
 _DIGITS = 40
 _BITS = 1024
@@ -55,78 +29,46 @@ _BITS = 1024
 _SHORT = 6
 
 
-def theorem_in_words(theorem: Theorem) -> str:
-    """A theorem about a box, in short. Raises `TypeError` if it is about no box."""
-    match theorem:
-        case BifurcationTheorem() | FoldTheorem():
-            return bifurcation_in_words(theorem)
-        case OrbitTheorem():
-            return orbit_in_words(theorem)
-        case StableOrbitTheorem():
-            return stable_orbit_in_words(theorem)
-        case ToriTheorem():
-            return tori_in_words(theorem)
-        case BreakingTheorem():
-            return breaking_in_words(theorem)
-        case KreinTheorem():
-            return krein_in_words(theorem)
-        case ResonanceTheorem():
-            return resonance_in_words(theorem)
-        case PeriodicTheorem():
-            return periodic_in_words(theorem)
-        case PeriodicBifurcationTheorem():
-            return periodic_bifurcation_in_words(theorem)
-        case TorusTheorem():
-            return torus_in_words(theorem)
-    raise TypeError(f"{type(theorem).__name__}: a theorem about no box")
+def in_lines(lines: Iterable[str]) -> str:
+    """Lines as a text; the decimals in them depend on the candidate alone."""
+    with guarded(_BITS):
+        return "\n".join(lines)
 
 
-InSectionResults = PeriodicResults | PeriodicBifurcationResults | TorusResults
-
-
-def in_full(
-    candidate: BoxClaim,
-    theorem: Theorem,
-    found: Located | OrbitResults | BreakingResults | KreinResults | ResonanceResults | InSectionResults,
-) -> str:
-    """System, box, theorem, what its words mean, and what was found, in this order.
+def symmetric_in_full(candidate: Candidate, theorem: str, found: Iterable[str], form: Candidate | None = None) -> str:
+    """System, box, theorem, and what was found, of a claim about symmetric orbits.
 
     The decimals of the box are rounded outward where it is enclosed, and inward where something is said to lie in it.
+
+    Args:
+        found: lines, which are made only here.
+        form: the level form, if the theorem is about its box.
     """
-    if not isinstance(candidate, Candidate) or isinstance(found, InSectionResults):
-        words = theorem_in_words(theorem)
-        with guarded(_BITS):
-            if isinstance(candidate, PeriodicOrbit) and isinstance(found, PeriodicResults):
-                return "\n".join(periodic_in_full(candidate, words, found))
-            if isinstance(candidate, PeriodicBifurcation) and isinstance(found, PeriodicBifurcationResults):
-                return "\n".join(periodic_bifurcation_in_full(candidate, words, found))
-            if isinstance(candidate, PeriodicBifurcation) and isinstance(found, TorusResults):
-                return "\n".join(torus_in_full(candidate, words, found))
-        raise TypeError("the results are those of another kind of claim")
-    system = candidate.system
-    form = theorem.claim if isinstance(theorem, (BifurcationTheorem, FoldTheorem)) and theorem.in_own_box else None
+    return in_lines(_symmetric(candidate, theorem, found, form))
+
+
+def _symmetric(candidate: Candidate, theorem: str, found: Iterable[str], form: Candidate | None) -> Iterator[str]:
     own, claim = claim_in_words(candidate), claim_in_words(form or candidate)
-    with guarded(_BITS):
-        lines = setting(system, candidate.parameters, candidate.symmetry, candidate.crossings)
-        lines += _box(claim, form is not None)
-        if form is not None:
-            lines += ["The candidate's own box:", *_set(own, "candidate")]
-        lines += ["Theorem.", theorem_in_words(theorem)]
-        if isinstance(found, StableOrbitResults):
-            lines += stable_orbit_found(candidate, found)
-        elif isinstance(found, ToriResults):
-            lines += tori_found(candidate, found)
-        elif isinstance(found, OrbitResults):
-            lines += orbit_found(candidate, found)
-        elif isinstance(found, BreakingResults):
-            lines += breaking_found(candidate, found)
-        elif isinstance(found, KreinResults):
-            lines += krein_found(candidate, found)
-        elif isinstance(found, ResonanceResults):
-            lines += resonance_found(candidate, found)
-        else:
-            lines += [kind_in_words(claim), *found_in_words(found, claim, keyed_in_words(system, found.point))]
-    return "\n".join(lines)
+    yield from setting(candidate.system, candidate.parameters, candidate.symmetry, candidate.crossings)
+    yield from _box(claim, form is not None)
+    if form is not None:
+        yield "The candidate's own box:"
+        yield from _set(own, "candidate")
+    yield "Theorem."
+    yield theorem
+    yield from found
+
+
+def bifurcation_in_full(candidate: Candidate, theorem: TheoremInBox, found: Located) -> str:
+    """System, boxes, theorem, what its kind of bifurcation means, and what was found."""
+    form = theorem.claim if theorem.in_own_box else None
+    told = _bifurcation_found(claim_in_words(form or candidate), candidate, found)
+    return symmetric_in_full(candidate, bifurcation_in_words(theorem), told, form)
+
+
+def _bifurcation_found(claim: Candidate, candidate: Candidate, found: Located) -> Iterator[str]:
+    yield kind_in_words(claim)
+    yield from found_in_words(found, claim, keyed_in_words(candidate.system, found.point))
 
 
 def _box(claim: Candidate, is_form: bool) -> Iterator[str]:

@@ -1,9 +1,10 @@
-"""Parameters at which two resonances meet as rows of a certificates file (section 34)."""
+"""Parameters at which two resonances meet (section 34)."""
 
 from __future__ import annotations
 
 from orbitproof.shared.claims import DOUBLE_RESONANCE, Candidate
-from orbitproof.verify.certificate.row_kind import Progress, RowKind
+from orbitproof.verify.attempt.precision import missing_of_parameter, resonance_precision
+from orbitproof.verify.certificate.kind import Kind, Progress
 from orbitproof.verify.certificate.stated_system import with_symmetry
 from orbitproof.verify.double_resonance import (
     ResonanceEnclosures,
@@ -14,15 +15,16 @@ from orbitproof.verify.double_resonance import (
     theorem_of_resonance,
 )
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import resonance_precision
 from orbitproof.verify.poincare import IntegratorSettings
+from orbitproof.verify.words.double_resonance import resonance_found, resonance_in_words
+from orbitproof.verify.words.row_in_full import symmetric_in_full
 
 
 def _enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progress | None) -> ResonanceEnclosures:
     return enclose_resonance(candidate, settings, ORACLE, progress)
 
 
-DOUBLE_RESONANCES = RowKind(
+KIND = Kind(
     names=(DOUBLE_RESONANCE,),
     enclosures=ResonanceEnclosures,
     results=ResonanceResults,
@@ -39,4 +41,9 @@ DOUBLE_RESONANCES = RowKind(
         "side": found.side,
         "normal_form": {"slope": found.slope, "curvature": found.curvature, "kappa": found.opening},
     },
+    missing=missing_of_parameter,
+    in_words=resonance_in_words,
+    in_full=lambda candidate, theorem, found: symmetric_in_full(
+        candidate, resonance_in_words(theorem), resonance_found(candidate, found)
+    ),
 )

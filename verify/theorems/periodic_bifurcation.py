@@ -1,34 +1,29 @@
-"""Bifurcations of periodic orbits without symmetry as rows of a certificates file (section 25)."""
+"""Bifurcations of periodic orbits without symmetry (section 25)."""
 
 from __future__ import annotations
-
-from typing import Any
 
 from orbitproof.shared.claims import (
     PERIODIC_DOUBLING,
     PERIODIC_FOLD,
     PERIODIC_PITCHFORK,
-    PERIODIC_TORUS,
     PeriodicBifurcation,
 )
-from orbitproof.verify.certificate.row_kind import Progress, RowKind
+from orbitproof.verify.attempt.precision import missing_of_either, periodic_precision
+from orbitproof.verify.certificate.kind import Kind, Progress
 from orbitproof.verify.certificate.stated_system import without_symmetry
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import periodic_precision
 from orbitproof.verify.periodic_bifurcation import (
     BifurcationEnclosures,
     PeriodicBifurcationResults,
     PeriodicBifurcationTheorem,
-    TorusResults,
-    TorusTheorem,
     check_bifurcation_exactly,
-    check_torus_exactly,
     enclose_periodic_bifurcation,
     prove_periodic_bifurcation,
-    prove_torus,
     variables_of,
 )
 from orbitproof.verify.poincare import IntegratorSettings
+from orbitproof.verify.words.periodic_bifurcation import periodic_bifurcation_in_full, periodic_bifurcation_in_words
+from orbitproof.verify.words.row_in_full import in_lines
 
 _SAID = {PERIODIC_FOLD: "fold", PERIODIC_DOUBLING: "period doubling", PERIODIC_PITCHFORK: "symmetry breaking"}
 
@@ -39,11 +34,7 @@ def _enclose(
     return enclose_periodic_bifurcation(claim, settings, ORACLE, progress)
 
 
-def _attributes(found: PeriodicBifurcationResults | TorusResults) -> dict[str, Any]:
-    return {"parameter_name": found.parameter_name, "parameter": found.parameter, "side": found.side}
-
-
-BIFURCATIONS_OF_PERIODIC_ORBITS = RowKind(
+KIND = Kind(
     names=tuple(_SAID),
     enclosures=BifurcationEnclosures,
     results=PeriodicBifurcationResults,
@@ -54,21 +45,15 @@ BIFURCATIONS_OF_PERIODIC_ORBITS = RowKind(
     enclose=_enclose,
     prove=prove_periodic_bifurcation,
     said=lambda k, kind: f"{_SAID[kind]} of periodic orbits",
-    attributes=_attributes,
+    attributes=lambda found: {
+        "parameter_name": found.parameter_name,
+        "parameter": found.parameter,
+        "side": found.side,
+    },
     variables=variables_of,
-)
-
-TORI_AT_PERIODIC_ORBITS = RowKind(
-    names=(PERIODIC_TORUS,),
-    enclosures=BifurcationEnclosures,
-    results=TorusResults,
-    statement=without_symmetry,
-    theorem_of=lambda claim, form: TorusTheorem(claim),
-    first_precision=periodic_precision,
-    check_exactly=check_torus_exactly,
-    enclose=_enclose,
-    prove=prove_torus,
-    said=lambda k, kind: "torus at a periodic orbit",
-    attributes=_attributes,
-    variables=variables_of,
+    missing=missing_of_either,
+    in_words=periodic_bifurcation_in_words,
+    in_full=lambda claim, theorem, found: in_lines(
+        periodic_bifurcation_in_full(claim, periodic_bifurcation_in_words(theorem), found)
+    ),
 )

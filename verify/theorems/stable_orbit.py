@@ -1,14 +1,14 @@
-"""Orbits that are stable for ever as rows of a certificates file (section 28)."""
+"""Orbits that are stable for ever (section 28)."""
 
 from __future__ import annotations
 
 from functools import partial
 
 from orbitproof.shared.claims import STABLE_ORBIT, Candidate
-from orbitproof.verify.certificate.row_kind import Progress, RowKind
+from orbitproof.verify.attempt.precision import first_precision, missing_of_orbit
+from orbitproof.verify.certificate.kind import Kind, Progress
 from orbitproof.verify.certificate.stated_system import with_symmetry
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import first_precision
 from orbitproof.verify.poincare import IntegratorSettings
 from orbitproof.verify.twist import (
     StableOrbitEnclosures,
@@ -18,13 +18,15 @@ from orbitproof.verify.twist import (
     prove_stable_orbit,
     stable_orbit_theorem,
 )
+from orbitproof.verify.words.row_in_full import symmetric_in_full
+from orbitproof.verify.words.stable_orbit import stable_orbit_found, stable_orbit_in_words
 
 
 def _enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progress | None) -> StableOrbitEnclosures:
     return enclose_stable_orbit(candidate, settings, ORACLE, progress)
 
 
-STABLE_ORBITS = RowKind(
+KIND = Kind(
     names=(STABLE_ORBIT,),
     enclosures=StableOrbitEnclosures,
     results=StableOrbitResults,
@@ -36,4 +38,9 @@ STABLE_ORBITS = RowKind(
     prove=prove_stable_orbit,
     said=lambda k, kind: "stable orbit",
     attributes=lambda found: {"parameter_name": "period", "parameter": found.period},
+    missing=missing_of_orbit,
+    in_words=stable_orbit_in_words,
+    in_full=lambda candidate, theorem, found: symmetric_in_full(
+        candidate, stable_orbit_in_words(theorem), stable_orbit_found(candidate, found)
+    ),
 )

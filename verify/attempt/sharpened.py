@@ -9,10 +9,10 @@ from dataclasses import replace
 
 from flint import arb
 
+from orbitproof.verify.attempt.remedies import advice_on
 from orbitproof.verify.bifurcation import Failure, Problem
 from orbitproof.verify.evidence import DerivativeTable, NotEstablishedError, Reason
 from orbitproof.verify.newton import BoxFunction
-from orbitproof.verify.oracle.remedies import advice_on
 
 _SAFETY = 2**10
 """An enclosure over the box may owe so many times more to rounding than the one at its centre."""

@@ -10,9 +10,9 @@ from flint import arb
 
 from orbitproof.shared.formats import KINDS, BoxClaim
 from orbitproof.shared.numbers import round_dyadic
+from orbitproof.verify.attempt.remedies import advice_on
 from orbitproof.verify.evidence import Hypothesis, Reason, enclose, exact_value, is_inside, is_outside
 from orbitproof.verify.newton import is_regular
-from orbitproof.verify.oracle.remedies import advice_on
 
 _OF_A_WIDE_BOX = ("tube", "crossing count", "section", "collision", "derivatives", "poincare-map", "return-map")
 """Conditions that fail where orbits of the box part too far, if no enclosure says more."""

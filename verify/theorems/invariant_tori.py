@@ -1,24 +1,26 @@
-"""Orbits at which invariant tori accumulate as rows of a certificates file (section 30)."""
+"""Orbits at which invariant tori accumulate (section 30)."""
 
 from __future__ import annotations
 
 from functools import partial
 
 from orbitproof.shared.claims import INVARIANT_TORI, Candidate
+from orbitproof.verify.attempt.precision import first_precision, missing_of_orbit
 from orbitproof.verify.bifurcation import check_exactly
-from orbitproof.verify.certificate.row_kind import Progress, RowKind
+from orbitproof.verify.certificate.kind import Kind, Progress
 from orbitproof.verify.certificate.stated_system import with_symmetry
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import first_precision
 from orbitproof.verify.poincare import IntegratorSettings
 from orbitproof.verify.tori import ToriEnclosures, ToriResults, enclose_tori, prove_tori, theorem_of_tori
+from orbitproof.verify.words.row_in_full import symmetric_in_full
+from orbitproof.verify.words.tori import tori_found, tori_in_words
 
 
 def _enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progress | None) -> ToriEnclosures:
     return enclose_tori(candidate, settings, ORACLE, progress)
 
 
-TORI_AT_ORBITS = RowKind(
+KIND = Kind(
     names=(INVARIANT_TORI,),
     enclosures=ToriEnclosures,
     results=ToriResults,
@@ -30,4 +32,9 @@ TORI_AT_ORBITS = RowKind(
     prove=prove_tori,
     said=lambda k, kind: "tori",
     attributes=lambda found: {"parameter_name": "period", "parameter": found.period},
+    missing=missing_of_orbit,
+    in_words=tori_in_words,
+    in_full=lambda candidate, theorem, found: symmetric_in_full(
+        candidate, tori_in_words(theorem), tori_found(candidate, found)
+    ),
 )

@@ -5,15 +5,15 @@ Nothing here carries proof: a guess that is wrong costs an attempt.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, floor, isfinite
+from typing import TYPE_CHECKING, Any, Protocol
 
 from flint import arb
 
 from orbitproof.shared.formats import BoxClaim, Candidate, InSection, PeriodicBifurcation
-from orbitproof.verify.bifurcation import BifurcationResults, coordinates_in_box
-from orbitproof.verify.double_resonance import ResonanceResults
+from orbitproof.verify.bifurcation import coordinates_in_box
 from orbitproof.verify.evidence import (
     IntegrationFailure,
     NotProved,
@@ -27,29 +27,17 @@ from orbitproof.verify.evidence import (
     is_below,
     is_outside,
 )
-from orbitproof.verify.krein import KreinResults
 from orbitproof.verify.oracle.approximations import ORACLE
-from orbitproof.verify.orbit import OrbitResults
-from orbitproof.verify.periodic import PeriodicResults
-from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults, TorusResults
 from orbitproof.verify.poincare import Returns, box_of, default_order
-from orbitproof.verify.reversor_breaking import BreakingResults
 
-Found = (
-    BifurcationResults
-    | OrbitResults
-    | BreakingResults
-    | KreinResults
-    | ResonanceResults
-    | PeriodicResults
-    | PeriodicBifurcationResults
-    | TorusResults
-)
-Verdict = Outcome[Found]
+Verdict = Outcome[Any]
 
 LEAST_PRECISION = 64
 GREATEST_PRECISION = 65536
 LEVELS = ("auto", "integral", "coordinates")
+
+if TYPE_CHECKING:
+    from orbitproof.verify.orbit import OrbitResults
 
 _SPARE = 8
 _RESERVE = 32
@@ -174,18 +162,40 @@ def _bits_below_one(numerator: int, denominator: int) -> int:
     return max(0, denominator.bit_length() - numerator.bit_length())
 
 
-def missing_digits(found: Found, digits: int) -> int:
-    """How many digits the number that is known least well lacks; of a bifurcation its parameter.
+class _AtParameter(Protocol):
+    @property
+    def parameter(self) -> arb: ...
 
-    Stability parameters and multipliers of single orbits are derivatives, which need more bits: from `_OF_ALL` digits
-    on as many are asked of them, below that three fewer for each digit less.
+
+class _WithPeriod(Protocol):
+    @property
+    def period(self) -> arb: ...
+
+
+class _AtParameterWithPeriod(_AtParameter, _WithPeriod, Protocol): ...
+
+
+def missing_of_parameter(found: _AtParameter, digits: int) -> int:
+    """How many digits the parameter of a bifurcation lacks."""
+    return digits - count_certain_digits(found.parameter)
+
+
+def missing_of_period(found: _WithPeriod, digits: int) -> int:
+    """How many digits the period of an orbit lacks."""
+    return digits - count_certain_digits(found.period)
+
+
+def missing_of_either(found: _AtParameterWithPeriod, digits: int) -> int:
+    """How many digits the parameter lacks, or the period where the parameter may be 0."""
+    return missing_of_parameter(found, digits) if excludes_zero(found.parameter) else missing_of_period(found, digits)
+
+
+def missing_of_orbit(found: OrbitResults, digits: int) -> int:
+    """How many digits the number of an orbit lacks that is known least well.
+
+    Stability parameters and multipliers are derivatives, which need more bits: from `_OF_ALL` digits on as many are
+    asked of them, below that three fewer for each digit less.
     """
-    if isinstance(found, (BifurcationResults, BreakingResults, KreinResults, ResonanceResults)):
-        return digits - count_certain_digits(found.parameter)
-    if isinstance(found, PeriodicResults):
-        return digits - count_certain_digits(found.period)
-    if isinstance(found, (PeriodicBifurcationResults, TorusResults)):
-        return digits - count_certain_digits(found.parameter if excludes_zero(found.parameter) else found.period)
     balls = [*found.point.values(), *found.other_point.values(), found.period]
     balls += [] if found.level is None else [found.level]
     balls += [extremum.distance for extremum in (found.least, found.greatest) if extremum is not None]
@@ -201,9 +211,18 @@ def _missing(balls: Sequence[arb], digits: int) -> int:
 
 
 def more_precision(
-    candidate: BoxClaim, precision: int, outcome: Verdict, previous: Verdict | None, limits: Limits
+    candidate: BoxClaim,
+    precision: int,
+    outcome: Verdict,
+    previous: Verdict | None,
+    limits: Limits,
+    missing_digits: Callable[[Any, int], int],
 ) -> int | None:
-    """Bits for the next attempt, at most the limit; `None` if there is no need or no hope."""
+    """Bits for the next attempt, at most the limit; `None` if there is no need or no hope.
+
+    Args:
+        missing_digits: how many digits the results lack, of so many that are wanted.
+    """
     if isinstance(outcome, Proved):
         missing = missing_digits(outcome.results, limits.digits)
         wanted = precision + ceil(missing * _BITS_PER_DIGIT) + 16

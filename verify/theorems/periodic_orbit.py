@@ -1,4 +1,4 @@
-"""Periodic orbits without symmetry as rows of a certificates file (section 24)."""
+"""Periodic orbits without symmetry (section 24)."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from typing import Annotated
 
 from orbitproof.shared.claims import PERIODIC, PeriodicOrbit
 from orbitproof.shared.stored import rules
-from orbitproof.verify.certificate.row_kind import Progress, RowKind
+from orbitproof.verify.attempt.precision import missing_of_period, periodic_precision
+from orbitproof.verify.certificate.kind import Kind, Progress
 from orbitproof.verify.certificate.stated_system import without_symmetry
 from orbitproof.verify.certificate.stored_balls import register
 from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
 from orbitproof.verify.evidence import Briefs
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import periodic_precision
 from orbitproof.verify.periodic import (
     Linearised,
     PeriodicEnclosures,
@@ -23,6 +23,8 @@ from orbitproof.verify.periodic import (
     prove_periodic,
 )
 from orbitproof.verify.poincare import IntegratorSettings
+from orbitproof.verify.words.periodic import periodic_in_full, periodic_in_words
+from orbitproof.verify.words.row_in_full import in_lines
 
 
 def _enclose(claim: PeriodicOrbit, settings: IntegratorSettings, progress: Progress | None) -> PeriodicEnclosures:
@@ -41,7 +43,7 @@ register(
     Annotated[Briefs, rules(minItems=2)],
 )
 
-PERIODIC_ORBITS = RowKind(
+KIND = Kind(
     names=(PERIODIC,),
     enclosures=PeriodicEnclosures,
     results=PeriodicResults,
@@ -53,4 +55,7 @@ PERIODIC_ORBITS = RowKind(
     prove=prove_periodic,
     said=lambda k, kind: "periodic orbit",
     attributes=lambda found: {"parameter_name": "period", "parameter": found.period},
+    missing=missing_of_period,
+    in_words=periodic_in_words,
+    in_full=lambda claim, theorem, found: in_lines(periodic_in_full(claim, periodic_in_words(theorem), found)),
 )

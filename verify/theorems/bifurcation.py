@@ -1,4 +1,4 @@
-"""Bifurcations as rows of a certificates file (sections 8, 9 and 12)."""
+"""Bifurcations (sections 8, 9 and 12)."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ from functools import partial
 
 from orbitproof.shared.claims import KINDS, Candidate
 from orbitproof.verify import bifurcation
+from orbitproof.verify.attempt import counsel
+from orbitproof.verify.attempt.precision import first_precision, missing_of_parameter, steps_of_centre
 from orbitproof.verify.bifurcation import BifurcationResults
-from orbitproof.verify.certificate.row_kind import Progress, RowKind
+from orbitproof.verify.certificate.kind import Kind, Progress
 from orbitproof.verify.certificate.stated_system import with_symmetry
 from orbitproof.verify.evidence import Checklist, Outcome
-from orbitproof.verify.oracle import ORACLE, counsel
-from orbitproof.verify.oracle.precision import first_precision, steps_of_centre
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import EarlyEnd, Enclosures, IntegratorSettings, enclose_iterates
+from orbitproof.verify.words.bifurcation import bifurcation_in_words
+from orbitproof.verify.words.row_in_full import bifurcation_in_full
 
 _WORDS = {
     "symmetry_breaking": "symmetry breaking",
@@ -39,7 +42,7 @@ def _prove(candidate: Candidate, checklist: Checklist, found: Enclosures | None)
     return bifurcation.prove(candidate, checklist, *tables, counsel)
 
 
-BIFURCATIONS = RowKind(
+KIND = Kind(
     names=KINDS,
     enclosures=Enclosures,
     results=BifurcationResults,
@@ -57,4 +60,7 @@ BIFURCATIONS = RowKind(
         "side": found.side,
         "normal_form": found.normal_form,
     },
+    missing=missing_of_parameter,
+    in_words=bifurcation_in_words,
+    in_full=bifurcation_in_full,
 )

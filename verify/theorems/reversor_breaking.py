@@ -1,12 +1,12 @@
-"""Births of orbits that R does not map to themselves as rows of a certificates file (section 27)."""
+"""Births of orbits that R does not map to themselves (section 27)."""
 
 from __future__ import annotations
 
 from orbitproof.shared.claims import REVERSOR_BREAKING, Candidate
-from orbitproof.verify.certificate.row_kind import Progress, RowKind
+from orbitproof.verify.attempt.precision import breaking_precision, missing_of_parameter
+from orbitproof.verify.certificate.kind import Kind, Progress
 from orbitproof.verify.certificate.stated_system import with_symmetry
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import breaking_precision
 from orbitproof.verify.poincare import IntegratorSettings
 from orbitproof.verify.reversor_breaking import (
     BreakingEnclosures,
@@ -17,13 +17,15 @@ from orbitproof.verify.reversor_breaking import (
     theorem_of,
     variables_of,
 )
+from orbitproof.verify.words.breaking import breaking_found, breaking_in_words
+from orbitproof.verify.words.row_in_full import symmetric_in_full
 
 
 def _enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progress | None) -> BreakingEnclosures:
     return enclose_breaking(candidate, settings, ORACLE, progress)
 
 
-BREAKINGS = RowKind(
+KIND = Kind(
     names=(REVERSOR_BREAKING,),
     enclosures=BreakingEnclosures,
     results=BreakingResults,
@@ -41,4 +43,9 @@ BREAKINGS = RowKind(
         "normal_form": {"gamma": found.gamma, "beta": found.beta, "kappa": found.opening},
     },
     variables=variables_of,
+    missing=missing_of_parameter,
+    in_words=breaking_in_words,
+    in_full=lambda candidate, theorem, found: symmetric_in_full(
+        candidate, breaking_in_words(theorem), breaking_found(candidate, found)
+    ),
 )

@@ -1,24 +1,26 @@
-"""Single orbits as rows of a certificates file (section 19)."""
+"""Single orbits (section 19)."""
 
 from __future__ import annotations
 
 from functools import partial
 
 from orbitproof.shared.claims import ORBIT, Candidate
+from orbitproof.verify.attempt.precision import first_precision, missing_of_orbit
 from orbitproof.verify.bifurcation import check_exactly
-from orbitproof.verify.certificate.row_kind import Progress, RowKind
+from orbitproof.verify.certificate.kind import Kind, Progress
 from orbitproof.verify.certificate.stated_system import with_symmetry
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import first_precision
 from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults, OrbitTheorem, enclose_orbit, prove_orbit
 from orbitproof.verify.poincare import IntegratorSettings
+from orbitproof.verify.words.orbit import orbit_found, orbit_in_words
+from orbitproof.verify.words.row_in_full import symmetric_in_full
 
 
 def _enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progress | None) -> OrbitEnclosures:
     return enclose_orbit(candidate, settings, ORACLE, progress)
 
 
-ORBITS = RowKind(
+KIND = Kind(
     names=(ORBIT,),
     enclosures=OrbitEnclosures,
     results=OrbitResults,
@@ -30,4 +32,9 @@ ORBITS = RowKind(
     prove=prove_orbit,
     said=lambda k, kind: kind,
     attributes=lambda found: {"parameter_name": "period", "parameter": found.period},
+    missing=missing_of_orbit,
+    in_words=orbit_in_words,
+    in_full=lambda candidate, theorem, found: symmetric_in_full(
+        candidate, orbit_in_words(theorem), orbit_found(candidate, found)
+    ),
 )

@@ -1,9 +1,10 @@
-"""Krein collisions as rows of a certificates file (section 31)."""
+"""Krein collisions (section 31)."""
 
 from __future__ import annotations
 
 from orbitproof.shared.claims import KREIN_COLLISION, Candidate
-from orbitproof.verify.certificate.row_kind import Progress, RowKind
+from orbitproof.verify.attempt.precision import breaking_precision, missing_of_parameter
+from orbitproof.verify.certificate.kind import Kind, Progress
 from orbitproof.verify.certificate.stated_system import with_symmetry
 from orbitproof.verify.krein import (
     KreinResults,
@@ -13,16 +14,17 @@ from orbitproof.verify.krein import (
     theorem_of_krein,
 )
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import breaking_precision
 from orbitproof.verify.poincare import IntegratorSettings
 from orbitproof.verify.reversor_breaking import BreakingEnclosures, variables_of
+from orbitproof.verify.words.krein import krein_found, krein_in_words
+from orbitproof.verify.words.row_in_full import symmetric_in_full
 
 
 def _enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progress | None) -> BreakingEnclosures:
     return enclose_krein(candidate, settings, ORACLE, progress)
 
 
-COLLISIONS = RowKind(
+KIND = Kind(
     names=(KREIN_COLLISION,),
     enclosures=BreakingEnclosures,
     results=KreinResults,
@@ -40,4 +42,9 @@ COLLISIONS = RowKind(
         "normal_form": {"a": found.unfolding, "b": found.coefficient},
     },
     variables=variables_of,
+    missing=missing_of_parameter,
+    in_words=krein_in_words,
+    in_full=lambda candidate, theorem, found: symmetric_in_full(
+        candidate, krein_in_words(theorem), krein_found(candidate, found)
+    ),
 )

@@ -17,8 +17,8 @@ Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True, kw_only=True)
-class RowKind(Generic[Claim, Found, Results]):
-    """One kind of claim; `kinds.KINDS` has them all.
+class Kind(Generic[Claim, Found, Results]):
+    """One kind of claim; each is a module of `verify.theorems`, and `kinds` finds it.
 
     Attributes:
         names: of the claims, as candidates say them.
@@ -35,6 +35,9 @@ class RowKind(Generic[Claim, Found, Results]):
         prove: check the claim, given what was enclosed, if anything.
         said: the claim in a word or two, from k and the kind.
         attributes: what a `Certificate` says of the results beside their point; the rest is as of what is not proved.
+        missing: how many digits the results lack, of so many that are wanted.
+        in_words: the theorem in short.
+        in_full: so that it stands alone: system, box, theorem, what its words mean, what was found.
         variables: of the tables of derivatives among the enclosures.
     """
 
@@ -50,4 +53,7 @@ class RowKind(Generic[Claim, Found, Results]):
     prove: Callable[[Claim, Checklist, Found | None], Outcome[Results]]
     said: Callable[[int, str], str]
     attributes: Callable[[Results], dict[str, Any]]
+    missing: Callable[[Results, int], int]
+    in_words: Callable[[Any], str]
+    in_full: Callable[[Claim, Any, Results], str]
     variables: Callable[[Any], int] = lambda claim: len(claim.radii)

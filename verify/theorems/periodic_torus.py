@@ -1,0 +1,50 @@
+"""Births of invariant tori at periodic orbits without symmetry (section 33)."""
+
+from __future__ import annotations
+
+from orbitproof.shared.claims import PERIODIC_TORUS, PeriodicBifurcation
+from orbitproof.verify.attempt.precision import missing_of_either, periodic_precision
+from orbitproof.verify.certificate.kind import Kind, Progress
+from orbitproof.verify.certificate.stated_system import without_symmetry
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.periodic_bifurcation import (
+    BifurcationEnclosures,
+    TorusResults,
+    TorusTheorem,
+    check_torus_exactly,
+    enclose_periodic_bifurcation,
+    prove_torus,
+    variables_of,
+)
+from orbitproof.verify.poincare import IntegratorSettings
+from orbitproof.verify.words.periodic_torus import torus_in_full, torus_in_words
+from orbitproof.verify.words.row_in_full import in_lines
+
+
+def _enclose(
+    claim: PeriodicBifurcation, settings: IntegratorSettings, progress: Progress | None
+) -> BifurcationEnclosures:
+    return enclose_periodic_bifurcation(claim, settings, ORACLE, progress)
+
+
+KIND = Kind(
+    names=(PERIODIC_TORUS,),
+    enclosures=BifurcationEnclosures,
+    results=TorusResults,
+    statement=without_symmetry,
+    theorem_of=lambda claim, form: TorusTheorem(claim),
+    first_precision=periodic_precision,
+    check_exactly=check_torus_exactly,
+    enclose=_enclose,
+    prove=prove_torus,
+    said=lambda k, kind: "torus at a periodic orbit",
+    attributes=lambda found: {
+        "parameter_name": found.parameter_name,
+        "parameter": found.parameter,
+        "side": found.side,
+    },
+    variables=variables_of,
+    missing=missing_of_either,
+    in_words=torus_in_words,
+    in_full=lambda claim, theorem, found: in_lines(torus_in_full(claim, torus_in_words(theorem), found)),
+)
