@@ -86,6 +86,7 @@ DOORS = {
         "verify.stability.between_orbits",
         "verify.stability.matching",
     ),
+    "one orbit, or two resonances that meet": ("shared.claims.special_claims",),
     "distances from a body": ("verify.distances.distances",),
     "half orbits that meet the section more than once": ("verify.poincare.half_orbit",),
     "orbits that are followed in regularised coordinates": ("verify.poincare.regularised",),

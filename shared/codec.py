@@ -13,7 +13,7 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from enum import Enum
 from fractions import Fraction
 from functools import cache
-from types import NoneType, UnionType
+from types import FunctionType, NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 from orbitproof.shared.errors import InputError, short
@@ -149,7 +149,8 @@ def form_of(kind: Any) -> Form:
 def _with(schema: Callable[[Definitions], Schema], said: Rules | ToldBy | Unread) -> Callable[[Definitions], Schema]:
     """A schema with what an annotation says."""
     if isinstance(said, Unread):
-        return lambda definitions: form_of(said.kind()).schema(definitions)
+        given = said.kind
+        return lambda definitions: form_of(given() if isinstance(given, FunctionType) else given).schema(definitions)
     if isinstance(said, ToldBy):
         return lambda definitions: _union_schema(schema(definitions)["anyOf"], definitions, said.path)
     return lambda definitions: _named(said.name, schema(definitions) | dict(said.keywords), definitions)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Annotated, Any
@@ -26,13 +25,13 @@ def rules(name: str = "", **keywords: Any) -> Rules:
 
 @dataclass(frozen=True)
 class Unread:
-    """JSON that stays as it is, and fits the schema of a type: ``Annotated[Any, Unread(lambda: Kind)]``.
+    """JSON that stays as it is, and fits the schema of a type: ``Annotated[Any, Unread(Kind)]``.
 
     Attributes:
-        kind: gives the type, when the schema is written.
+        kind: the type, or a function that gives it when the schema is written.
     """
 
-    kind: Callable[[], Any]
+    kind: Any
 
 
 @dataclass(frozen=True)

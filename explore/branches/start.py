@@ -27,6 +27,7 @@ from orbitproof.explore.refinement import (
     section_crossings,
     start_jets,
 )
+from orbitproof.shared.claims import LEADING_POWERS
 from orbitproof.shared.formats import REVERSOR_BREAKING, Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems import ReversibleSystem, with_functions
@@ -118,7 +119,7 @@ def branch_point(candidate: Candidate) -> BranchPoint:
     """Prepare the start of the branch of a claim. Raises `NoBranch`, one line."""
     if candidate.is_fold:
         raise NoBranch("no branch begins at a fold: the family itself turns back in the parameter")
-    if candidate.crossings != 1 and not candidate.loses_reversor:
+    if candidate.crossings != 1 and candidate.kind != REVERSOR_BREAKING:
         raise NoBranch(f"its half orbit meets the section {candidate.crossings} times; branches of one are followed")
     context = mpmath.MPContext()
     context.prec = BITS
@@ -133,7 +134,7 @@ def branch_point(candidate: Candidate) -> BranchPoint:
         start, parameter = start_jets(system, centre, [], JetBasis.graded((1,), 0))
         crossings = section_crossings(system, parameters, start, parameter, context)
         times = [0.0, *(crossing.time for crossing in islice(crossings, candidate.crossings))]
-        order, slope = 2 if candidate.loses_reversor else candidate.leading_power, 0.0
+        order, slope = 2 if candidate.kind == REVERSOR_BREAKING else LEADING_POWERS[candidate.kind], 0.0
         if order == 1:
             slope = _slope(candidate, exact, Frame(context.matrix(frame), kernel), context)
         level = level_at(system, parameters, centre, context)

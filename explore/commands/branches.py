@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands.common import add_command, add_output, add_quiet
+from orbitproof.shared.claims import REVERSOR_BREAKING
 from orbitproof.shared.formats import (
     Candidate,
     InputError,
@@ -137,7 +138,7 @@ def read_claims(path: Path) -> list[Claim]:
 
 
 def _is_followed(candidate: Candidate) -> bool:
-    return candidate.has_branch or candidate.loses_reversor
+    return candidate.has_branch or candidate.kind == REVERSOR_BREAKING
 
 
 def _branch(

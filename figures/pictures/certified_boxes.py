@@ -22,7 +22,7 @@ from orbitproof.figures.orbits import Array
 from orbitproof.figures.pictures.legends import legend_row, verdict_handles
 from orbitproof.figures.pictures.marks import draw_point
 from orbitproof.figures.style import CURVE, INK, close, label_of, marker_of, unit_of, use_style
-from orbitproof.shared.formats import InputError
+from orbitproof.shared.formats import LEADING_POWERS, InputError
 from orbitproof.verify.certificate import read_certificates
 
 _WIDTH = 7.2
@@ -122,7 +122,7 @@ def _level(axes: Axes, curves: CertifiedCurves, branch: BranchRecord | None) -> 
     """|parameter - parameter*| against |p_1|: from the size of the box to that of the orbits that were followed."""
     claim = curves.claim
     colour = marker_of(claim.k)[1]
-    order = claim.leading_power
+    order = LEADING_POWERS[claim.kind]
     reach = float(curves.radii[1])
     furthest = 100 * reach
     if branch is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated, Any, Literal, NoReturn
@@ -128,7 +128,9 @@ class Candidate:
         if self.looks_across and (self.k != 1 or self.symmetry is not None):
             refuse("kind", f"{self.kind} with k = {self.k} and {self.symmetry}", "give k = 1, and no symmetry")
         if self.resonances_meet:
-            self._check_varying(refuse)
+            from orbitproof.shared.claims.special_claims import check_varying
+
+            check_varying(self, refuse)
         elif set(self.parameters) != set(self.system.fixed_parameters):
             wanted = ", ".join(self.system.fixed_parameters) or "none"
             refuse("parameters", f"there are {', '.join(self.parameters) or 'none'}", f"give exactly {wanted}")
@@ -139,7 +141,9 @@ class Candidate:
         if self.twist is not None and (self.kind != STABLE_ORBIT or self.twist not in (1, -1)):
             refuse("twist", f"{self.kind} with {self.twist!r}", "a stable orbit may have 1 or -1, others have none")
         if self.equation is not None:
-            _check_equation(self, self.equation, refuse)
+            from orbitproof.shared.claims.special_claims import check_equation
+
+            check_equation(self, self.equation, refuse)
         names, kernel = self.titles, len(self.system.kernel_coordinates)
         size, wanted = len(names), ", ".join(names)
         for name, values in (("centre", self.centre), ("radii", self.radii)):
@@ -207,11 +211,6 @@ class Candidate:
         return not (self.is_of_orbit or self.is_fold or self.looks_across or self.resonances_meet)
 
     @property
-    def loses_reversor(self) -> bool:
-        """Whether orbits that R does not map to themselves branch off there."""
-        return self.kind == REVERSOR_BREAKING
-
-    @property
     def resonances_meet(self) -> bool:
         """Whether two 1:k resonances of the family meet there while a parameter of the system varies."""
         return self.kind == DOUBLE_RESONANCE
@@ -237,14 +236,9 @@ class Candidate:
         return self.breaks_symmetry or (self.kind == "period_tupling" and self.k == 3)
 
     @property
-    def leading_power(self) -> int:
-        """Of p_1, with which the bifurcation parameter begins to change along the branch, or the curve of a fold."""
-        return LEADING_POWERS[self.kind]
-
-    @property
     def is_tangential(self) -> bool:
         """Whether the bifurcation parameter has an extremum along the branch, or along the curve of a fold."""
-        return self.leading_power > 1
+        return LEADING_POWERS[self.kind] > 1
 
     @property
     def uses_level(self) -> bool:
@@ -256,17 +250,6 @@ class Candidate:
         """Whether the first coordinate is the bifurcation parameter: a family parameter or the level of H."""
         return self.system.family_parameter is not None or self.level_sign is not None
 
-    def _check_varying(self, refuse: Callable[[str, str, str], NoReturn]) -> None:
-        """Where two resonances meet one of the system's fixed parameters varies, and H is none of the coordinates."""
-        free = set(self.system.fixed_parameters) - set(self.parameters)
-        if len(free) != 1 or not set(self.parameters) <= set(self.system.fixed_parameters):
-            wanted = ", ".join(self.system.fixed_parameters) or "none"
-            refuse("parameters", "all but one have a value where two resonances meet", f"there are {wanted}")
-        if self.k < 2 or self.symmetry is not None or self.level_sign is not None:
-            refuse("kind", f"{self.kind} with k = {self.k}", "give k > 1, and neither symmetry nor level_sign")
-        if self.system.family_parameter is not None:
-            refuse("kind", f"{self.kind} in a system with a family parameter", "claim it of one with a first integral")
-
 
 _EQUATION_VALUE = "equation.value"
 
@@ -274,26 +257,6 @@ _EQUATION_VALUE = "equation.value"
 def _is_rational(name: str) -> bool:
     """Whether a number of a claim may be any fraction."""
     return name.startswith("parameters") or name == _EQUATION_VALUE
-
-
-def _check_equation(candidate: Candidate, equation: Equation, refuse: Callable[[str, str, str], NoReturn]) -> None:
-    system = candidate.system
-    if equation.quantity not in QUANTITIES:
-        refuse("equation.quantity", f"{equation.quantity!r} is unknown", f"give one of {', '.join(QUANTITIES)}")
-    if (equation.quantity == COORDINATE) != (equation.coordinate is not None):
-        refuse("equation.coordinate", "belongs to the quantity 'coordinate'", "give both or none")
-    if equation.coordinate is not None and equation.coordinate not in system.centre_coordinates:
-        known = ", ".join(system.centre_coordinates)
-        refuse("equation.coordinate", f"{equation.coordinate!r} is no coordinate of Fix(R)", f"give one of {known}")
-    if equation.quantity == LEVEL and (system.first_integral is None or system.fixed_level is not None):
-        why = "has no first integral" if system.first_integral is None else "is on a level already"
-        refuse("equation.quantity", f"{system.name} {why}", "give another quantity")
-    if equation.quantity == HALF_PERIOD and not equation.value > 0:
-        refuse(_EQUATION_VALUE, "a half period is positive", "give a positive number")
-    if candidate.symmetry is not None or candidate.level_sign is not None:
-        refuse("equation", "the orbit is given in the coordinates of Fix(R)", "leave symmetry and parameter out")
-    if system.normalised:
-        refuse("equation", f"{system.name} is a form of other orbits", "claim it in the original coordinates")
 
 
 def _can_be_written(value: Fraction, is_parameter: bool) -> bool:

@@ -16,6 +16,7 @@ from support.told import in_full as told_in_full
 
 from orbitproof.shared.systems import (
     BRANCH_SYSTEMS,
+    LEVEL_NAME,
     SYSTEMS,
     Program,
     program_from_text,
@@ -33,7 +34,7 @@ PROGRAMS = {
         for name, system in BRANCH_SYSTEMS.items()
         if system.first_integral_program is not None
     },
-    "level coordinate": level_program(SYSTEMS["cr3bp"], 1),
+    "level coordinate": program_from_text(level_program(SYSTEMS["cr3bp"], 1).text().replace(LEVEL_NAME, "height")),
     "signs and quotients": record(
         lambda s, p: (s[0] - (s[1] - p[0]), s[0] / (s[1] / p[0]), -(s[0] - s[1]) * -s[0], (s[0] * s[1]) ** -2,
                       s[0] ** 2 / (s[1] * p[0]), -(s[0] ** -0.5) + Fraction(1, 3) * s[1], Fraction(-2) ** 3 * s[0]),
@@ -58,9 +59,7 @@ def test_formulas_compute_what_the_program_computes(program: Program) -> None:
     source = random.Random(7)
     lines = equations(program, [f"out{i}" for i in range(len(program.outputs))])
     for _ in range(20):
-        arguments = {name: source.uniform(0.1, 0.9) for name in program.inputs}
-        if "level" in arguments:
-            arguments["level"] = -20.0
+        arguments = {name: -20.0 if name == "height" else source.uniform(0.1, 0.9) for name in program.inputs}
         assert values(lines, arguments) == pytest.approx(program.evaluate(list(arguments.values())), rel=1e-9)
 
 

@@ -30,7 +30,8 @@ from orbitproof.verify.attempt import Limits, missing_bits
 from orbitproof.verify.bifurcation import enclose_first_integral, in_box, level_form
 from orbitproof.verify.certificate import Certificate, certify, digest, is_proof_of, recheck
 from orbitproof.verify.certificate.certifying import _forms
-from orbitproof.verify.claim import is_level_text, level_program, point_on_fixed_set, quadratic_coefficient
+from orbitproof.verify.certificate.stated_system import is_level_text
+from orbitproof.verify.claim import level_program, point_on_fixed_set, quadratic_coefficient
 from orbitproof.verify.evidence import DerivativeTable, bounds, enclose
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import IntegratorSettings, enclose_iterates

@@ -105,10 +105,10 @@ class BranchDocument:
 
     id: Id
     verdict: Verdict
-    reason: Annotated[Any, Unread(lambda: Reason | None)]
+    reason: Annotated[Any, Unread(Reason | None)]
     statement: BranchStatement | PeriodicCurveStatement
-    results: Annotated[Any, Unread(lambda: Annotated[tuple[AnyResult, ...], rules(maxItems=1000000)])]
-    conclusion: Annotated[Any, Unread(lambda: StoredConclusion | None)]
+    results: Annotated[Any, Unread(Annotated[tuple[AnyResult, ...], rules(maxItems=1000000)])]
+    conclusion: Annotated[Any, Unread(StoredConclusion | None)]
     rests_on: Annotated[
         tuple[Annotated[Mapping[str, Any], rules(required=("id", "digest"))], ...], rules(maxItems=10000)
     ]

@@ -38,8 +38,8 @@ class Entry:
     verdict: Verdict
     reason: Reason | None
     hypotheses: tuple[Hypothesis, ...]
-    results: Annotated[Any, Unread(lambda: any_results() | None)]
-    enclosures: Annotated[Any, Unread(lambda: any_enclosures() | None)] = stored(always=True, default=None)
+    results: Annotated[Any, Unread(any_results)]
+    enclosures: Annotated[Any, Unread(any_enclosures)] = stored(always=True, default=None)
     computation: Computation
     software: Software = stored(always=True, default_factory=dict)
     place: StoredPlace | None = None

@@ -13,6 +13,7 @@ from typing import Any
 
 from orbitproof.shared.formats import Candidate, InSection, candidate_to_json
 from orbitproof.shared.systems import (
+    LEVEL_NAME,
     Defined,
     ParameterRange,
     ReversibleSystem,
@@ -22,7 +23,7 @@ from orbitproof.shared.systems import (
 )
 from orbitproof.verify.certificate.document import Names, StatedFunction, Statement, StatementWithoutSymmetry
 from orbitproof.verify.certificate.levels import CannotBeCheckedError
-from orbitproof.verify.claim import is_level_text, level_program, quadratic_coefficient
+from orbitproof.verify.claim import level_program, quadratic_coefficient
 
 _ANY = ParameterRange(None, None)
 
@@ -111,6 +112,15 @@ def named_as(stored: Mapping[str, Any], again: Mapping[str, Any]) -> dict[str, A
         if isinstance(system, Mapping) and stored.get(key, {}).get("system") == system["name"]:
             result[key] = {**result[key], "system": system["name"]}
     return result
+
+
+def is_level_text(stored: object, own: str) -> bool:
+    """Whether a stored text is `own`, of a `level_program`, or what versions before 0.3 wrote in its place.
+
+    They called the level ``level``, which says the same unless an input of the system is called so.
+    """
+    earlier = own.replace(f" = {LEVEL_NAME}\n", " = level\n")
+    return stored == own or (stored == earlier and " = level\n" not in own)
 
 
 def _stated(statement: Mapping[str, Any], claim: Mapping[str, Any], name: str) -> ReversibleSystem:

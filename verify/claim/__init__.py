@@ -6,7 +6,6 @@ from orbitproof.verify.claim.fixed_level import LevelEquation, is_in, on_box
 from orbitproof.verify.claim.frames import check_adapted_frames, check_frames, determinant, inverse, is_adapted
 from orbitproof.verify.claim.level import (
     check_level,
-    is_level_text,
     level_program,
     point_on_fixed_set,
     quadratic_coefficient,

@@ -52,15 +52,6 @@ def level_program(system: ReversibleSystem, sign: int) -> Program:
     return record(coordinate, system.state, tuple(system.parameters), (LEVEL_NAME,))
 
 
-def is_level_text(stored: object, own: str) -> bool:
-    """Whether a stored text is `own`, of a `level_program`, or what versions before 0.3 wrote in its place.
-
-    They called the level ``level``, which says the same unless an input of the system is called so.
-    """
-    earlier = own.replace(f" = {LEVEL_NAME}\n", " = level\n")
-    return stored == own or (stored == earlier and " = level\n" not in own)
-
-
 def check_level(checklist: Checklist, candidate: Candidate) -> None:
     """That w follows from the level at all points of the box; S leaves the sheet alone (`adapted-frames`)."""
     fixed = candidate.system.fixed_level

@@ -1,4 +1,4 @@
-"""Births of invariant tori at periodic orbits without symmetry (section 33)."""
+"""Births of invariant tori at periodic orbits without symmetry (section 25)."""
 
 from __future__ import annotations
 
