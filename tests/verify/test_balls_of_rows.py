@@ -17,7 +17,7 @@ from support.inclusion import Path, broken_inclusions
 from orbitproof.verify.double_resonance.equations import ResonanceEquations
 from orbitproof.verify.evidence import DerivativeTable, MultiIndex, guarded, indices_of_degree, indices_up_to
 from orbitproof.verify.krein.equations import CollisionEquations
-from orbitproof.verify.krein.normal_form import cubic_coefficient
+from orbitproof.verify.krein.normal_form import _cubic_part, _solved, cubic_coefficient
 from orbitproof.verify.newton import BoxFunction, Jet
 from orbitproof.verify.newton.jets import unit
 from orbitproof.verify.reversor_breaking.equations import LossEquations
@@ -42,10 +42,10 @@ def precision() -> Iterator[None]:
         yield
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(16))
 def test_normal_forms_of_maps_with_one_pair(seed: int) -> None:
     chance = random.Random(seed)
-    bent = [sparse(2, chance, 3) for _ in range(2)]
+    bent = [sparse(2, chance, 1) for _ in range(2)]
 
     def functions(cosine: arb, up: arb) -> tuple[Jet, ...]:
         linear = {(1, 0): cosine, (0, 1): (cosine * cosine - 1) / up}, {(1, 0): up, (0, 1): cosine}
@@ -67,7 +67,7 @@ def test_normal_forms_of_maps_with_two_pairs(seed: int) -> None:
     # The p, p part has two different eigenvalues in (-1, 1).
     block[0][0], block[1][1], block[0][1], block[1][0] = (chance.uniform(*ends) for ends in SPLIT)
     jets = tuple(
-        Jet(4, 3, {**{unit(4, j): arb(value) for j, value in enumerate(row)}, **sparse(4, chance, 3)}) for row in block
+        Jet(4, 3, {**{unit(4, j): arb(value) for j, value in enumerate(row)}, **sparse(4, chance, 2)}) for row in block
     )
     point = elliptic_point(jets)
     moved = in_coordinates(jets, point)
@@ -83,8 +83,13 @@ def test_normal_forms_of_maps_with_two_pairs(seed: int) -> None:
     for k in ((1, 2), (3, -1), (0, -4)):
         assert not broken_inclusions(partial(combination, k=k), (point.multipliers,), chance), k
     cosine = arb(chance.uniform(-0.8, 0.8))
-    assert not broken_inclusions(lambda jets: cubic_coefficient(jets, cosine), (jets,), chance, 12)
+    assert not broken_inclusions(lambda jets: cubic_coefficient(jets, cosine), (jets,), chance, 16, where=linear)
+    assert not broken_inclusions(lambda jets: cubic_coefficient(jets, cosine), (jets,), chance, 3)
     assert not broken_inclusions(lambda cosine: cubic_coefficient(jets, cosine), (cosine,), chance)
+    matrix, vector = [[jet[unit(4, j)] for j in range(4)] for jet in jets], list(point.covectors[0])
+    whole = point.multipliers[0]
+    assert not broken_inclusions(lambda right: _cubic_part(jets, matrix, right, whole), (vector,), chance, 4)
+    assert not broken_inclusions(lambda right: _solved(matrix, whole * whole, right), (vector,), chance, 4)
 
 
 def of_degrees(degrees: tuple[int, ...]) -> Callable[[Path], bool]:
@@ -116,7 +121,7 @@ def functions_of(derivatives: list[dict[MultiIndex, arb]], where: list[arb]) -> 
     """Functions that are known at a point; nearly so about it, if they are asked for elsewhere."""
     if all(ball.is_zero() for ball in where):
         return tuple(AtPoint(DerivativeTable({}, each)) for each in derivatives)
-    boxes = [{index: ball + SLACK for index, ball in each.items()} for each in derivatives]
+    boxes = [{index: ball + SLACK * (sum(index) < 3) for index, ball in each.items()} for each in derivatives]
     return tuple(BoxFunction(DerivativeTable(box, each)) for box, each in zip(boxes, derivatives, strict=True))
 
 
@@ -139,7 +144,7 @@ def test_equations_of_a_collision(seed: int) -> None:
         return getattr(CollisionEquations(functions[2:], functions[:2]), choice)(where)
 
     derivatives, where = at_a_point(4, 5, 1, chance), [arb(0)] * 3
-    for choice, most in (("values", 3), ("slopes", 3), ("half", 4), ("discriminant", 8), ("matrix", 12), ("jets", 3)):
+    for choice, most in (("values", 3), ("slopes", 3), ("half", 4), ("discriminant", 10), ("matrix", 36), ("jets", 3)):
         degrees = {"values": (0,), "matrix": (1, 2), "jets": (1, 2, 3)}.get(choice, (1,))
         of_point = partial(found, choice, where=where)
         assert not broken_inclusions(of_point, (derivatives,), chance, most, where=of_degrees(degrees))
