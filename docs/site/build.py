@@ -21,13 +21,15 @@ sys.path.insert(0, str(HERE))
 from formulas import with_formulas  # noqa: E402
 from reference import PAGES  # noqa: E402
 
+WEBS = ROOT / "web-out"
+"""Where `make web` writes pages of graphs."""
 PAGES_AS_THEY_ARE = "pages"
 """The folder of `html_extra_path` (conf.py)."""
 
 
 def documents() -> Iterator[Path]:
     """Everything that is shown or linked to, below the root."""
-    for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "CITATION.cff", "LICENSE"):
+    for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "CODE_OF_CONDUCT.md", "CITATION.cff", "LICENSE"):
         yield ROOT / name
     for folder in ("docs", "verify", "shared", "explore", "figures"):
         yield from (path for path in (ROOT / folder).rglob("*.md") if "templates" not in path.parts)
@@ -49,11 +51,14 @@ def stage(folder: Path) -> None:
             shutil.copy(path, target)
     for name in ("conf.py", "index.md"):
         shutil.copy(HERE / name, folder)
-    # Pages that a browser shows as they are, beside the documents that link to them.
+    # Pages that a browser shows as they are, if they were made: beside the documents, which then link to them.
     pages = folder / PAGES_AS_THEY_ARE / "docs" / "webs"
     pages.mkdir(parents=True)
-    for path in (ROOT / "docs" / "webs").glob("*.html"):
+    for path in WEBS.glob("*.html"):
         shutil.copy(path, pages)
+        for page in (folder / "docs").glob("*.md"):
+            link = f'<a href="webs/{path.name}">{path.name}</a>'
+            page.write_text(page.read_text("utf-8").replace(f"`{WEBS.name}/{path.name}`", link), "utf-8")
     (folder / "_static").mkdir()
     shutil.copy(HERE / "site.css", folder / "_static")
     (folder / "reference").mkdir()

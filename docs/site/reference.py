@@ -17,7 +17,10 @@ from orbitproof.figures.report.formulas import to_latex
 from orbitproof.shared.systems import BRANCH_SYSTEMS
 from orbitproof.verify.words.formulas import setting
 
-_WORDS = (["explore"], ["verify"], ["verify", "atlas"], ["verify", "--second-proof"], ["figures"], ["report"])
+_WORDS = (
+    ["explore"], ["verify"], ["verify", "atlas"], ["verify", "web"], ["verify", "catalogue"], ["verify", "index"],
+    ["verify", "--second-proof"], ["figures"], ["report"], ["doctor"],
+)  # fmt: skip
 """The command lines that have a parser of their own."""
 
 

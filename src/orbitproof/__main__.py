@@ -16,6 +16,7 @@ _COMMANDS = {
     ),
     "figures": ("figures.__main__", "draw families, branches, certificates; set tables"),
     "report": ("figures.commands.report", "tell what certificates prove, as HTML, LaTeX or Markdown"),
+    "doctor": ("doctor", "say what is installed, and make a small proof"),
 }
 """The module of each command, and what the command does."""
 
@@ -39,7 +40,7 @@ def _run() -> int:
     if name not in _COMMANDS:
         print(f"error: {name}: there is no such command; there are {', '.join(_COMMANDS)}", file=sys.stderr)
         return 2
-    if name in ("explore", "verify"):
+    if name in ("explore", "verify", "doctor"):
         # The matrices are small, and processes of a single thread can be copied (shared/processes.py).
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     room = importlib.import_module(f"orbitproof.{_COMMANDS[name][0]}")
@@ -50,7 +51,7 @@ def _run() -> int:
 def _help() -> str:
     rows = "\n".join(f"  {name:9}{text}" for name, (_, text) in _COMMANDS.items())
     return (
-        "usage: orbitproof {explore,verify,figures,report} ...\n\n"
+        f"usage: orbitproof {{{','.join(_COMMANDS)}}} ...\n\n"
         "Finds bifurcations of symmetric periodic orbits and proves them.\n\n"
         f"{rows}\n\n"
         "options:\n  --version   print the version\n\n"

@@ -21,6 +21,29 @@ ROOT = Path(__file__).resolve().parents[2]
 ARCHIVE = runpy.run_path(str(ROOT / "docs" / "archive.py"))["main"]
 
 
+def test_pages_of_theorems_get_the_words_of_certificates_and_keep_what_has_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "docs"))
+    script = runpy.run_path(str(ROOT / "docs" / "theorems.py"))
+    made, pages = tmp_path / "made", tmp_path / "pages"
+    made.mkdir()
+    pages.mkdir()
+    write_web(made)
+    page = "# Page\n\n<!-- theorem {} -->\n\nold words\n\n<!-- end -->\n\nafter\n"
+    (pages / "known.md").write_text(page.format("parabola"))
+    (pages / "unknown.md").write_text(page.format("elsewhere"))
+    assert script["main"]([str(made), "--pages", str(pages)]) == 1
+    known = (pages / "known.md").read_text()
+    assert "old words" not in known
+    assert "\n\nThere is a smooth curve" in known
+    assert known.endswith("<!-- end -->\n\nafter\n")
+    assert (pages / "unknown.md").read_text() == page.format("elsewhere")
+    assert "elsewhere: no certificate" in capsys.readouterr().err
+    listed = "Consider.\n- a\n- b\nEnd.\nHypothesis level of the list: x.\n- c"
+    assert script["as_page"](listed) == "Consider.\n\n- a\n- b\n\nEnd."
+
+
 def test_an_archive_names_every_certificate_and_refuses_one_that_was_changed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

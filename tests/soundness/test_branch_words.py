@@ -1,4 +1,4 @@
-"""The page of theorems about whole branches has the words that the program prints now."""
+"""The pages of theorems about whole branches have the words that the program prints now."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from test_forged_certificates import of_parabola
 
 from orbitproof.verify.atlas.conclusion import told
 
-PAGE = Path(__file__).parents[2] / "docs" / "branches.md"
+DOCS = Path(__file__).parents[2] / "docs"
+PAGES = "\n".join(page.read_text("utf-8") for page in sorted((DOCS / "theorems").glob("*.md")))
 
 
 def skeleton(text: str) -> str:
@@ -57,8 +58,8 @@ def sentences(text: str) -> set[str]:
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_the_page_has_the_words_of_this_version(case: str) -> None:
-    missing = sentences(CASES[case]()) - sentences(PAGE.read_text("utf-8"))
-    # Of the surfaces of the page it is known which family their orbits belong to.
+def test_the_pages_have_the_words_of_this_version(case: str) -> None:
+    missing = sentences(CASES[case]()) - sentences(PAGES)
+    # Of the surfaces of the pages it is known which family their orbits belong to.
     assert [each for each in missing if "up to the identification" not in each] == []
-    assert sentences("Along it beta increases strictly. There is no such theorem.") - sentences(PAGE.read_text("utf-8"))
+    assert sentences("Along it beta increases strictly. There is no such theorem.") - sentences(PAGES)
