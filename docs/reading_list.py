@@ -107,7 +107,9 @@ DOORS = {
 def path_of(module: str) -> Path | None:
     """The file of a module, named without the package; `None` if there is none."""
     path = ROOT.joinpath(*module.split("."))
-    found = [file for file in (path / "__init__.py", path.with_suffix(".py")) if file.exists()]
+    # The face of a room that loads what is asked of it says in its stub what it has.
+    faces = (path / "__init__.pyi", path / "__init__.py")
+    found = [file for file in (*faces, path.with_suffix(".py")) if file.exists()]
     return found[0] if found else None
 
 
@@ -146,7 +148,7 @@ def definer(module: str, name: str) -> str:
     path = path_of(module)
     assert path is not None, module
     sources = [source for source, imported in imports(path) if imported == name]
-    return definer(sources[0], name) if path.name == "__init__.py" and sources else module
+    return definer(sources[0], name) if path.stem == "__init__" and sources else module
 
 
 def reading_list(modules: Sequence[str]) -> list[str]:

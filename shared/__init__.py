@@ -12,44 +12,6 @@ add up to 1 and they turn once in the time 2 pi.
 '0.0121505845'
 """
 
-from orbitproof.shared.formats import (
-    KINDS,
-    Atlas,
-    Candidate,
-    InputError,
-    define_system,
-    load_system,
-    read_atlas,
-    read_candidates,
-    write_atlas,
-    write_candidates,
-)
-from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, HILL, MASS_PARAMETERS, SYSTEMS, ReversibleSystem, System
+import lazy_loader
 
-EARTH_MOON = MASS_PARAMETERS["earth-moon"]
-SUN_JUPITER = MASS_PARAMETERS["sun-jupiter"]
-
-__all__ = [
-    "CR3BP",
-    "EARTH_MOON",
-    "FALKNER_SKAN",
-    "HILL",
-    "KINDS",
-    "MASS_PARAMETERS",
-    "SUN_JUPITER",
-    "SYSTEMS",
-    "Atlas",
-    "Candidate",
-    "InputError",
-    "ReversibleSystem",
-    "System",
-    "define_system",
-    "format_exact",
-    "load_system",
-    "parse_exact",
-    "read_atlas",
-    "read_candidates",
-    "write_atlas",
-    "write_candidates",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -45,3 +45,5 @@ MASS_PARAMETERS: Mapping[str, Fraction] = {
 }
 """Mass parameters by name, exactly: the first two are those of the paper, equation (EM_SJ_mass), two IEEE doubles; the
 others those of the systems of the JPL three-body periodic orbit catalogue, as decimals."""
+EARTH_MOON = MASS_PARAMETERS["earth-moon"]
+SUN_JUPITER = MASS_PARAMETERS["sun-jupiter"]

@@ -303,7 +303,8 @@ def _is_module(root: Path, folder: Path, name: str) -> bool:
     for start in (folder, root / "verify", root / "shared", root):
         for length in range(len(parts), 0, -1):
             path = start.joinpath(*parts[:length])
-            module = path.with_suffix(".py") if path.with_suffix(".py").exists() else path / "__init__.py"
+            places = (path.with_suffix(".py"), path / "__init__.pyi", path / "__init__.py")
+            module = next((place for place in places if place.exists()), places[-1])
             if module.exists():
                 rest = parts[length:]
                 if not rest or (len(rest) == 1 and re.search(rf"\b{rest[0]}\b", module.read_text("utf-8"))):

@@ -1,4 +1,5 @@
 """Approximations (section 3): whatever comes from this room, nothing false follows."""
 
-from orbitproof.verify.oracle.approximations import ORACLE
-from orbitproof.verify.oracle.steps import steps_about
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,12 @@
+from .boxes import box_asked_for as box_asked_for
+from .precision import GREATEST_PRECISION as GREATEST_PRECISION
+from .precision import LEAST_PRECISION as LEAST_PRECISION
+from .precision import LEVELS as LEVELS
+from .precision import Limits as Limits
+from .precision import Verdict as Verdict
+from .precision import accuracy_bits as accuracy_bits
+from .precision import first_precision as first_precision
+from .precision import missing_bits as missing_bits
+from .precision import more_precision as more_precision
+from .precision import steps_of_centre as steps_of_centre
+from .sharpened import counsel as counsel

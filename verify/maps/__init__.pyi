@@ -1,0 +1,11 @@
+from .affine_section import AffineSection as AffineSection
+from .fixed_points import Zeros as Zeros
+from .fixed_points import combination as combination
+from .fixed_points import displacement as displacement
+from .fixed_points import enclose_zeros as enclose_zeros
+from .flow_map import enclose_flow as enclose_flow
+from .image import Image as Image
+from .image import image_of as image_of
+from .poincare_map import enclose_poincare_map as enclose_poincare_map
+from .starting_set import Format as Format
+from .starting_set import StartingSet as StartingSet

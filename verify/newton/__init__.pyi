@@ -1,0 +1,12 @@
+from .interval_newton import ImplicitGraph as ImplicitGraph
+from .interval_newton import is_regular as is_regular
+from .interval_newton import newton_image as newton_image
+from .isolated_zero import enclose_zero as enclose_zero
+from .jets import Jet as Jet
+from .jets import compose as compose
+from .jets import derivatives_of as derivatives_of
+from .jets import implicit_jets as implicit_jets
+from .nearly_singular import bordered as bordered
+from .nearly_singular import bordering as bordering
+from .nearly_singular import left_kernel as left_kernel
+from .taylor_forms import BoxFunction as BoxFunction
