@@ -1,0 +1,246 @@
+"""Functions, lists and levels along curves: parts are covered up to their ends, and balls give balls."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from flint import arb, ctx
+from support.chain_cases import concluded, parabola, proved
+from support.curve_cases import proof
+from support.inclusion import broken_inclusions
+from support.stored import values
+
+from orbitproof.shared.claims import Claim
+from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR, FALKNER_SKAN, LIFTED, VERTICAL, record
+from orbitproof.verify.algebra import ball_polynomial
+from orbitproof.verify.curve.tube import read_tube
+from orbitproof.verify.distances.ranges import Extreme, KnownDistances, PartOfInterval, Where, _values, ranges_between
+from orbitproof.verify.evidence import enclose, hull
+from orbitproof.verify.functions import BoundedFunction
+from orbitproof.verify.stability import point_over
+from orbitproof.verify.stability.between_orbits import _bends
+from orbitproof.verify.stability.extrema import _Stationary
+from orbitproof.verify.stability.level import gradient
+from orbitproof.verify.stability.linear_stability import is_stable
+from orbitproof.verify.stability.list_entries import Segment
+from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
+from orbitproof.verify.web import Arc
+from orbitproof.verify.web.arc import level_at
+
+BITS = 160
+MU = Fraction(1, 80)
+
+
+@pytest.fixture(autouse=True)
+def precision() -> Iterator[None]:
+    with ctx.workprec(BITS):
+        yield
+
+
+def ball(chance: random.Random, low: float = -1.0, high: float = 1.0) -> arb:
+    return arb(chance.uniform(low, high))
+
+
+def number(chance: random.Random) -> Fraction:
+    return Fraction(chance.randint(-64, 64), 64)
+
+
+def function_of(chance: random.Random, degree: int = 4, error: float = 0.0) -> BoundedFunction:
+    return BoundedFunction(ball_polynomial([number(chance) for _ in range(degree + 1)]), arb(error))
+
+
+def segment_of(chance: random.Random, count: int, **changes: Any) -> Segment:
+    own = [function_of(chance) for _ in range(count + 3)]
+    places = Fraction(-1, 2), Fraction(-1, 4), Fraction(1, 2), Fraction(1, 8), Fraction(3, 4)
+    found = Segment(0, *places, tuple(own[:count]), own[count], own[count + 1], own[count + 2])
+    return replace(found, **changes)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_values_of_functions_along_a_curve(seed: int) -> None:
+    """At balls of tau: of a function, of stationary values, of second derivatives of parameters, of eigenvalues."""
+    chance = random.Random(seed)
+    tau = ball(chance, -0.5, 0.5)
+    function = function_of(chance, 6)
+    for of_tau in (function.value, function.slope, function.curvature):
+        assert not broken_inclusions(of_tau, (tau,), chance)
+    for count in (1, 2):
+        segment = segment_of(chance, count)
+        if count == 2:
+            # With a positive discriminant.
+            trace, second = segment.characteristic
+            segment = replace(segment, characteristic=(trace, second.shifted(arb(-9))))
+        trace, *others = segment.characteristic
+        stationary = _Stationary(trace, others[0] if others else None)
+        for of_tau in (stationary.value, stationary.slope, stationary.parameter):
+            assert not broken_inclusions(of_tau, (tau,), chance)
+        for of_ball in (segment.s_of, segment.tau_of):
+            assert not broken_inclusions(of_ball, (tau,), chance)
+        assert not broken_inclusions(lambda tau, segment=segment: _bends(segment, tau), (tau,), chance)
+        assert not broken_inclusions(lambda c, segment=segment: segment.at(c).value(arb(1) / 8), (tau,), chance)
+
+
+def edges(function: Any, low: Fraction, high: Fraction) -> list[arb]:
+    """Its values at both ends of an interval, and a little inside."""
+    places = [low, high, low + (high - low) / 1024, high - (high - low) / 1024, (low + high) / 2]
+    return [function(enclose(place)) for place in places]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_values_over_parts_hold_those_at_both_ends(seed: int) -> None:
+    chance = random.Random(seed)
+    low, high = Fraction(-7, 16), Fraction(chance.randint(0, 7), 16)
+    for slope in (1, -1):
+        line = BoundedFunction(ball_polynomial([number(chance), Fraction(slope)]), arb(0))
+        assert all(_values(line, low, high).overlaps(value) for value in edges(line.value, low, high))
+        places = [low, (low + 3 * high) / 4, high]
+        ends = zip(pairwise(places), (Where.HERE, Where.THERE), strict=True)
+        parts = tuple(
+            PartOfInterval(*part, Extreme(hull(*map(enclose, part)), Where.ALONG), Extreme(arb(0), where))
+            for part, where in ends
+        )
+        known = KnownDistances(line, line.scaled(arb(2)), parts)
+        found = known.over(low, high)
+        assert found is not None
+        assert all(found[0].square.contains(enclose(place)) for place in (low, high))
+        assert found[1].where is Where.ALONG
+        assert found[1].square.overlaps(line.value(enclose(low)))
+        assert found[1].square.overlaps(2 * line.value(enclose(high)))
+        turned = known.mirrored().over(-high, -low)
+        assert turned is not None
+        assert turned[1].square.overlaps(2 * line.value(enclose(high)))
+        segment = segment_of(chance, 1, half_period=line, level=line, distances=None)
+        for begin, end in ((Fraction(-3, 8), Fraction(3, 8)), (Fraction(-1, 2), Fraction(1, 2))):
+            ranges = ranges_between([segment], (0, begin), (0, end))
+            assert ranges is not None
+            wanted = edges(segment.tau_of, begin, end)
+            assert all(ranges.half_period.overlaps(line.value(tau)) for tau in wanted)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_points_and_levels_of_an_arc_hold_those_of_its_ends(sign: int) -> None:
+    """y = beta^2/100: the level is beta, of which both ends are exact; the deviation is across."""
+    atlas, results = parabola(Claim("arc", None, ("beta",)))
+    curve = proof(concluded((atlas, results)))
+    arc = Arc(atlas, curve)
+    first, last = curve.chain.stretches[0], curve.chain.stretches[-1]
+    levels = arc.levels()
+    for stretch, s in ((first, first.enters), (last, last.leaves)):
+        point = stretch.tube.point(stretch.run, s)
+        assert levels.contains(point[0].mid())
+    assert not levels.contains(arb("0.98"))
+    assert not levels.contains(arb("5.02"))
+    assert arc.period.contains(2 * curve.half_period)
+    piece = atlas.curve_pieces()[1]
+    tube = read_tube(piece, values([proved(piece, deviation=["0x1p-21"])]))
+    stretch = replace(first, tube=tube, run=tube.runs[0], enters=Fraction(-1), leaves=Fraction(1))
+    low, high = Fraction(-1, 4), Fraction(1, 2)
+    over = point_over(stretch, hull(enclose(low), enclose(high)))
+    for s in (low, high, Fraction(1, 8)):
+        beta = piece.centre[0] + piece.half_width * s
+        y = piece.centre[1] + piece.frame[1][0] * piece.half_width * s + piece.polynomial[0][2] * s**2
+        assert over[0].contains(enclose(beta))
+        assert over[1].contains(enclose(y + sign * Fraction(1, 2**21)))
+        at = point_over(stretch, enclose(s))
+        assert at[1].contains(enclose(y + sign * Fraction(1, 2**21)))
+
+
+def test_levels_of_points() -> None:
+    chance = random.Random(0)
+    for system in (CR3BP, CR3BP_PLANAR, *AROUND.values(), VERTICAL["L1"], LIFTED, FALKNER_SKAN):
+        atlas: Any = SimpleNamespace(system=system, parameters={"mu": MU} if "mu" in system.parameters else {})
+        point = {name: ball(chance, 0.3, 0.6) for name in system.centre_coordinates}
+        assert not broken_inclusions(lambda point, atlas=atlas: level_at(atlas, point), (point,), chance), system.name
+
+
+def test_gradients_are_derivatives_and_hold_those_of_all_points() -> None:
+    chance = random.Random(0)
+    inputs = ("x", "y", "c")
+    program = record(
+        lambda s, p: ((s[0] * s[1] - p[0] / s[0]) * (s[0] ** 3 + s[1]) ** Fraction(3, 2),), ("x", "y"), ("c",)
+    )
+    arguments = [ball(chance, 1, 2) for _ in inputs]
+    step = arb(2) ** -60
+
+    def value(at: Any) -> arb:
+        (found,) = program.evaluate(at, enclose, lambda base, power: base ** enclose(power))
+        return arb(found)
+
+    for name, slope in zip(inputs, gradient(program, arguments, inputs), strict=True):
+        moved = [x + step * (name == own) for x, own in zip(arguments, inputs, strict=True)]
+        assert abs((value(moved) - value(arguments)) / step - slope) < arb(2) ** -50
+    assert not broken_inclusions(lambda at: gradient(program, at, inputs), (arguments,), chance)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_orbits_are_stable_only_where_all_of_a_ball_are(count: int) -> None:
+    """c = tau, and -tau beside it: stable for abs(tau) < 1, and of two equal ones at 0 nothing is known."""
+    zero, tau = (BoundedFunction(ball_polynomial(row), arb(0)) for row in ([Fraction(0)], [Fraction(0), Fraction(1)]))
+    segment = segment_of(random.Random(0), count)
+    slow = tau.scaled(arb(2))
+    segment = replace(segment, characteristic=(slow,) if count == 1 else (zero, (slow * slow).scaled(arb(-1))))
+    for middle, radius, wanted in (
+        ("0.3", "0.1", True), ("0.45", "0.04", True), ("0.45", "0.06", None), ("0.7", "0.1", False),
+        ("-0.45", "0.06", None), ("-0.3", "0.1", True), ("-0.7", "0.05", False), ("-0.7", "0.3", None),
+    ):  # fmt: skip
+        assert is_stable(segment, arb(middle, radius)) is wanted
+    if count == 2:
+        assert is_stable(segment, arb(0, "0.01")) is None
+        # One inside and one beyond, on either side.
+        for trace in ("3", "-3"):
+            beyond = replace(segment, characteristic=(zero.shifted(arb(trace)), zero.shifted(arb("1.25"))))
+            assert is_stable(beyond, arb(0)) is False
+
+
+@dataclass(frozen=True)
+class Unsure:
+    """A function that is known up to an error, between true ones: all of its zeros are to be found."""
+
+    function: BoundedFunction
+
+    def value(self, part: arb) -> arb:
+        return self.function.value(part)
+
+    def slope(self, part: arb) -> arb:
+        return self.function.slope(part)
+
+    def curvature(self, part: arb) -> arb:
+        return self.function.curvature(part)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_every_zero_of_every_function_that_may_be_meant_is_listed_or_open(seed: int) -> None:
+    chance = random.Random(seed)
+    roots = sorted(chance.sample(range(-28, 29), 4))
+    coefficients = [Fraction(1)]
+    for root in roots:
+        coefficients = [
+            a - Fraction(root, 32) * b
+            for a, b in zip([Fraction(0), *coefficients], [*coefficients, Fraction(0)], strict=True)
+        ]
+    error = Fraction(1, 2**20)
+    known = BoundedFunction(ball_polynomial(coefficients), enclose(error))
+    found = zeros_on(known, Fraction(-15, 16), Fraction(15, 16))
+    for power, sign in ((0, 1), (1, -1), (4, 1)):
+        meant = [c + sign * error * (n == power) for n, c in enumerate(coefficients)]
+        exact_function = BoundedFunction(ball_polynomial(meant), arb(0))
+        true = zeros_on(exact_function, Fraction(-15, 16), Fraction(15, 16))
+        assert len(true.zeros) == 4
+        for zero in true.zeros:
+            listed = [each for each in found.zeros if each.place.overlaps(zero.place)]
+            open_there = any(enclose(low) <= zero.place <= enclose(high) for low, high in found.undecided)
+            assert len(listed) == 1 or open_there
+    double = [Fraction(0), Fraction(0), *coefficients]
+    beyond = [root for root in roots if root > 0]
+    end, listed_beside = zeros_beside_double_one(BoundedFunction(ball_polynomial(double), arb(0)), Fraction(15, 16))
+    assert end > 0
+    assert len(listed_beside.zeros) == len(beyond)
+    for zero, root in zip(listed_beside.zeros, beyond, strict=True):
+        assert zero.place.overlaps(arb(root) / 32)
