@@ -28,10 +28,18 @@ from orbitproof.verify.evidence import (
     Checklist,
     IntegrationFailure,
     NotEstablishedError,
+    bounds,
     dot,
     enclose,
+    excludes_zero,
     guarded,
+    is_below,
+    is_inside,
+    is_outside,
+    is_positive,
     power,
+    sign,
+    symmetric,
     total,
     up_to,
 )
@@ -81,9 +89,39 @@ def matrix_near(size: int, chance: random.Random, rest: float = 0.3) -> list[lis
     ]
 
 
+def test_comparisons_hold_just_if_they_hold_for_both_ends() -> None:
+    """Of finite balls by their exact ends, every other one next to what they are compared with."""
+    chance = random.Random(0)
+    for _ in range(400):
+        bound, radius = Fraction(chance.randint(0, 6), 4), Fraction(chance.randint(0, 6), 8)
+        middle = (
+            chance.choice((-1, 0, 1)) * bound + chance.choice((-1, 0, 1)) * radius + Fraction(chance.randint(-1, 1), 64)
+        )
+        ball = arb(0).union(arb(0)) + enclose(middle) + (symmetric(radius) if radius else 0)
+        low, high = bounds(ball)
+        assert low <= middle - radius <= middle + radius <= high
+        other = enclose(chance.choice((-1, 1)) * bound) + (symmetric(radius) if chance.random() < 0.5 else 0)
+        least, most = bounds(other)
+        assert is_positive(ball) is (low > 0)
+        assert excludes_zero(ball) is (low > 0 or high < 0)
+        assert sign(ball) == (1 if low > 0 else -1 if high < 0 else 0)
+        assert is_below(ball, other) is (high < least)
+        assert is_below(other, ball) is (most < low)
+        # The bound is exact.
+        assert is_inside(ball, bound) is (-bound < low and high < bound)
+        assert is_outside(ball, bound) is (high < -bound or low > bound)
+        for exponent in (Fraction(1, 2), Fraction(-1, 2), Fraction(5, 3)):
+            assert power(ball, exponent).is_finite() is (low > 0)
+        assert power(ball, Fraction(-2)).is_finite() is (low > 0 or high < 0)
+
+
 def test_sums_powers_and_functions() -> None:
     chance = random.Random(1)
     vectors = numbers(3, chance), numbers(3, chance)
+    for count in (1, 2, 4):
+        left, right = numbers(count, chance), numbers(count, chance)
+        assert dot(left, right).overlaps(sum((a * b for a, b in zip(left, right, strict=True)), arb(0)))
+        assert total(left).overlaps(sum(left, arb(0)))
     assert not broken_inclusions(dot, vectors, chance)
     assert not broken_inclusions(lambda terms: total(iter(terms)), (numbers(4, chance),), chance)
     assert all(up_to(arb(0.7, 0.1)).contains(arb(value)) for value in (0, 0.59, 0.7, 0.799))
@@ -101,8 +139,8 @@ def test_polynomials_near_a_point() -> None:
 
     assert not broken_inclusions(around, (numbers(5, chance), arb(0.4), arb(0.125)), chance, size=arb(1) / 4)
     polynomial = arb_poly(numbers(5, chance))
-    for sign in (-1, 1):
-        assert values_around(polynomial, arb(0.4), arb(0.125)).overlaps(polynomial(arb(0.4) + sign * arb(0.125)))
+    for end in (arb(0.4) - 0.125, arb(0.4) + 0.125):
+        assert values_around(polynomial, arb(0.4), arb(0.125)).overlaps(polynomial(end))
 
 
 @pytest.mark.parametrize("size", [1, 2, 3])
