@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from orbitproof.explore.names import examined
 from orbitproof.explore.refinement import Task
 from orbitproof.shared.formats import (
     KREIN_COLLISION,
@@ -28,6 +29,7 @@ def read_losses(path: Path, digits: int, kind: str = REVERSOR_BREAKING) -> list[
     if not listed:
         raise InputError(f"{path}: there is no complete list; make one with: orbitproof verify atlas --complete K")
     atlas = atlas_from_json(document["statement"]["atlas"], f"{path}: field statement.atlas")
+    examined(atlas.system, f"{path}: statement.atlas")
     if not isinstance(atlas, Atlas) or atlas.system.normalised:
         raise InputError(f"{path}: its orbits have no such claims; give the list of another curve")
     return tasks_of(atlas, listed, digits, kind)

@@ -18,6 +18,7 @@ from orbitproof.explore.atlases.complex_flow import LANES, ComplexArray, HalfRet
 from orbitproof.explore.atlases.expansion import Chart, ExpansionFailure, newton_on_curve
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
+from orbitproof.explore.names import examined
 from orbitproof.shared.formats import Atlas, InputError, Piece, read_atlas
 from orbitproof.shared.systems import REGULARISATIONS
 from orbitproof.shared.wording import counted
@@ -72,6 +73,7 @@ class JointCheck:
 def check_file(path: Path, quiet: bool) -> int:
     """Check an atlas file, print one line for each piece; returns the exit code. Raises `InputError`."""
     atlas = read_atlas(path)
+    examined(atlas.system, str(path))
     if atlas.is_surface:
         raise InputError(f"{path}: field claim.kind: {atlas.claim.kind}; this check is for curves")
     if isinstance(atlas, Atlas) and atlas.system.normalised:

@@ -16,6 +16,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from orbitproof.explore.names import examined
 from orbitproof.explore.records import Array, Entry, to_json
 from orbitproof.shared.formats import REVERSOR_BREAKING, read_document, read_system, validate_document, write_text
 from orbitproof.shared.systems import ReversibleSystem
@@ -142,6 +143,7 @@ def read_branches(path: Path) -> list[BranchRecord]:
 
 def _branch(value: Mapping[str, Any], source: str) -> BranchRecord:
     system, parameters = read_system(value, source)
+    examined(system, source)
     entry, size = Entry(source, system), len(system.centre_coordinates)
     loop = value["kind"] == REVERSOR_BREAKING
     sides = tuple(

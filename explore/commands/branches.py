@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands.common import add_command, add_output, add_quiet
 from orbitproof.shared.claims import REVERSOR_BREAKING
+from orbitproof.explore.names import examined
 from orbitproof.shared.formats import (
     Candidate,
     InputError,
@@ -91,6 +92,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--orbits {options.orbits}: give a whole number from 4 to 10000")
     known = {claim.candidate.id: claim for claim in read_claims(options.points)}
     claims = [known[name] for name in select_ids(known, options.only, "point")]
+    for claim in claims:
+        examined(claim.candidate.system, f"{options.points}: {claim.candidate.id}")
     check_writable(options.output)
     from orbitproof.explore.branches import write_branches
     from orbitproof.explore.engines import Reporter

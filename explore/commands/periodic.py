@@ -11,7 +11,14 @@ from typing import TYPE_CHECKING, Any
 from orbitproof.explore.commands import common
 from orbitproof.explore.commands.periodic_atlas import cover
 from orbitproof.explore.commands.periodic_branches import take_from_branches
-from orbitproof.explore.commands.periodic_claims import Along, ClaimStore, follow_families, kept_claims, refine_orbits
+from orbitproof.explore.commands.periodic_claims import (
+    Along,
+    ClaimStore,
+    follow_families,
+    kept_claims,
+    refine_orbits,
+    refuse_claims,
+)
 from orbitproof.explore.names import exact_number, given_values, own_system, section_of, symmetry_of
 from orbitproof.explore.seeds import TRIANGULAR
 from orbitproof.shared.formats import InputError, check_writable
@@ -19,7 +26,7 @@ from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import CR3BP, System
 
 if TYPE_CHECKING:
-    from orbitproof.explore.periodic import FoundOrbit, PeriodicRequest
+    from orbitproof.explore.periodic import FoundOrbit
 
 _EXAMPLES = """\
 examples:
@@ -168,11 +175,19 @@ def run(options: argparse.Namespace) -> int:
     if options.level is not None and system.first_integral_program is None:
         raise InputError(f"--level: {system.name} has no first integral; leave it out")
     level = None if options.level is None else exact_number("--level", options.level)
+    refuse_claims(system, {"-o": options.output, "--atlas": options.atlas})
     kept = kept_claims(options)
 
     # Only now: JAX takes a moment to load.
     from orbitproof.explore.engines import Reporter
-    from orbitproof.explore.periodic import AffineSection, PeriodicFailure, PeriodicRequest, described, find_periodic
+    from orbitproof.explore.periodic import (
+        AffineSection,
+        PeriodicFailure,
+        PeriodicRequest,
+        described,
+        find_periodic,
+        remarks,
+    )
 
     request = PeriodicRequest(
         system,
@@ -193,7 +208,7 @@ def run(options: argparse.Namespace) -> int:
         report.stage(f"looking for periodic orbits of {system.name}")
         try:
             for orbit in find_periodic(request, report.update):
-                for remark in _remarks(request, orbit):
+                for remark in remarks(request, orbit):
                     report.message(remark)
                 orbits.append(orbit)
                 lines += described(orbit)
@@ -219,29 +234,12 @@ def run(options: argparse.Namespace) -> int:
     return code
 
 
-def _remarks(request: PeriodicRequest, found: FoundOrbit) -> list[str]:
-    """How an orbit differs from the guess that it was corrected from, where that is worth telling."""
-    if request.period is None:
-        return []
-    remarks, name = [], request.system.name
-    times = round(request.period / found.orbit.period)
-    if times > 1:
-        remarks.append(f"{name}: the period given is {times} times that of the orbit, which is taken")
-    moved = found.orbit.distance_from(request.start) / max(found.orbit.size, *map(abs, request.start))
-    if moved > common.WORTH_TELLING:
-        remarks.append(
-            f"{name}: the orbit that was found is {moved:.1%} of its size away from the guess; "
-            "if another one is meant, give a closer guess"
-        )
-    return remarks
-
-
 def _start(
     options: argparse.Namespace, system: System, parameters: Mapping[str, Fraction]
 ) -> tuple[tuple[float, ...], float | None]:
     """Where to begin, and the period near that, if it is known. Raises `InputError`."""
     if options.triangular is None:
-        given = given_values("--start", options.start, system.state)
+        given = given_values("--start", options.start, system.given_state)
         return tuple(map(float, given.values())), options.period
     if system is not CR3BP:
         raise InputError(f"--triangular: {system.name} is not cr3bp; give --start")

@@ -74,8 +74,9 @@ def first_family(
 def _repetitions(problem: ShootingProblem, unknowns: Vector) -> int:
     """How often the orbit goes round in its period: its half period is so many times that of the orbit."""
     number = crossings(problem, problem.samples(unknowns))
-    size = 1.0 + float(np.abs(unknowns).max())
-    for times in range(min(number, _MOST_TIMES), 1, -1):
+    size = 1.0 + float(np.abs(unknowns[:-1]).max())
+    # It crosses equally often each time round; few times are tried even where the samples miss a crossing.
+    for times in (each for each in range(number, 1, -1) if number % each == 0 or each <= _MOST_TIMES):
         residual = problem.evaluate(np.append(unknowns[:-1], unknowns[-1] / times))[0]
         if float(np.max(np.abs(residual))) < _REPEATS * size:
             return times

@@ -9,6 +9,7 @@ from .compilation import compiling as compiling
 from .compilation import configure_jax as configure_jax
 from .compilation import use_accelerator as use_accelerator
 from .fields import field_of as field_of
+from .fields import given_field as given_field
 from .fields import power as power
 from .flow import FlowFailure as FlowFailure
 from .flow import FlowResult as FlowResult

@@ -16,7 +16,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from orbitproof.shared.systems import ReversibleSystem, with_functions
+from orbitproof.shared.systems import ReversibleSystem, System, with_functions
 
 LARGEST_HALF_INTEGER = 8
 
@@ -47,7 +47,7 @@ def _power_derivative(exponent: Fraction, primals: tuple[Any], tangents: tuple[A
     return value, slope * change
 
 
-def field_of(system: ReversibleSystem) -> Callable[[jax.Array, jax.Array], jax.Array]:
+def field_of(system: System) -> Callable[[jax.Array, jax.Array], jax.Array]:
     """The vector field, called with a state of shape (m, ...) and parameters (P, ...), returns shape (m, ...)."""
     program = system.program
 
@@ -56,6 +56,24 @@ def field_of(system: ReversibleSystem) -> Callable[[jax.Array, jax.Array], jax.A
         return jnp.stack(jnp.broadcast_arrays(*map(jnp.asarray, values)))
 
     return field
+
+
+def given_field(system: System) -> Callable[[jax.Array, jax.Array], jax.Array]:
+    """The vector field of the coordinates that are given, as it is written: those that are functions have their values.
+
+    Called with these, shape (G,), and parameters, shape (P,); returns shape (G,).
+    """
+    field, given = field_of(system), len(system.given_state)
+    if not system.defined:
+        return field
+    return lambda state, parameters: field(_with_functions(system, state, parameters), parameters)[:given]
+
+
+def _with_functions(system: System, state: jax.Array, parameters: jax.Array) -> jax.Array:
+    """The whole state for the coordinates that are given, shape (G, ...) or (m, ...), at parameters (P, ...)."""
+    places = [*state[: len(system.given_state)], *[0.0] * len(system.defined)]
+    found = with_functions(system, places, [*parameters], _FUNCTIONS, power=power)
+    return jnp.stack(jnp.broadcast_arrays(*map(jnp.asarray, found)))
 
 
 def family_parameter_index(system: ReversibleSystem) -> int | None:
@@ -84,12 +102,7 @@ def beginning(system: ReversibleSystem, initial: jax.Array, parameters: jax.Arra
     shifts = jnp.zeros((len(tangents), *parameters.shape))
     if index is not None:
         shifts = shifts.at[-1, index].set(1.0)
-
-    def complete(state: jax.Array, values: jax.Array) -> jax.Array:
-        found = with_functions(system, [*state], [*values], _FUNCTIONS, power=power)
-        return jnp.stack(jnp.broadcast_arrays(*map(jnp.asarray, found)))
-
-    value, push = jax.linearize(complete, initial, parameters)
+    value, push = jax.linearize(partial(_with_functions, system), initial, parameters)
     return jnp.concatenate([value[None], jax.vmap(push)(jnp.asarray(tangents), shifts)])
 
 

@@ -55,12 +55,12 @@ def section_of(
         return None
     left, sign, right = text.partition("=")
     if not sign or not left.strip() or not right.strip():
-        raise InputError(f"--section {text}: no equation; write for example {system.state[-1]}=1/2")
+        raise InputError(f"--section {text}: no equation; write for example {system.given_state[-1]}=1/2")
     offset = exact_number("--section, right side", right.strip())
 
     normal, constant = _linear(system, f"--section {text}", left)
     if not any(normal):
-        raise InputError(f"--section {text}: no coordinate is in it; there are {', '.join(system.state)}")
+        raise InputError(f"--section {text}: no coordinate is in it; there are {', '.join(system.given_state)}")
     return normal, offset - constant, -1 if direction == "-" else 1
 
 
@@ -68,8 +68,8 @@ def symmetry_of(system: System, text: str) -> tuple[tuple[Fraction, ...], ...]:
     """The rows of a linear map such as ``-x,-y,z``, the image of the state (x, y, z). Raises `InputError`."""
     option = f"--symmetry={text}"
     parts = text.split(",")
-    if len(parts) != len(system.state):
-        raise InputError(f"{option}: give the image of ({', '.join(system.state)}), one expression for each")
+    if len(parts) != len(system.given_state):
+        raise InputError(f"{option}: give the image of ({', '.join(system.given_state)}), one expression for each")
     rows = []
     for part in parts:
         row, constant = _linear(system, option, part)
@@ -81,11 +81,11 @@ def symmetry_of(system: System, text: str) -> tuple[tuple[Fraction, ...], ...]:
 
 def _linear(system: System, option: str, expression: str) -> tuple[tuple[Fraction, ...], Fraction]:
     """The coefficients of a linear expression in the state, and its constant. Raises `InputError`."""
-    names, size = ", ".join(system.state), len(system.state)
+    names, size = ", ".join(system.given_state), len(system.given_state)
 
     def value(point: Sequence[Fraction]) -> Fraction:
         try:
-            return Fraction(evaluate_formula(expression, dict(zip(system.state, point, strict=True))))
+            return Fraction(evaluate_formula(expression, dict(zip(system.given_state, point, strict=True))))
         except (FormulaError, TypeError, ZeroDivisionError) as error:
             raise InputError(f"{option}: {error}; write a linear expression in {names}") from None
 
@@ -97,5 +97,5 @@ def _linear(system: System, option: str, expression: str) -> tuple[tuple[Fractio
         tuple(Fraction(-i - 1, 7) for i in range(size)),
     ):
         if value(point) != constant + sum((a * x for a, x in zip(slopes, point, strict=True)), Fraction(0)):
-            raise InputError(f"{option}: {expression} is not linear; write one such as {system.state[0]}+2*..")
+            raise InputError(f"{option}: {expression} is not linear; write one such as {system.given_state[0]}+2*..")
     return slopes, constant

@@ -37,6 +37,7 @@ from .search import described as described
 from .search import find_periodic as find_periodic
 from .search import followed as followed
 from .search import refined as refined
+from .search import remarks as remarks
 from .section import AffineSection as AffineSection
 from .section import map_derivative as map_derivative
 from .section import suggested as suggested

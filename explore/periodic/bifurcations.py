@@ -14,7 +14,7 @@ from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure,
 from orbitproof.explore.periodic.detection import BRANCH, DOUBLING, FOLD, PITCHFORK, TORUS, Bifurcation
 from orbitproof.explore.periodic.extended import ExtendedSystem
 from orbitproof.explore.periodic.flow import Matrix, Vector, arc_of, stretching, velocity_at
-from orbitproof.explore.periodic.refinement import Solution, box_exponent, newton_with_digits
+from orbitproof.explore.periodic.refinement import Solution, box_exponent, newton_with_digits, refuse_functions
 from orbitproof.explore.periodic.section import AffineSection, map_derivative, suggested
 from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.claims import (
@@ -72,6 +72,7 @@ def refine_bifurcation(
     """
     if found.kind == BRANCH:
         raise RefinementFailure("a branch point without a symmetry that explains it is no claim")
+    refuse_functions(found.problem.system)
     try:
         start = _start(found, section)
     except (FlowFailure, PeriodicFailure) as failure:

@@ -223,7 +223,7 @@ def family_described(family: PeriodicFamily) -> list[str]:
     ]
     if family.born is not None:
         lines[0] = f"born at the {family.born.kind} at {family.name} = {family.born.member.value:.10g}: {lines[0]}"
-    names = family.problem.system.state
+    names = family.problem.system.given_state
     for each in family.bifurcations:
         orbit, value = each.member.orbit, each.multiplier
         shown = f"{value.real:.8g}" if is_real(value) else f"{value.real:.8g} + {abs(value.imag):.8g}i"
@@ -239,7 +239,7 @@ def family_csv(family: PeriodicFamily) -> str:
     """The orbits of a family as a table, an orbit a line, in order along the family."""
     system = family.problem.system
     count = max(len(each.orbit.multipliers) for each in family.members)
-    head = [family.name.replace(",", " "), "period", *system.state]
+    head = [family.name.replace(",", " "), "period", *system.given_state]
     head += [f"multiplier{number} {part}" for number in range(1, count + 1) for part in ("real", "imaginary")]
     rows = [",".join(head)]
     for each in family.members:

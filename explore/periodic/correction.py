@@ -6,7 +6,7 @@ are more equations than unknowns, which are solved in the sense of least squares
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -14,7 +14,16 @@ from functools import cache
 import numpy as np
 
 from orbitproof.explore.flow import FlowFailure
-from orbitproof.explore.periodic.flow import SAMPLES, Arc, Matrix, Vector, arc_of, velocity_at
+from orbitproof.explore.periodic.flow import (
+    SAMPLES,
+    Arc,
+    Matrix,
+    Vector,
+    arc_of,
+    slopes_of_state,
+    velocity_at,
+    whole_state,
+)
 from orbitproof.explore.periodic.section import AffineSection
 from orbitproof.shared.systems import Program, System, with_slope
 
@@ -24,9 +33,15 @@ _STALLED, _STALLED_TOLERANCE = 4, 1e-7
 """Steps below this that have not become shorter for so many in a row are rounding, as for orbits near a double one."""
 _LONGEST = 0.2
 """Of a step, relative to the size of the orbit."""
-_MOST_TIMES = 12
-_CLOSES = 1e-5
 _REPEATS = 1e-6
+"""How far an orbit may be from closing, relative to its size."""
+_PASSES, _RETURNS = 0.05, 0.01
+"""Distances from a point, relative to the size of the orbit, at which it passes by: as samples tell that are far apart,
+and close together."""
+_BENDS, _SHARE = 0.1, 16
+"""Samples are close enough if chords between them differ from the flow by less than this, as a rule; else this part of
+the time is looked at."""
+_LONGER, _LAST, _LOOKED_AT = 1.01, 0.75, 64
 _EQUILIBRIUM = 1e-7
 
 
@@ -53,16 +68,20 @@ class PeriodicProblem:
     def level(self, point: Sequence[float] | Vector, values: Vector) -> float | None:
         """The first integral at a point."""
         program = self.system.first_integral_program
-        return None if program is None else float(program.evaluate([*map(float, point), *map(float, values)])[0])
+        if program is None:
+            return None
+        return float(program.evaluate([*whole_state(self.system, point, values), *map(float, values)])[0])
 
     def level_slopes(self, point: Vector, values: Vector) -> tuple[Vector, Vector]:
         """Derivatives of the first integral in the state and in the parameters."""
         program = self.system.first_integral_program
         assert program is not None
-        inputs = np.array([*point, *values], dtype=float)
+        inputs = np.array([*whole_state(self.system, point, values), *values], dtype=float)
         with np.errstate(all="ignore"):
-            slopes = [float(both.evaluate(list(inputs))[1]) for both in _slopes_of(program)]
-        return np.array(slopes[: len(point)]), np.array(slopes[len(point) :])
+            slopes = np.array([float(both.evaluate(list(inputs))[1]) for both in _slopes_of(program)])
+        if self.system.defined:
+            slopes = slopes @ slopes_of_state(self.system, point, values)
+        return slopes[: len(point)], slopes[len(point) :]
 
 
 @cache
@@ -166,7 +185,9 @@ def correct(
             before, shortest = length, min(shortest, length)
         else:
             raise PeriodicFailure(f"Newton's method did not converge in {_MOST_STEPS} steps (last step {length:.1e})")
-        for least in (_least_period(arc, x, time, size), time):
+        if size < _EQUILIBRIUM * max(1.0, float(np.max(np.abs(x)))):
+            raise PeriodicFailure("Newton's method found an equilibrium")
+        for least in (*_shorter_periods(problem, arc, x, time, size), time):
             found = _closed(problem, x, least, values, length)
             if np.max(np.abs(found.arc.end - x)) < _REPEATS * size:
                 return found
@@ -186,17 +207,38 @@ def _phase(problem: PeriodicProblem, x: Vector, section: AffineSection | None) -
     return velocity / speed, float(velocity @ x) / speed
 
 
-def _least_period(arc: Arc, x: Vector, time: float, size: float) -> float:
-    """The period without repetitions, as far as the samples tell."""
-    if size < _EQUILIBRIUM * max(1.0, float(np.max(np.abs(x)))):
-        raise PeriodicFailure("Newton's method found an equilibrium")
-    for times in range(_MOST_TIMES, 1, -1):
-        place = (SAMPLES - 1) / times
-        low = int(place)
-        near = arc.samples[low] + (place - low) * (arc.samples[low + 1] - arc.samples[low])
-        if np.max(np.abs(near - x)) < max(_CLOSES, (4 * times / SAMPLES) ** 2) * size:
-            return time / times
-    return time
+def _shorter_periods(problem: PeriodicProblem, arc: Arc, x: Vector, time: float, size: float) -> Iterator[float]:
+    """Parts of a period after which the orbit may be back at x already, the shortest first: it passes by there."""
+    span = time
+    if _bending(problem, arc, time) > _BENDS:
+        span = time / _SHARE
+        arc = arc_of(problem.system, x, span, problem.values)
+    for moment in _passes(problem, arc, x, span, _PASSES * size):
+        if moment > _LAST * time:
+            return
+        # Once more with all samples for one revolution, so that many of them are counted without a mistake.
+        near = arc_of(problem.system, x, _LONGER * moment, problem.values)
+        for found in _passes(problem, near, x, _LONGER * moment, _RETURNS * size):
+            if abs(found - moment) < (_LONGER - 1) * moment:
+                yield time / round(time / found)
+
+
+def _bending(problem: PeriodicProblem, arc: Arc, time: float) -> float:
+    """The median part by which chords between samples differ from the flow along them."""
+    step, places = time / (SAMPLES - 1), range(0, SAMPLES - 1, SAMPLES // _LOOKED_AT)
+    flown = step * np.array([velocity_at(problem.system, arc.samples[i], problem.values) for i in places])
+    apart = np.linalg.norm(np.diff(arc.samples, axis=0)[places] - flown, axis=1)
+    return float(np.median(apart / np.maximum(np.linalg.norm(flown, axis=1), np.finfo(float).tiny)))
+
+
+def _passes(problem: PeriodicProblem, arc: Arc, x: Vector, time: float, distance: float) -> list[float]:
+    """When an orbit that begins at x crosses the plane across the flow there again, at most so far from x."""
+    heights = (arc.samples - x) @ velocity_at(problem.system, x, problem.values)
+    where = np.flatnonzero((heights[:-1] < 0) & (heights[1:] >= 0))
+    share = heights[where] / (heights[where] - heights[where + 1])
+    points = arc.samples[where] + share[:, None] * (arc.samples[where + 1] - arc.samples[where])
+    near = np.max(np.abs(points - x), axis=1) < distance
+    return list((where + share)[near] * time / (SAMPLES - 1))
 
 
 def _closed(problem: PeriodicProblem, x: Vector, time: float, values: Vector, error: float) -> ClosedOrbit:

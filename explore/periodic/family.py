@@ -60,7 +60,9 @@ class Family:
     def conservative(self) -> bool:
         """Whether multipliers are taken to come in pairs mu, 1/mu: with an integral, or without divergence in R^3."""
         system = self.problem.system
-        return system.first_integral_program is not None or (len(system.state) == 3 and keeps_volume(self.problem))
+        return system.first_integral_program is not None or (
+            len(system.given_state) == 3 and keeps_volume(self.problem)
+        )
 
     def values(self, z: Vector) -> Vector:
         """All parameters at the unknowns z."""

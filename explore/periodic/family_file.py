@@ -85,7 +85,7 @@ def record_of(family: PeriodicFamily) -> PeriodicFamilyRecord:
     return PeriodicFamilyRecord(
         STATUS,
         system.name,
-        system.state,
+        system.given_state,
         fixed,
         family.name,
         over_levels,

@@ -1,11 +1,13 @@
 """The flow of any vector field in float64, with its derivatives in the initial state and in all parameters.
 
-diffrax integrates; compiled once for each system. Derivatives count when the steps are chosen: without a symmetry that
+diffrax integrates; compiled once for each system. States have the given coordinates alone: those that are functions of
+others (`System.defined`) follow from them. Derivatives count when the steps are chosen: without a symmetry that
 halves the way, they may grow a thousandfold over a period.
 """
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -16,12 +18,14 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from orbitproof.explore.flow import FlowFailure, compiled, configure_jax, field_of, integrate
-from orbitproof.shared.systems import System
+from orbitproof.explore.flow import FlowFailure, compiled, configure_jax, given_field, integrate
+from orbitproof.shared.systems import System, functions_in_floats, with_functions
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
+_COMPLEX = {"sin": cmath.sin, "cos": cmath.cos, "exp": cmath.exp, "log": cmath.log}
+_STEP = 1e-30
 SAMPLES = 2048
 """States at equal times that an integration keeps, both ends included."""
 
@@ -70,7 +74,24 @@ def arc_of(system: System, point: Sequence[float] | Vector, time: float, paramet
 
 def velocity_at(system: System, point: Sequence[float] | Vector, parameters: Sequence[float]) -> Vector:
     """The vector field at a point, shape (N,)."""
-    return np.array([float(value) for value in system.program.evaluate([*map(float, point), *map(float, parameters)])])
+    rates = system.program.evaluate([*whole_state(system, point, parameters), *map(float, parameters)])
+    return np.array([float(value) for value in rates[: len(system.given_state)]])
+
+
+def whole_state(system: System, point: Sequence[float] | Vector, parameters: Sequence[float] | Vector) -> list[float]:
+    """The state with the coordinates that are functions of others, at a point that is given without them."""
+    values = [float(value) for value in parameters]
+    return functions_in_floats(system, [*map(float, point), *[0.0] * len(system.defined)], values)
+
+
+def slopes_of_state(system: System, point: Vector, parameters: Vector) -> Matrix:
+    """Derivatives of the whole state and the parameters in the given state and the parameters, by complex steps."""
+    inputs, given, rows = np.append(point, parameters).astype(complex), len(point), []
+    for shift in np.eye(len(inputs)) * 1j * _STEP:
+        state, values = np.split(inputs + shift, [given])
+        whole = with_functions(system, [*state, *[0j] * len(system.defined)], values, _COMPLEX)
+        rows.append(np.array([*whole, *values]).imag / _STEP)
+    return np.array(rows).T
 
 
 def stretching(system: System, states: Matrix, parameters: Sequence[float]) -> float:
@@ -88,12 +109,12 @@ def growth_of_bounds(system: System, states: Matrix, parameters: Sequence[float]
 
 def _slopes(system: System, states: Matrix, parameters: Sequence[float]) -> Matrix:
     """Df at each state, shape (states, N, N)."""
-    field, values = field_of(system), jnp.asarray(parameters, dtype=float)
+    field, values = given_field(system), jnp.asarray(parameters, dtype=float)
     return np.asarray(jax.vmap(jax.jacfwd(lambda state: field(state, values)))(jnp.asarray(states)))
 
 
 def _integrator(system: System) -> Callable[..., Any]:
-    field, m, count = field_of(system), len(system.state), len(system.parameters)
+    field, m, count = given_field(system), len(system.given_state), len(system.parameters)
     shifts = jnp.concatenate([jnp.zeros((m, count)), jnp.eye(count)])
 
     def run(initial: jax.Array, time: jax.Array, parameters: jax.Array) -> tuple[jax.Array, ...]:

@@ -75,11 +75,20 @@ def digits_of_centre(growth: float) -> int:
     return min(_MOST_DIGITS, ceil((growth + _KNOWN_DIGITS - _BOX_DIGITS) / _BOX_SHARE))
 
 
+def refuse_functions(system: System) -> None:
+    """Raises `RefinementFailure` for a system of which there are no claims without symmetry."""
+    if system.defined:
+        raise RefinementFailure(
+            f"without symmetry there are no claims about systems such as {system.name}, with sin, cos, exp or log"
+        )
+
+
 def refine_periodic(task: PeriodicTask, progress: Progress | None = None) -> PeriodicOrbit:
     """The orbit to many digits, with the box in which it is to be proved.
 
     Raises `RefinementFailure`, one line, if Newton's method does not converge near the guess.
     """
+    refuse_functions(task.system)
     unknowns = [Fraction(value) for value in (*task.point, task.period)]
     found = newton_with_digits(
         lambda each, context: _linearised(task, each, context), unknowns, task.digits, _FARTHEST, progress

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
+from itertools import chain
 from typing import overload
 
 from orbitproof.explore.engines import Reporter
@@ -12,7 +13,7 @@ from orbitproof.explore.periodic.atlas import cover_curve
 from orbitproof.explore.periodic.bifurcations import refine_bifurcation
 from orbitproof.explore.periodic.continuation import PeriodicFamily, StepControl
 from orbitproof.explore.periodic.detection import Bifurcation
-from orbitproof.explore.periodic.search import FOLLOWED, FoundOrbit, PeriodicRequest, followed, refined
+from orbitproof.explore.periodic.search import FOLLOWED, FoundOrbit, PeriodicRequest, followed, refined, remarks
 from orbitproof.explore.periodic.search import find_periodic as found_orbits
 from orbitproof.explore.periodic.section import AffineSection
 from orbitproof.shared.claims import PeriodicAtlas, PeriodicBifurcation, PeriodicOrbit
@@ -40,7 +41,8 @@ def find_periodic(
 
     Arguments:
         system: from `shared.load_system` or `shared.define_system`, or one of `shared`.
-        start: all coordinates of the state by name: near the orbit, or a point whose orbit is followed.
+        start: all coordinates of the state by name, without functions of others: near the orbit, or a point whose
+            orbit is followed.
         parameters: all parameters of the vector field by name, exact: `Fraction`, int, or text such as "1/3".
         period: near that of the orbit: Newton's method at once. `None`: the orbit of `start` is followed until it
             nearly repeats.
@@ -54,7 +56,7 @@ def find_periodic(
     """
     try:
         exact = given_values("parameters", _words(parameters or {}), tuple(system.parameters))
-        place = given_values("start", _words(start), system.state)
+        place = given_values("start", _words(start), system.given_state)
         chosen = section_of(system, section, direction)
         value = None if level is None else exact_number("level", str(level))
     except InputError as error:
@@ -72,7 +74,10 @@ def find_periodic(
     )
     with Reporter(quiet) as report:
         report.stage(f"looking for periodic orbits of {system.name}")
-        return list(found_orbits(request, report.update))
+        found = list(found_orbits(request, report.update))
+        for line in chain.from_iterable(remarks(request, orbit) for orbit in found):
+            report.message(line)
+    return found
 
 
 def follow_periodic(
@@ -186,6 +191,10 @@ def periodic_atlas(
     is_level = varies == "level" and system.first_integral_program is not None
     if not (varies in system.parameters or is_level) or not low < high:
         raise ValueError(f"along: {varies!r} is nothing that varies in {system.name}, or the interval is empty")
+    if system.defined:
+        raise ValueError(
+            f"found: without symmetry there are no claims about systems such as {system.name}, with functions"
+        )
     with Reporter(quiet) as report:
         report.stage(f"covering the curve in {varies}")
         return cover_curve(

@@ -21,11 +21,13 @@ from orbitproof.explore.periodic.symmetries import Symmetry, is_symmetry
 from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.formats import PeriodicOrbit
 from orbitproof.shared.systems import System
+from orbitproof.shared.wording import counted
 
 FOLLOWED = 100.0
 """Time for which an orbit is followed if nothing else is said."""
 _SAMPLED = 4000
 _LEVEL_DIGITS = 12
+_WORTH_TELLING = 0.01
 _EVERY = 16
 """Every so many states of an orbit tell how bounds grow along it."""
 
@@ -36,7 +38,7 @@ class PeriodicRequest:
 
     Attributes:
         parameters: all of the system's, exact.
-        start: shape (N,), where to begin.
+        start: shape (N,), where to begin, without coordinates that are functions of others.
         period: near that of the orbit; `None`: the orbit of the start is followed until it nearly repeats.
         section: `None` for one that suits the orbit.
         level: of the first integral, exact; `None` for that of the start, to 12 digits.
@@ -177,11 +179,28 @@ def _claimed(
     return FoundOrbit(problem, moved, chosen, len(chosen.crossings(moved.loop)), level)
 
 
+def remarks(request: PeriodicRequest, found: FoundOrbit) -> list[str]:
+    """How an orbit differs from the guess that it was corrected from, where that is worth telling."""
+    if request.period is None:
+        return []
+    said, name = [], request.system.name
+    times = round(request.period / found.orbit.period)
+    if times > 1:
+        said.append(f"{name}: the period given is {times} times that of the orbit, which is taken")
+    moved = found.orbit.distance_from(request.start) / max(found.orbit.size, *map(abs, request.start))
+    if moved > _WORTH_TELLING:
+        said.append(
+            f"{name}: the orbit that was found is {moved:.1%} of its size away from the guess; "
+            "if another one is meant, give a closer guess"
+        )
+    return said
+
+
 def described(found: FoundOrbit) -> list[str]:
     """An orbit in lines."""
     system, orbit = found.problem.system, found.orbit
-    place = ", ".join(f"{name} = {value:.12g}" for name, value in zip(system.state, orbit.point, strict=True))
-    lines = [f"period {orbit.period:.14g}, {found.crossings} crossings of the section", f"  point: {place}"]
+    place = ", ".join(f"{name} = {value:.12g}" for name, value in zip(system.given_state, orbit.point, strict=True))
+    lines = [f"period {orbit.period:.14g}, {counted(found.crossings, 'crossing')} of the section", f"  point: {place}"]
     shown = ", ".join(_complex(value) for value in orbit.multipliers) or "none"
     trivial = "1" if orbit.level is None else "1, 1"
     lines.append(f"  multipliers other than {trivial}: {shown}")

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicProblem
-from orbitproof.explore.periodic.flow import Matrix, arc_of
-from orbitproof.shared.systems import System
+from orbitproof.explore.periodic.flow import Matrix, arc_of, velocity_at
 
 _MOST_PERMUTED = 6
 """Up to so many coordinates permutations are tried too, beyond it changes of sign alone."""
@@ -94,9 +93,9 @@ def is_symmetry(problem: PeriodicProblem, rows: Sequence[Sequence[Fraction]], pa
 
 def linear_symmetries(problem: PeriodicProblem, parameter: str | None) -> tuple[Symmetry, ...]:
     """The signed permutations that are symmetries of a system for all values of a parameter (`None`: of none)."""
-    points = _points(len(problem.system.state))
+    points = _points(len(problem.system.given_state))
     found = []
-    for matrix in _involutions(len(problem.system.state)):
+    for matrix in _involutions(len(problem.system.given_state)):
         if _commutes(problem, matrix, parameter, points):
             found.append(Symmetry(tuple(tuple(Fraction(int(value)) for value in row) for row in matrix)))
     return tuple(found)
@@ -104,13 +103,13 @@ def linear_symmetries(problem: PeriodicProblem, parameter: str | None) -> tuple[
 
 def keeps_volume(problem: PeriodicProblem) -> bool:
     """Whether the vector field has no divergence at some points."""
-    points, step = _points(len(problem.system.state)), 1e-4
+    points, step = _points(len(problem.system.given_state)), 1e-4
     try:
         for point in points:
             terms = []
             for i in range(len(point)):
                 shift = step * np.eye(len(point))[i]
-                ahead, back = (_field(problem.system, point + sign * shift, problem.values) for sign in (1, -1))
+                ahead, back = (velocity_at(problem.system, point + sign * shift, problem.values) for sign in (1, -1))
                 terms.append((ahead[i] - back[i]) / (2 * step))
             if abs(sum(terms)) > _FLAT * (1 + sum(map(abs, terms))):
                 return False
@@ -160,7 +159,7 @@ def _commutes(problem: PeriodicProblem, matrix: Matrix, parameter: str | None, p
             values[names.index(parameter)] *= 1 + number * _MOVE
             values[names.index(parameter)] += number * _MOVE
         try:
-            left, right = _field(system, matrix @ point, values), matrix @ _field(system, point, values)
+            left, right = velocity_at(system, matrix @ point, values), matrix @ velocity_at(system, point, values)
             gaps = [np.max(np.abs(left - right)) / (1 + np.max(np.abs(right)))]
             if system.first_integral_program is not None:
                 image, here = problem.level(matrix @ point, values), problem.level(point, values)
@@ -170,10 +169,6 @@ def _commutes(problem: PeriodicProblem, matrix: Matrix, parameter: str | None, p
         if not all(gap < _AGREES for gap in gaps):
             return False
     return True
-
-
-def _field(system: System, point: Matrix, values: Matrix) -> Matrix:
-    return np.array([float(value) for value in system.program.evaluate([*map(float, point), *map(float, values)])])
 
 
 def invariance(problem: PeriodicProblem, orbit: ClosedOrbit, symmetry: Symmetry) -> int | None:

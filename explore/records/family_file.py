@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from orbitproof.explore.names import examined
 from orbitproof.explore.records.entries import Array, Entry, to_json
 from orbitproof.shared.formats import read_document, read_system, validate_document, write_text
 from orbitproof.shared.systems import ReversibleSystem
@@ -146,6 +147,7 @@ def read_families(path: Path) -> list[FamilyRecord]:
 
 def _family(value: Mapping[str, Any], source: str) -> FamilyRecord:
     system, parameters = read_system(value, source)
+    examined(system, source)
     entry = Entry(source, system)
     if value["symmetry"] is not None and value["symmetry"] not in system.symmetries:
         entry.refuse("symmetry", f"{system.name} has no symmetry {value['symmetry']!r}")

@@ -14,6 +14,7 @@ from orbitproof.explore.branches import NoBranch, branch_point, numbered, read_b
 from orbitproof.explore.catalogues import Catalogue, correct_catalogue, read_catalogue
 from orbitproof.explore.flow import Vector
 from orbitproof.explore.masses import read_curves
+from orbitproof.explore.names import examined
 from orbitproof.explore.orbits import ShootingProblem
 from orbitproof.explore.periodic import read_periodic_family
 from orbitproof.explore.records import FamilyRecord, read_families
@@ -70,6 +71,7 @@ def find_orbit(path: Path, choice: Choice) -> SourceOrbit:
     if kind not in _READERS:
         raise InputError(f"{path}: holds {kind}; {_REMEDY}")
     found = _READERS[kind](path, choice)
+    examined(found.system, str(path))
     known = UNITS.get(found.parameters.get("mu", Fraction(0)))
     if known is not None and found.system in (*THREE_BODY, CR3BP_PLANAR):
         units = found.units or units_of(found.parameters["mu"])

@@ -73,9 +73,8 @@ def under_reversor(system: System, reversor: str, source: str) -> ReversibleSyst
 
 def _tried(entry: Mapping[str, Any], source: str) -> System:
     try:
-        if isinstance(entry, Mapping) and "R" not in entry and "section" not in entry:
-            return described_plainly(entry)
-        system = described(entry)
+        plain = isinstance(entry, Mapping) and "R" not in entry and "section" not in entry
+        system: System = described_plainly(entry) if plain else described(entry)
     except DescriptionError as error:
         raise InputError(f"{source}{error}") from None
     wrong = fault(system)

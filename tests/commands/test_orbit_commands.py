@@ -298,6 +298,23 @@ def test_half_periods_that_go_round_twice_and_guesses_that_are_moved_are_told(
     assert "the orbit that was found starts" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("times", [13, 34])
+def test_the_least_half_period_is_found_of_any_multiple(times: int, capsys: pytest.CaptureFixture[str]) -> None:
+    words = [
+        "orbit",
+        "--system",
+        str(DATA.parents[1] / "docs" / "examples" / "henon-heiles.py"),
+        "--start",
+        "y=0.0939044893",
+        "vx=0.10355806157",
+    ]
+    assert explore([*words, "--half-period", str(3.131862672256 * times)]) == 0
+    found = capsys.readouterr()
+    assert f"the half period given is {times} times that of the orbit" in found.err
+    assert "half period  3.1318626722" in found.out
+    assert "1 in the half period" in found.out
+
+
 def test_a_period_that_no_orbit_has_is_not_found(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["orbit", "--from-family", str(FAMILY), "--period", "7", "-o", str(tmp_path / "out.json"), "--quiet"]
     assert explore(words) == 1

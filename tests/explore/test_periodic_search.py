@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from fractions import Fraction
 from math import exp, pi
 from pathlib import Path
@@ -20,9 +21,11 @@ from orbitproof.explore.periodic import (
     find_periodic,
     map_derivative,
     refined,
+    remarks,
 )
 from orbitproof.explore.periodic.flow import growth_of_bounds, stretching
 from orbitproof.explore.periodic.refinement import digits_of_centre
+from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.formats import define_system, read_claims
 
 LORENZ = """\
@@ -150,6 +153,94 @@ def test_orbits_are_found_and_refined_from_python() -> None:
     assert claim.id == "cycle"
     with pytest.raises(ValueError, match="start: w is missing"):
         explore.find_periodic(HOPF, {"x": 1.1, "y": 0}, parameters={"c": "1/4"}, quiet=True)
+
+
+VAN_DER_POL = define_system(
+    {"name": "van-der-pol", "state": "x y", "parameters": "m", "field": {"x": "y", "y": "m*(1 - x**2)*y - x"}}
+)
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "least", "times"),
+    [(1, 6.6632868593231, 2), (1, 6.6632868593231, 15), (1, 6.6632868593231, 17), (3, 8.859095499693, 5)],
+)
+def test_the_least_period_is_found_of_any_multiple(stiffness: int, least: float, times: int) -> None:
+    parameters = {"m": Fraction(stiffness)}
+    request = PeriodicRequest(VAN_DER_POL, parameters, (2.0, 0.0), period=least * times * 1.0005)
+    (found,) = find_periodic(request, _nothing)
+    assert found.orbit.period == pytest.approx(least, abs=1e-9)
+    assert found.crossings == 1
+    assert f"the period given is {times} times that of the orbit" in remarks(request, found)[0]
+
+
+def test_the_least_period_is_found_where_samples_are_few() -> None:
+    slow = {"x": "-y + x*(1 - x**2 - y**2)/1000", "y": "x + y*(1 - x**2 - y**2)/1000"}
+    problem = PeriodicProblem(define_system({"name": "slow", "state": "x y", "field": slow}), {})
+    for times in (61, 100):
+        assert correct(problem, [1.001, 0.0], 2.0001 * pi * times).period == pytest.approx(2 * pi, abs=1e-12)
+
+
+def test_an_orbit_that_nearly_repeats_keeps_its_period() -> None:
+    # At c = 2.83 the orbit with two loops has just been born at a period doubling.
+    rates = {"x": "-y - z", "y": "x + y/5", "z": "1/5 + z*(x - c)"}
+    system = define_system({"name": "roessler", "state": "x y z", "parameters": "c", "field": rates})
+    request = PeriodicRequest(system, {"c": Fraction("2.8337")}, (3.0, 0.0, 0.0), transient=2000.0, returns=2)
+    periods = sorted(found.orbit.period for found in find_periodic(request, _nothing))
+    assert periods[-1] == pytest.approx(2 * periods[0], rel=1e-2)
+    assert len(periods) == 2
+
+
+SWING_ENTRY = {
+    "name": "swing", "state": ["x", "y"], "parameters": {"e": [None, None]},
+    "field": {"x": "y", "y": "-sin(x) - e*y*(y**2/2 - cos(x))"},
+}  # fmt: skip
+SWING = define_system(SWING_ENTRY)
+"""For e > 0 all orbits with energy below 1, but for the equilibrium, go to y^2/2 = cos(x): period 4 K(1/sqrt 2)."""
+CYCLE = 7.41629870920548767
+
+
+def test_the_only_limit_cycle_of_a_pendulum_is_found_from_given_states(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (followed,) = find_periodic(PeriodicRequest(SWING, {"e": Fraction(1, 10)}, (1.0, 0.0)), _nothing)
+    assert followed.orbit.period == pytest.approx(CYCLE, abs=1e-12)
+    x, y = followed.orbit.point
+    assert y**2 / 2 == pytest.approx(np.cos(x), abs=1e-12)
+    # The multiplier is exp(-e int y^2 dt), the integral over half the cycle by quadrature.
+    angles = np.linspace(-pi / 2, pi / 2, 200001)
+    action = 2 * np.trapezoid(np.sqrt(2 * np.cos(angles)), angles)
+    assert followed.orbit.multipliers == pytest.approx([exp(-action / 10)], abs=1e-6)
+    path = tmp_path / "swing.json"
+    path.write_text(json.dumps({"format": "orbitproof-system", "version": 1, **SWING_ENTRY}))
+    words = ["periodic", "--system", str(path), "--parameter", "e=1/10", "--quiet", "--start", "x=2", "y=0"]
+    assert main([*words, "--period", "7"]) == 0
+    assert "period 7.4162987092055, 1 crossing of" in capsys.readouterr().out
+    assert main([*words, "sin_x=1", "cos_x=0"]) == 2
+    assert "--start sin_x: there is no such name; there are x, y" in capsys.readouterr().err
+    for option in ("-o", "--atlas"):
+        assert main([*words, "--along", "e", "0.05", "0.2", option, str(tmp_path / "out.json")]) == 2
+        assert "there are no claims about systems with sin, cos, exp or log, here sin_x" in capsys.readouterr().err
+    with pytest.raises(RefinementFailure, match="there are no claims"):
+        explore.refine_periodic(followed, quiet=True)
+    with pytest.raises(ValueError, match="there are no claims"):
+        explore.periodic_atlas(followed, ("e", 0.05, 0.2), quiet=True)
+
+
+def test_a_family_of_orbits_of_a_pendulum_is_followed(tmp_path: Path) -> None:
+    (found,) = find_periodic(PeriodicRequest(SWING, {"e": Fraction(1, 10)}, (1.5, 0.0), period=7.4), _nothing)
+    (family,) = explore.follow_periodic(found, "e", (0.05, 0.2), quiet=True)
+    assert [each.orbit.period for each in family.members] == pytest.approx([CYCLE] * len(family.members), abs=1e-9)
+    assert not family.bifurcations
+
+
+def test_a_first_integral_with_functions_has_its_slopes_in_given_states() -> None:
+    entry = {"name": "free", "state": "x y", "parameters": "g", "field": {"x": "y", "y": "-g*sin(x)"}}
+    system = define_system({**entry, "first_integral": "y**2/2 - g*cos(x)"})
+    problem = PeriodicProblem(system, {"g": Fraction(1)})
+    by_state, by_parameters = problem.level_slopes(np.array([0.7, 0.3]), problem.values)
+    assert [*by_state, *by_parameters] == pytest.approx([np.sin(0.7), 0.3, -np.cos(0.7)], abs=1e-15)
+    orbit = correct(problem, [1.5, 0.01], 7.3, level=0.0)
+    assert orbit.period == pytest.approx(CYCLE, abs=1e-9)
 
 
 @pytest.mark.parametrize(

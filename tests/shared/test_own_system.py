@@ -21,6 +21,7 @@ from orbitproof.shared.systems import (
     FormulaError,
     describe,
     described,
+    described_plainly,
     evaluate_formula,
     fault,
 )
@@ -291,6 +292,32 @@ def test_a_search_asks_for_the_symmetry(tmp_path: Path, capsys: pytest.CaptureFi
         load_system(f"{path}:other")
 
 
+PULL = "(x**2 + y**2)**(-3/2)"
+INTEGRALS = [
+    ({"x": "y", "y": "-x"}, "x**2 + y**2", "x + y"),
+    ({"x": "y", "y": "-x"}, "x**2 + y**2", "x**2 + y**2*1.0000000001"),
+    ({"x": "y", "y": "-sin(x)"}, "y**2/2 - cos(x)", "y**2/2 - cos(x)**2"),
+    ({"x": "y", "y": "-sin(100*x)"}, "50*y**2 - cos(100*x)", "50*y**2 + cos(100*x)"),
+    ({"x": "x*(1 - y)", "y": "y*(x - 1)"}, "x + y - log(x) - log(y)", "x + y - log(x) + log(y)"),
+    ({"x": "y", "y": "exp(-x)*log(3) - exp(x)"}, "y**2/2 + exp(x) + exp(-x)*log(3)", "y**2/2 + exp(x) + exp(-x)"),
+    (
+        {"x": "u", "y": "v", "u": f"-x*{PULL}", "v": f"-y*{PULL}"},
+        "(u**2 + v**2)/2 - 1/sqrt(x**2 + y**2)",
+        "(u**2 + v**2)/2 - 1/(x**2 + y**2)**(1/3)",
+    ),
+]
+
+
+@pytest.mark.parametrize(("field", "integral", "none"), INTEGRALS)
+def test_a_first_integral_that_changes_along_the_field_is_refused(
+    field: dict[str, str], integral: str, none: str
+) -> None:
+    entry = {"name": "moving", "state": " ".join(field), "field": field}
+    assert define_system({**entry, "first_integral": integral}).first_integral is not None
+    with pytest.raises(InputError, match="^first_integral: it is not conserved: its rate of change is"):
+        define_system({**entry, "first_integral": none})
+
+
 WAVES = {
     "name": "waves", "state": "x y z", "parameters": "a", "where": {"r": "exp(-x**2)", "u": "r*y/(2 + z)"},
     "field": {"x": "sin(u) + cos( u )", "y": "log(2 + cos(0.12345678901234567890123*x))", "z": "exp(sin(a)*z)/2"},
@@ -308,7 +335,7 @@ def true_values(state: list[float], a: float) -> tuple[dict[str, float], list[fl
 
 
 def test_functions_in_formulas_become_coordinates_with_rates() -> None:
-    system = define_system(WAVES)
+    system = described_plainly(WAVES)
     assert system.given_state == ("x", "y", "z")
     assert system.state[:3] == ("x", "y", "z")
     assert len(system.state) == 3 + len(system.defined)
@@ -343,10 +370,10 @@ def test_functions_in_formulas_become_coordinates_with_rates() -> None:
 
 
 def test_a_system_with_functions_goes_through_a_pipe_and_a_file() -> None:
-    system = define_system(WAVES)
+    system = described_plainly(WAVES)
     assert pickle.loads(pickle.dumps(system)) is system
-    assert define_system(json.loads(json.dumps(describe(system)))) is system
-    assert define_system(WAVES) is system
+    assert described_plainly(json.loads(json.dumps(describe(system)))) is system
+    assert described_plainly(WAVES) is system
 
 
 @pytest.mark.parametrize(
