@@ -119,6 +119,8 @@ def branch_point(candidate: Candidate) -> BranchPoint:
     """Prepare the start of the branch of a claim. Raises `NoBranch`, one line."""
     if candidate.is_fold:
         raise NoBranch("no branch begins at a fold: the family itself turns back in the parameter")
+    if not (candidate.has_branch or candidate.kind == REVERSOR_BREAKING):
+        raise NoBranch(f"no branch is followed from a claim of the kind {candidate.kind}")
     if candidate.crossings != 1 and candidate.kind != REVERSOR_BREAKING:
         raise NoBranch(f"its half orbit meets the section {candidate.crossings} times; branches of one are followed")
     context = mpmath.MPContext()

@@ -21,6 +21,7 @@ from orbitproof.explore.periodic.flow import (
     Vector,
     arc_of,
     slopes_of_state,
+    values_of,
     velocity_at,
     whole_state,
 )
@@ -66,11 +67,9 @@ class PeriodicProblem:
         return np.array([float(self.parameters[name]) for name in self.system.parameters])
 
     def level(self, point: Sequence[float] | Vector, values: Vector) -> float | None:
-        """The first integral at a point."""
+        """The first integral at a point. Raises `FlowFailure` where it is not defined."""
         program = self.system.first_integral_program
-        if program is None:
-            return None
-        return float(program.evaluate([*whole_state(self.system, point, values), *map(float, values)])[0])
+        return None if program is None else float(values_of(self.system, program, point, values)[0])
 
     def level_slopes(self, point: Vector, values: Vector) -> tuple[Vector, Vector]:
         """Derivatives of the first integral in the state and in the parameters."""
@@ -152,11 +151,11 @@ def correct(
     x, time = np.array(point, dtype=float), float(period)
     if not (np.all(np.isfinite(x)) and np.isfinite(time) and time > 0):
         raise PeriodicFailure("the guess is not finite, or its period is not positive")
-    normal, offset = _phase(problem, x, section)
-    if level is None:
-        level = problem.level(x, values)
     start, before, shortest, stalled = time, np.inf, np.inf, 0
     try:
+        normal, offset = _phase(problem, x, section)
+        if level is None:
+            level = problem.level(x, values)
         for _ in range(_MOST_STEPS):
             arc = arc_of(system, x, time, values)
             size = float(np.max(np.ptp(arc.samples, axis=0))) or 1.0

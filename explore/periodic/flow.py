@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orbitproof.explore.flow import FlowFailure, compiled, configure_jax, given_field, integrate
-from orbitproof.shared.systems import System, functions_in_floats, with_functions
+from orbitproof.shared.systems import Program, System, functions_in_floats, with_functions
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -66,16 +66,28 @@ def arc_of(system: System, point: Sequence[float] | Vector, time: float, paramet
         _COMPILED[id(system)] = system, compiled(_integrator(system))
     start, values = np.asarray(point, dtype=float), np.asarray(parameters, dtype=float)
     extended, velocity, samples, done = map(np.asarray, _COMPILED[id(system)][1](start, float(time), values))
-    if not done:
+    if not done or not np.all(np.isfinite(extended)):
         raise FlowFailure(f"the orbit could not be integrated over time {float(time):.6g}")
     m = len(start)
     return Arc(extended[0], velocity, extended[1 : 1 + m].T, extended[1 + m :].T, samples)
 
 
 def velocity_at(system: System, point: Sequence[float] | Vector, parameters: Sequence[float]) -> Vector:
-    """The vector field at a point, shape (N,)."""
-    rates = system.program.evaluate([*whole_state(system, point, parameters), *map(float, parameters)])
-    return np.array([float(value) for value in rates[: len(system.given_state)]])
+    """The vector field at a point, shape (N,). Raises `FlowFailure` where it is not defined."""
+    return values_of(system, system.program, point, parameters)[: len(system.given_state)]
+
+
+def values_of(system: System, program: Program, point: Sequence[float] | Vector, parameters: Sequence[float]) -> Vector:
+    """What a program of state and parameters gives at a point. Raises `FlowFailure` where it is not defined."""
+    try:
+        inputs = [*whole_state(system, point, parameters), *map(float, parameters)]
+        found = np.array([float(value) for value in program.evaluate(inputs)])
+    except (ArithmeticError, TypeError, ValueError):
+        found = np.array([np.nan])
+    if not np.all(np.isfinite(found)):
+        place = ", ".join(f"{name} = {value:.6g}" for name, value in zip(system.given_state, point, strict=True))
+        raise FlowFailure(f"the formulas of {system.name} have no value at {place}")
+    return found
 
 
 def whole_state(system: System, point: Sequence[float] | Vector, parameters: Sequence[float] | Vector) -> list[float]:

@@ -10,6 +10,7 @@ from math import floor, isfinite, log, log10
 import numpy as np
 
 from orbitproof.explore.engines import Progress
+from orbitproof.explore.flow import FlowFailure
 from orbitproof.explore.periodic.births import families
 from orbitproof.explore.periodic.continuation import PeriodicFamily, StepControl
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, correct
@@ -28,6 +29,8 @@ FOLLOWED = 100.0
 _SAMPLED = 4000
 _LEVEL_DIGITS = 12
 _WORTH_TELLING = 0.01
+_ROUNDING = 1e-12
+"""Error of multipliers, relative to the derivatives of the flow over a period."""
 _EVERY = 16
 """Every so many states of an orbit tell how bounds grow along it."""
 
@@ -90,7 +93,11 @@ class FoundOrbit:
 def find_periodic(request: PeriodicRequest, progress: Progress) -> Iterator[FoundOrbit]:
     """The periodic orbits that are found, one after another. Raises `PeriodicFailure` if there is none."""
     problem = PeriodicProblem(request.system, request.parameters)
-    level = _level(problem, request)
+    try:
+        velocity_at(problem.system, request.start, problem.values)
+        level = _level(problem, request)
+    except FlowFailure as failure:
+        raise PeriodicFailure(str(failure)) from None
     value = None if level is None else float(level)
     if request.period is not None:
         progress("Newton's method", None)
@@ -149,7 +156,7 @@ def _level(problem: PeriodicProblem, request: PeriodicRequest) -> Fraction | Non
         return None
     if request.level is not None:
         return request.level
-    value = problem.level(request.start, problem.values) or 0.0
+    value = problem.level(request.start, problem.values)
     return Fraction(f"{value:.{_LEVEL_DIGITS - 1}e}")
 
 
@@ -201,7 +208,8 @@ def described(found: FoundOrbit) -> list[str]:
     system, orbit = found.problem.system, found.orbit
     place = ", ".join(f"{name} = {value:.12g}" for name, value in zip(system.given_state, orbit.point, strict=True))
     lines = [f"period {orbit.period:.14g}, {counted(found.crossings, 'crossing')} of the section", f"  point: {place}"]
-    shown = ", ".join(_complex(value) for value in orbit.multipliers) or "none"
+    error = _ROUNDING * max(1.0, float(np.linalg.norm(orbit.arc.by_state)))
+    shown = ", ".join(_complex(value, error) for value in orbit.multipliers) or "none"
     trivial = "1" if orbit.level is None else "1, 1"
     lines.append(f"  multipliers other than {trivial}: {shown}")
     if orbit.level is not None:
@@ -209,13 +217,16 @@ def described(found: FoundOrbit) -> list[str]:
     return lines
 
 
-def _complex(value: complex) -> str:
-    if abs(value.imag) < 1e-14 * max(1.0, abs(value)):
-        return _short(value.real)
-    return f"{_short(value.real)} {'+' if value.imag > 0 else '-'} {_short(abs(value.imag))}i"
+def _complex(value: complex, error: float) -> str:
+    """A multiplier as far as it is known; nothing is said of one that is less than the error."""
+    if abs(value) < error:
+        return f"one below {error:.0e}"
+    if abs(value.imag) < error:
+        return _short(value.real, error)
+    return f"{_short(value.real, error)} {'+' if value.imag > 0 else '-'} {_short(abs(value.imag), error)}i"
 
 
-def _short(value: float) -> str:
-    """A number to the digits that float64 leaves of a multiplier."""
-    digits = 10 if value == 0 else max(1, min(10, 12 + floor(log10(abs(value)))))
+def _short(value: float, error: float) -> str:
+    """A number to the digits that are known, 10 at most."""
+    digits = 10 if value == 0 else max(1, min(10, floor(log10(abs(value) / error))))
     return f"{value:.{digits}g}"

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from orbitproof.explore.flow import FlowFailure
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicProblem
 from orbitproof.explore.periodic.flow import Matrix, arc_of, velocity_at
 
@@ -113,7 +114,7 @@ def keeps_volume(problem: PeriodicProblem) -> bool:
                 terms.append((ahead[i] - back[i]) / (2 * step))
             if abs(sum(terms)) > _FLAT * (1 + sum(map(abs, terms))):
                 return False
-    except (ArithmeticError, ValueError, TypeError):
+    except FlowFailure:
         return False
     return True
 
@@ -164,7 +165,7 @@ def _commutes(problem: PeriodicProblem, matrix: Matrix, parameter: str | None, p
             if system.first_integral_program is not None:
                 image, here = problem.level(matrix @ point, values), problem.level(point, values)
                 gaps.append(abs((image or 0.0) - (here or 0.0)) / (1 + abs(here or 0.0)))
-        except (ArithmeticError, ValueError, TypeError):
+        except FlowFailure:
             return False
         if not all(gap < _AGREES for gap in gaps):
             return False

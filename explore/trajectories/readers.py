@@ -125,11 +125,15 @@ def _claimed(claim: Any, title: str, verdict: str, results: Mapping[str, Any] | 
     try:
         start = branch_point(claim)
     except NoBranch as failure:
-        # At a fold, and where half orbits meet the section more often, there is an orbit all the same.
+        # There is an orbit all the same.
         if claim.level_sign is not None:
             raise NoOrbit(f"{title}: {failure}") from None
-        centre = np.array([*map(float, claim.centre), 0.0])
-        unknowns = _to_second_point(claim.system, claim.parameters, centre, claim.crossings, title)
+        centre, parameters = [*map(float, claim.centre)], dict(claim.parameters)
+        if claim.resonances_meet:
+            parameters[claim.varying] = claim.centre[0]
+            del centre[0]
+        unknowns = _to_second_point(claim.system, parameters, np.array([*centre, 0.0]), claim.crossings, title)
+        return SourceOrbit(claim.system, parameters, unknowns, title, verdict)
     else:
         unknowns = np.append(start.point, start.half_period)
     return SourceOrbit(claim.system, claim.parameters, unknowns, title, verdict)

@@ -18,6 +18,7 @@ from orbitproof.explore.periodic import (
     PeriodicProblem,
     PeriodicRequest,
     correct,
+    described,
     find_periodic,
     map_derivative,
     refined,
@@ -178,6 +179,33 @@ def test_the_least_period_is_found_where_samples_are_few() -> None:
     problem = PeriodicProblem(define_system({"name": "slow", "state": "x y", "field": slow}), {})
     for times in (61, 100):
         assert correct(problem, [1.001, 0.0], 2.0001 * pi * times).period == pytest.approx(2 * pi, abs=1e-12)
+
+
+DAMPED = define_system({"name": "damped", "state": "x y", "parameters": "e", "field": {"x": "y", "y": "-x - e*y"}})
+
+
+@pytest.mark.parametrize("damping", ["1/1000", "1/1000000", "-1/10000000"])
+@pytest.mark.parametrize("period", [6.3, None])
+def test_spirals_are_no_orbits(damping: str, period: float | None) -> None:
+    request = PeriodicRequest(DAMPED, {"e": Fraction(damping)}, (1.0, 0.5), period=period)
+    with pytest.raises(PeriodicFailure):
+        list(find_periodic(request, _nothing))
+
+
+@pytest.mark.parametrize("force", ["-x*(x**2)**(-3/2)", "-sqrt(x - 1)", "-1/x", "-log(x)"])
+@pytest.mark.parametrize("period", [3.0, None])
+def test_a_start_where_the_field_is_not_defined_is_told(force: str, period: float | None) -> None:
+    integral = {"first_integral": "y**2/2 - 1/sqrt(x**2)"} if "3/2" in force else {}
+    system = define_system({"name": "edge", "state": "x y", "field": {"x": "y", "y": force}, **integral})
+    with pytest.raises(PeriodicFailure, match="the formulas of edge have no value at x = 0, y = 1"):
+        list(find_periodic(PeriodicRequest(system, {}, (0.0, 1.0), period=period), _nothing))
+
+
+def test_of_multipliers_what_is_known_is_told() -> None:
+    (found,) = find_periodic(PeriodicRequest(HOPF, {"c": Fraction(5)}, (1.0, 0.1, 0.0), period=6.3), _nothing)
+    *_, line = described(found)
+    # exp(-4 pi) and exp(-10 pi), which is 2e-14.
+    assert line == "  multipliers other than 1: 3.48734e-06, one below 1e-12"
 
 
 def test_an_orbit_that_nearly_repeats_keeps_its_period() -> None:
