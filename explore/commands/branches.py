@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands.common import add_command, add_output, add_quiet
-from orbitproof.shared.claims import REVERSOR_BREAKING
 from orbitproof.explore.names import examined
+from orbitproof.shared.claims import REVERSOR_BREAKING
 from orbitproof.shared.formats import (
     Candidate,
     InputError,

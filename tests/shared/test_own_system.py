@@ -314,7 +314,7 @@ def test_a_first_integral_that_changes_along_the_field_is_refused(
 ) -> None:
     entry = {"name": "moving", "state": " ".join(field), "field": field}
     assert define_system({**entry, "first_integral": integral}).first_integral is not None
-    with pytest.raises(InputError, match="^first_integral: it is not conserved: its rate of change is"):
+    with pytest.raises(InputError, match=r"^first_integral: it is not conserved: its rate of change is"):
         define_system({**entry, "first_integral": none})
 
 
