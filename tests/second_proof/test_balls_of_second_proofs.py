@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from importlib import import_module
 from types import SimpleNamespace
@@ -13,8 +14,8 @@ import pytest
 from flint import acb, arb, arb_mat, arb_poly
 from polynomial_returns import BEND, BITS, bifurcation, claimed, jets, legs, returning, synthetic, torus
 from support.inclusion import Refused, broken_inclusions
-from support.known_bifurcations import mixing
 from support.normal_form_maps import known_bifurcation, known_torus
+from support.other_coordinates import mixing
 
 from orbitproof.verify import second_proof as package
 from orbitproof.verify.claim import inverse
@@ -407,3 +408,36 @@ def test_coefficients_of_births() -> None:
         return curve.enclosures, side.enclosures, kappa, attempt.left_kernel(given), attempt.block(given), system
 
     assert not broken_inclusions(found, ([*even, *odd], [arb(0.75)]), chance, 12)
+
+
+@pytest.mark.parametrize("crossings", [1, 6, 30])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_an_orbit_is_at_another_point_after_each_part_of_its_period(crossings: int, mirrored: bool) -> None:
+    """One coordinate apart is enough, for every prime that divides the crossings; S is applied to what comes back."""
+    known = known_bifurcation(-1, 2, random.Random(1), signs=(-1, 1))
+    claim = claimed("periodic-pitchfork", (known.eigenvector,), symmetry=(-1, 1) if mirrored else None)
+    claim = replace(claim, orbit=replace(claim.orbit, crossings=crossings))
+    attempt = synthetic(bifurcation._Proof, claim, returning(known.derivatives, (Fraction(0),) * 2, 1), 1)
+    point = [arb(0.5), arb(-0.25), arb(0)]
+    zero = [*point, arb(0), arb(1), *[arb(0)] * 5][: attempt.time + 6]
+    zero[attempt.time] = arb(1)
+    primes = [q for q in (2, 3, 5) if crossings % q == 0]
+    signs = (-1, 1, 1) if mirrored else (1, 1, 1)
+
+    def holds(between: Mapping[int, Sequence[arb]], counted: int = crossings) -> bool:
+        states = {q: [jets.Jet({(): x}, 1) for x in state] for q, state in between.items()}
+        checks, _ = attempt.check_orbit(legs.Return([], counted, states), zero)
+        return all(check.holds for check in checks)
+
+    same = [x * sign for x, sign in zip(point, signs, strict=True)]
+    away = {q: [same[0] + 1, *same[1:]] for q in primes}
+    assert holds(away)
+    assert not holds(away, crossings + 1)
+    for q in primes:
+        assert not holds({key: state for key, state in away.items() if key != q})
+        assert not holds(away | {q: same})
+        for place in range(3):
+            assert holds(away | {q: [x + (i == place) for i, x in enumerate(same)]})
+            assert not holds(away | {q: [x + arb(0.25, 0.5) * (i == place) for i, x in enumerate(same)]})
+    attempt.statement = replace(attempt.statement, direction=-1)
+    assert not holds(away)

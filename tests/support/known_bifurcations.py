@@ -7,16 +7,16 @@ symmetries.
 from __future__ import annotations
 
 import random
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 from flint import arb
 from support.normal_form_maps import KnownBifurcation, Polynomial, known_bifurcation
+from support.other_coordinates import Rows, elsewhere
 
 from orbitproof.shared.formats import PeriodicBifurcation, define_system
-from orbitproof.verify.claim import inverse
 from orbitproof.verify.evidence import (
     Checklist,
     DerivativeTable,
@@ -41,7 +41,6 @@ from orbitproof.verify.periodic_bifurcation import (
 BITS = 200
 ZERO, ONE = Fraction(0), Fraction(1)
 WIDTH = Fraction(1, 2**60)
-Rows = tuple[tuple[Fraction, ...], ...]
 
 SETTINGS = ["free", "level", "parameter on a level"]
 KINDS = ["periodic-fold", "periodic-doubling", "fixed", "moved"]
@@ -67,54 +66,6 @@ def case(kind: str, setting: str, seed: int) -> tuple[KnownBifurcation, Periodic
         known = replace(known, others=tuple(value**2 for value in known.others))
     claim = claim_of(known, kind if kind.startswith("periodic") else "periodic-pitchfork", **more)
     return known, claim if seed < 3 else elsewhere(claim, chance)
-
-
-def elsewhere(claim: PeriodicBifurcation, chance: random.Random) -> PeriodicBifurcation:
-    """The same of M x for the state x, M without any symmetry; the coordinates of the box are the same."""
-    size = len(claim.centre)
-    matrix = mixing(size, chance)
-    back, integral = inverse(matrix), claim.system.first_integral_program
-    assert back is not None
-
-    def old(state: Sequence[Any]) -> list[Any]:
-        return [_dot(row, state) for row in back]
-
-    def field(*values: Any) -> tuple[Any, ...]:
-        time = old(values[:-1])[-1]
-        return tuple(row[-1] * (1 + time * time) for row in matrix)
-
-    def level(*values: Any) -> Any:
-        assert integral is not None
-        return integral.evaluate([*old(values[:-1]), values[-1]], lambda value: value, pow)[0]
-
-    names = [f"x{place}" for place in range(size)]
-    description: dict[str, Any] = {"name": "map", "state": names, "parameters": "a", "field": field}
-    system = define_system(description | ({} if integral is None else {"first_integral": level}))
-    return replace(
-        claim, system=system,
-        normal=tuple(_dot(claim.normal, column) for column in zip(*back, strict=True)),
-        centre=tuple(_dot(row, claim.centre) for row in matrix),
-        frame=_product(matrix, claim.frame),
-        symmetry=None if claim.symmetry is None else _product(_product(matrix, claim.symmetry), back),
-    )  # fmt: skip
-
-
-def mixing(size: int, chance: random.Random) -> Rows:
-    """A regular matrix of whole numbers of both signs, with one of them on the diagonal."""
-    lower, upper = ([[chance.choice((-2, -1, 1, 2)) for _ in range(size)] for _ in range(size)] for _ in "lu")
-    ones = [[int(i == j) for j in range(size)] for i in range(size)]
-    left = [[lower[i][j] if j < i else ones[i][j] for j in range(size)] for i in range(size)]
-    right = [[upper[i][j] if j > i else ones[i][j] for j in range(size)] for i in range(size)]
-    return _product(left, right)
-
-
-def _product(left: Sequence[Sequence[Any]], right: Sequence[Sequence[Any]]) -> Rows:
-    return tuple(tuple(Fraction(_dot(row, column)) for column in zip(*right, strict=True)) for row in left)
-
-
-def _dot(left: Sequence[Any], right: Sequence[Any]) -> Any:
-    first, *others = (a * b for a, b in zip(left, right, strict=True))
-    return sum(others, first)
 
 
 def diagonal(*entries: int) -> Rows:

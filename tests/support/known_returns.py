@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from support.known_bifurcations import Rows, mixing
+from support.other_coordinates import Rows, dot, mixing, product
 
 from orbitproof.shared.formats import PeriodicOrbit, define_system
 from orbitproof.verify.claim import inverse
@@ -92,17 +92,6 @@ def earlier_crossings(crossings: int) -> list[int]:
     """m / q for the primes q that divide m."""
     primes = [q for q in range(2, crossings + 1) if crossings % q == 0 and all(q % r for r in range(2, q))]
     return sorted(crossings // q for q in primes)
-
-
-def dot(left: Sequence[Any], right: Sequence[Any]) -> Any:
-    """The sum of products."""
-    first, *others = (a * b for a, b in zip(left, right, strict=True))
-    return sum(others, first)
-
-
-def product(left: Sequence[Sequence[Any]], right: Sequence[Sequence[Any]]) -> Rows:
-    """Of two matrices."""
-    return tuple(tuple(dot(row, column) for column in zip(*right, strict=True)) for row in left)
 
 
 def known_return(

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from flint import arb
 from support.inclusion import broken_inclusions
-from support.known_bifurcations import mixing
+from support.other_coordinates import dot, mixing, product
 
 from orbitproof.shared import System, define_system
 from orbitproof.shared.formats import Candidate
@@ -49,15 +49,6 @@ Rows = Sequence[Sequence[F]]
 def precision() -> Iterator[None]:
     with guarded(BITS):
         yield
-
-
-def dot(left: Sequence[Any], right: Sequence[Any]) -> Any:
-    first, *others = (a * b for a, b in zip(left, right, strict=True))
-    return sum(others, first)
-
-
-def product(left: Rows, right: Rows) -> tuple[tuple[F, ...], ...]:
-    return tuple(tuple(dot(row, column) for column in zip(*right, strict=True)) for row in left)
 
 
 def transposed(rows: Rows) -> tuple[tuple[F, ...], ...]:

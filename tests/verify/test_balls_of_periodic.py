@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from flint import acb, arb
 from support.inclusion import Refused, broken_inclusions
-from support.known_bifurcations import mixing
-from support.known_returns import WIDTH, KnownReturn, contains_all, dot, known_return, outcome_of
+from support.known_returns import WIDTH, KnownReturn, contains_all, known_return, outcome_of
+from support.other_coordinates import dot, mixing
 from support.thresholds import unsound_balls
 
 from orbitproof.shared.formats import PeriodicBifurcation, PeriodicOrbit, define_system
