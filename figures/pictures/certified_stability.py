@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -40,6 +40,9 @@ _LETTERS = "acdefghij"
 _TWIST = 1.5
 """Inches of the panel with the twist."""
 _DECADE = 10.0
+_VISIBLE = 0.995
+"""The share of the stable intervals beyond which what is left of them is not seen."""
+_GREY = "#666666"
 _LOSS = "loss of R"
 """What a list calls such a point."""
 
@@ -52,7 +55,7 @@ def draw_certified_stability(found: CertifiedStability) -> Figure:
     axis = Along(found.curve)
     stretches = {stretch.piece: stretch for stretch in found.curve.stretches}
     spots = [axis.at(stretches[point.piece], point.s) for point in found.points]
-    rows = _legend(found)
+    rows = _legend(found, _shows_linear_stability(found, axis, stretches))
     twisted = any(np.isfinite(part.twist).any() for part in found.parts)
     letters = _LETTERS.replace("c", "") if twisted else _LETTERS
     close = _magnified(axis, found, spots)[: len(letters) - 1]
@@ -180,6 +183,17 @@ def _draw_intervals(axes: Axes, found: CertifiedStability, axis: Along, stretche
         axes.axvline(axis.at(stretches[piece], s), **_TWISTLESS, gid="twistless")
 
 
+def _shows_linear_stability(found: CertifiedStability, axis: Along, stretches: Mapping[str, Stretch]) -> bool:
+    """Whether a visible part of the stable intervals is not among those that are stable for ever."""
+
+    def length(intervals: Iterable[tuple[tuple[str, float], ...]]) -> float:
+        ends = [[axis.at(stretches[piece], s) for piece, s in interval] for interval in intervals]
+        return sum(abs(end - begin) for begin, end in ends)
+
+    stable = length(found.stable)
+    return stable > 0 and length(ends for ends, _ in found.lasting) < _VISIBLE * stable
+
+
 def _contains(whole: tuple[float, float], part: tuple[float, float]) -> bool:
     return whole[0] <= part[0] and part[1] <= whole[1]
 
@@ -204,12 +218,12 @@ def _magnify(whole: Axes, axes: Axes, letter: str, of: str, ends: tuple[float, f
     )  # fmt: skip
 
 
-def _legend(found: CertifiedStability) -> list[list[Any]]:
-    """The rows from the lowest one up."""
+def _legend(found: CertifiedStability, shows_stable: bool) -> list[list[Any]]:
+    """The rows from the lowest one up, of what can be seen."""
     curves: list[Any] = [Line2D([], [], color=CURVE, label="enclosed")]
     if any((part.parameters.imag != 0).any() for part in found.parts):
         curves.append(Line2D([], [], color=SECOND_CURVE, linestyle="dotted", label="complex pair (real part)"))
-    if found.stable:
+    if shows_stable:
         curves.append(Patch(facecolor=_STABLE, label="proved linearly stable"))
     for positive in sorted({positive for _, positive in found.lasting}):
         label = f"stable for ever, twist {'positive' if positive else 'negative'}"
@@ -220,13 +234,12 @@ def _legend(found: CertifiedStability) -> list[list[Any]]:
     handles = [marks[name] for name in sorted(marks, key=lambda name: (len(name), name))]
     half = len(handles) if len(handles) <= _IN_A_ROW else (len(handles) + 1) // 2
     meanings = {
-        False: ("white", "hollow: resonance proved"),
-        True: ("#666666", "filled: its bifurcation certified too"),
+        False: (_GREY, "resonance proved"),
+        True: (INK, "dark rim: its bifurcation certified too"),
     }
-    faces = [meanings[verdict] for verdict in sorted({point.certified for point in found.points})]
     filled = [
-        Line2D([], [], marker="o", color="#666666", markerfacecolor=face, linestyle="none", label=label)
-        for face, label in faces
+        Line2D([], [], marker="o", color=_GREY, markeredgecolor=rim, linestyle="none", label=label)
+        for rim, label in (meanings[verdict] for verdict in sorted({point.certified for point in found.points}))
     ]
     return [row for row in (filled, handles[half:], handles[:half], curves) if row]
 
@@ -245,10 +258,11 @@ def _look(point: ListedPoint) -> dict[str, Any]:
     return {
         "marker": marker,
         "color": colour,
-        "markerfacecolor": colour if point.certified else "white",
+        "markerfacecolor": colour,
+        "markeredgecolor": INK if point.certified else colour,
         "linestyle": "none",
         "markersize": 3.0 if small else 4.4,
-        "markeredgewidth": 0.7,
+        "markeredgewidth": 1.1 if point.certified else 0.7,
         "zorder": 4 if small else 6,
     }
 

@@ -60,6 +60,7 @@ def test_the_picture_shows_the_points_and_stable_intervals_of_the_list() -> None
         beta = float(parse_exact(point["level"]["mid"]))
         assert line.get_xdata()[0] == pytest.approx(beta, rel=1e-4)
         assert line.get_ydata()[0] == pytest.approx(np.cos(2 * np.pi * point["j"] / point["k"]))
+        assert line.get_markerfacecolor() == line.get_color() != "white", "what is proved is filled"
     (span,) = [patch for patch in upper.patches if patch.get_gid() == "stable"]
     assert span.get_x() == pytest.approx(340.1875, abs=0.01)
     close(figure)
@@ -141,6 +142,7 @@ def test_orbits_that_are_stable_for_ever_are_filled_by_the_sign_of_their_twist_a
         assert len([line for line in axes.lines if line.get_gid() == "twistless"]) == 1
     labels = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
     assert {"stable for ever, twist negative", "stable for ever, twist positive", "no twist"} <= set(labels)
+    assert "proved linearly stable" not in labels, "nothing of that colour is to be seen"
     assert unreadable(figure) == []
     close(figure)
 
