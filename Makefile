@@ -3,7 +3,7 @@
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
-.PHONY: help demo branches web examples report archive release-check figures docs test lint test-slow campaign faults reading-list bench clean
+.PHONY: help demo branches web theorems examples report archive release-check figures docs notebooks test lint test-slow campaign faults reading-list bench clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -24,11 +24,13 @@ help:
 	@echo "make demo       find and certify bifurcations of Earth-Moon halo orbits, draw them (into $(OUT)/)"
 	@echo "make branches   prove whole branches: the theorems on curves and surfaces (into $(BRANCHES)/; half an hour)"
 	@echo "make web        families of L1 and L2 joined into a graph that is proved (into $(WEBS)/; goes on where it stopped)"
+	@echo "make theorems   statements of docs/theorems, from the certificates of make branches and make web"
 	@echo "make examples   example systems from files: found, proved, drawn (into $(EXAMPLES)/; minutes)"
 	@echo "make report     every theorem, proved and told: both tables and all branches (into $(BRANCHES)/; forty minutes)"
 	@echo "make archive    all certificates of make report and make web with a guide for readers (into $(ARCHIVE)/)"
 	@echo "make figures    every picture, with its data and proofs (into $(PICTURES)/; long, goes on where it stopped)"
-	@echo "make docs       this project as a site, its notebooks executed (into $(SITE)/)"
+	@echo "make docs       this project as a site (into $(SITE)/)"
+	@echo "make notebooks  run the notebooks, and keep their outputs in them"
 	@echo "make test       everything that has to pass: lint, format, types, tests"
 	@echo "make test-slow  the longer proofs and campaigns"
 	@echo "make campaign   10,000 false claims and 2,000 forged certificates (campaign.json; hours, goes on where it stopped)"
@@ -211,8 +213,11 @@ report: $(VENV)/demo.stamp
 	@$(BOUND) $(BIN)/orbitproof report $(BRANCHES)/certificates.json $(BRANCHES)/*-certificate.json \
 	  -o $(BRANCHES)/report.html -o $(BRANCHES)/report.tex -o $(BRANCHES)/report.md
 
-# What `make report` and `make web` have proved; run them first for all theorems. FOLDERS: others, of certificates.
+# What `make branches`, `make report` and `make web` have proved; run them first for all theorems. FOLDERS: others, of certificates.
 FOLDERS = $(wildcard $(BRANCHES) $(WEBS))
+
+theorems: $(VENV)/demo.stamp
+	@$(BIN)/python docs/theorems.py $(or $(FOLDERS),$(BRANCHES))
 
 archive: $(VENV)/demo.stamp
 	@$(BIN)/python docs/archive.py $(or $(FOLDERS),$(BRANCHES)) -o $(ARCHIVE)
@@ -230,6 +235,9 @@ figures: $(VENV)/demo.stamp
 
 docs: $(VENV)/docs.stamp
 	@$(BIN)/python docs/site/build.py $(SITE)
+
+notebooks: $(VENV)/docs.stamp
+	@$(BIN)/python docs/notebooks.py
 
 lint: $(VENV)/dev.stamp
 	$(BIN)/ruff check .

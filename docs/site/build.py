@@ -66,10 +66,9 @@ def stage(folder: Path) -> None:
         (folder / "reference" / name).write_text(make(), "utf-8")
 
 
-def build(source: Path, target: Path, notebooks: bool) -> int:
+def build(source: Path, target: Path) -> int:
     """Run Sphinx, strictly; returns its exit code."""
-    options = [] if notebooks else ["-D", "nb_execution_mode=off"]
-    command = [sys.executable, "-m", "sphinx", "-b", "html", "-W", "--keep-going", "-q", *options]
+    command = [sys.executable, "-m", "sphinx", "-b", "html", "-W", "--keep-going", "-q"]
     return subprocess.run([*command, str(source), str(target)], check=False).returncode
 
 
@@ -77,11 +76,10 @@ def main() -> int:
     """Run the command line; returns the exit code."""
     parser = argparse.ArgumentParser(description="Build the site.")
     parser.add_argument("folder", type=Path, help="where the pages go")
-    parser.add_argument("--no-notebooks", action="store_true", help="show the notebooks without executing them")
     options = parser.parse_args()
     with TemporaryDirectory() as name:
         stage(Path(name))
-        code = build(Path(name), options.folder.resolve(), not options.no_notebooks)
+        code = build(Path(name), options.folder.resolve())
     if code == 0:
         print(f"the site: {options.folder / 'index.html'}")
     return 1 if code else 0

@@ -29,10 +29,7 @@ nitpicky = False
 
 myst_enable_extensions = ["deflist"]
 myst_heading_anchors = 4
-nb_execution_mode = "force"
-nb_execution_timeout = 300
-nb_execution_raise_on_error = True
-nb_execution_show_tb = True
+nb_execution_mode = "off"
 
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"

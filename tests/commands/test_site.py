@@ -120,4 +120,4 @@ def test_the_site_builds_and_a_broken_link_fails(site: dict[str, ModuleType], tm
     site["build"].stage(source)
     page = source / "docs" / "glossary.md"
     page.write_text(page.read_text("utf-8") + "\nSee [there](nowhere.md).\n", "utf-8")
-    assert site["build"].build(source, tmp_path / "broken", False) != 0
+    assert site["build"].build(source, tmp_path / "broken") != 0
