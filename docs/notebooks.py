@@ -14,7 +14,7 @@ from nbclient.exceptions import CellExecutionError
 
 FOLDER = Path(__file__).resolve().parent
 _SECONDS = 1800
-_OBJECT = re.compile(r"^<Figure size .*>$")
+_OBJECT = re.compile(r"^<(Figure size .*|IPython\.core\.display\.Image object)>$")
 _TEMPORARY = re.compile(r"/\S*/tmp\w+")
 
 

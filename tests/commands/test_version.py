@@ -45,5 +45,8 @@ def test_certificates_and_their_report_carry_the_version(tmp_path: Path) -> None
 def test_the_citation_and_the_list_of_changes_name_the_version() -> None:
     citation = (ROOT / "CITATION.cff").read_text("utf-8")
     assert re.findall(r"^version: (.*)$", citation, re.MULTILINE) == [VERSION]
+    assert json.loads((ROOT / "codemeta.json").read_text("utf-8"))["version"] == VERSION
+    for page in ("README.md", "docs/site/index.md"):
+        assert re.findall(r"^  version = \{(.*)\},$", (ROOT / page).read_text("utf-8"), re.MULTILINE) == [VERSION]
     changes = (ROOT / "CHANGELOG.md").read_text("utf-8")
     assert re.findall(r"^## (\S+)", changes, re.MULTILINE)[0] == VERSION
