@@ -113,6 +113,16 @@ def test_architecture_names_every_room() -> None:
             assert re.search(rf"\b{room.name}\b", layout), room.name
 
 
+def test_the_order_of_reading_is_one() -> None:
+    docs = ROOT / "docs"
+    chapters = (docs / "method.md").read_text("utf-8").partition("## Chapters")[2].partition("\n## ")[0]
+    order = [*re.findall(r"\(\.\./verify/(\w+)/README\.md\) \|", chapters), "second_proof"]
+    contents = (docs / "site" / "index.md").read_text("utf-8")
+    assert re.findall(r"^verify/(\w+)/README$", contents, re.MULTILINE) == order
+    layout = (docs / "architecture.md").read_text("utf-8").partition("in the order of reading")[2].partition("\n## ")[0]
+    assert [word for word in re.findall(r"\w+", layout) if word in set(order)] == order
+
+
 def test_base_install_carries_nothing_of_the_search_side() -> None:
     names = {re.split(r"[<>=\[]", line)[0] for line in PROJECT["project"]["dependencies"]}
     assert names.isdisjoint({"jax", "diffrax", "equinox", "mpmath", "matplotlib"})

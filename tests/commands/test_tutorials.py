@@ -54,10 +54,23 @@ def test_every_block_of_a_tutorial_runs_and_prints_what_it_shows(
 
 NOTEBOOKS = {
     "certificates": ["stands INTEGRATION", "DOES NOT STAND", "**Theorem 1**"],
-    "from-a-guess-in-python": ["11.6", "k = 2 tupling, proved, below, C = 3.0216193266007", "stands - integrated again"],
-    "periodic-orbit-of-lorenz": ["period [1.5586522107161747", "there is no zero in the set", "multiplier [4.7129472", "x = centre + "],
+    "from-a-guess-in-python": [
+        "11.6",
+        "k = 2 tupling, proved, below, C = 3.0216193266007",
+        "stands - integrated again",
+    ],
+    "periodic-orbit-of-lorenz": [
+        "period [1.5586522107161747",
+        "there is no zero in the set",
+        "multiplier [4.7129472",
+        "x = centre + ",
+    ],
     "mission-design": ["6.649 days", "read back to 1.0 m", "6 of 6 orbits reach x = 0.98785"],
-    "own-system-in-python": ["not reversible under R", "k = 3 touch-and-go, proved, both, c = 0.27634323081200157", "k3-1 stands"],
+    "own-system-in-python": [
+        "not reversible under R",
+        "k = 3 touch-and-go, proved, both, c = 0.27634323081200157",
+        "k3-1 stands",
+    ],
 }
 
 
