@@ -384,21 +384,23 @@ def test_a_monodromy_matrix_is_that_of_all_legs() -> None:
     assert all(matrix[i, j].overlaps(product[i, j] * signs[i]) for i in range(3) for j in range(3))
 
 
-def test_coefficients_of_births() -> None:
-    """Of rows of E in the coordinates of Fix(R), those that R negates, and time; the level is the last coordinate."""
+@pytest.mark.parametrize("size", [1, 2])
+def test_coefficients_of_births(size: int) -> None:
+    """Of rows of E in the coordinates of Fix(R), those that R negates, and time; the level is coordinate 1."""
     chance = random.Random(8)
-    kernel, places = (2,), (0, 1)
+    kernel, places = tuple(range(2, 2 + size)), (0, 1)
     attempt = object.__new__(births._Proof)
-    system = SimpleNamespace(kernel=kernel, section=3, level=lambda state: state[1])
+    system = SimpleNamespace(kernel=kernel, section=2 + size, level=lambda state: state[1])
     attempt.claim = SimpleNamespace(system=system, places=places)
-    attempt.places, attempt.time, attempt.kept, attempt.weights = places, 2, (0,), [arb(1)]
-    variables = [TIME, 0, 1, 2]
+    attempt.places, attempt.time, attempt.kept, attempt.weights = places, 2, tuple(range(size)), numbers(size, chance)
+    variables = [TIME, 0, 1, *kernel]
     even = [
         row(chance, variables, 3, {0: 1.3, 1: 0.2, TIME: 0.3}),
         row(chance, variables, 3, {0: -0.2, 1: 0.4, TIME: 1.5}),
     ]
-    odd = [row(chance, variables, 3, {2: 0.01})]
-    start = [row(chance, (0, 1, 2), 3, {i: 1.0}) for i in range(4)]
+    odd = [row(chance, variables, 3) for _ in range(size)]
+    start = [row(chance, (0, 1, *kernel), 3, {i: 1.0}) for i in range(3 + size)]
+    w = numbers(size, chance)
 
     def found(rows: Any, w: Any) -> Any:
         half = SimpleNamespace(start=as_jets(start, 3))
@@ -407,7 +409,18 @@ def test_coefficients_of_births() -> None:
         system = attempt.system(given, [arb(0.1), arb(0.2), arb(1), *w])
         return curve.enclosures, side.enclosures, kappa, attempt.left_kernel(given), attempt.block(given), system
 
-    assert not broken_inclusions(found, ([*even, *odd], [arb(0.75)]), chance, 12)
+    assert not broken_inclusions(found, ([*even, *odd], w), chance, 12)
+    # Of the left kernel all that depends on the derivatives by what R negates.
+    slopes = [{(k,): each[k,] for k in kernel} for each in odd]
+
+    def of_slopes(slopes: Any) -> Any:
+        rows = [each | slope for each, slope in zip(odd, slopes, strict=True)]
+        half = SimpleNamespace(start=as_jets(start, 3))
+        _, side, kappa = attempt.coefficients(half, as_jets([*even, *rows], 3), w)
+        return attempt.left_kernel(as_jets([*even, *rows], 3)), side.enclosures, kappa
+
+    if size > 1:
+        assert not broken_inclusions(of_slopes, (slopes,), chance)
 
 
 @pytest.mark.parametrize("crossings", [1, 6, 30])

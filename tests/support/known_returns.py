@@ -101,8 +101,12 @@ def known_return(
     turns: bool = False,
     keeps_volume: bool = False,
     crossings: int = 1,
+    plain: bool = False,
 ) -> KnownReturn:
-    """One with random real multipliers off the circle, or that turns a plane; t' is not 1 unless volume is kept."""
+    """One with random real multipliers off the circle, or that turns a plane; t' is not 1 unless volume is kept.
+
+    In `plain` coordinates t is the last one, and the box is along the others.
+    """
     moduli = chance.sample([Fraction(1, 3), Fraction(-1, 2), Fraction(2), Fraction(-5, 3), Fraction(3, 4)], size)
     diagonal = [[moduli[i] if i == j else ZERO for j in range(size)] for i in range(size)]
     others = tuple(moduli[on_level:])
@@ -118,6 +122,8 @@ def known_return(
     assert back is not None
     matrix = product(product(change, diagonal), back)
     whole = mixing(size + 1, chance)
+    if plain:
+        whole = tuple(tuple(Fraction(int(i == j)) for j in range(size + 1)) for i in range(size + 1))
     whole_back = inverse(whole)
     assert whole_back is not None
     names = [f"x{place}" for place in range(size + 1)]

@@ -16,7 +16,7 @@ from support.other_coordinates import dot, mixing, product
 
 from orbitproof.shared import System, define_system
 from orbitproof.shared.formats import Candidate
-from orbitproof.shared.systems import FixedLevel, ReversibleSystem
+from orbitproof.shared.systems import FixedLevel, ReversibleSystem, record
 from orbitproof.verify import enclose as use
 from orbitproof.verify.algebra import Arithmetic, Grading, WideArithmetic
 from orbitproof.verify.certificate.levels import confirmed
@@ -55,8 +55,12 @@ def transposed(rows: Rows) -> tuple[tuple[F, ...], ...]:
     return tuple(zip(*rows, strict=True))
 
 
+def names_of(size: int) -> list[str]:
+    return [*(f"x{i}" for i in range(size)), "c", "b", "a"]
+
+
 def system_of(size: int, field: Callable[..., Sequence[Any]], more: dict[str, Any] | None = None) -> System:
-    names = [f"x{i}" for i in range(size)]
+    names = names_of(size)[:size]
     return define_system({"name": "any", "state": names, "parameters": "c b a", "field": field, **(more or {})})
 
 
@@ -96,9 +100,33 @@ def test_a_symmetry_is_a_matrix_and_not_its_transpose_and_all_components_respect
                 y = [dot(row, values[:size]) for row in back]
                 return values[size + 1] + (y[terms[0]] * y[terms[1]] if len(terms) == 2 else y[terms[0]])
 
-            program = system_of(size, field, {"first_integral": height}).first_integral_program
-            assert program is not None
+            program = record(lambda values, height=height: (height(*values),), names_of(size))
             assert is_respected(program, symmetry) is expected, terms
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_one_component_that_does_not_respect_a_symmetry_is_enough(place: int) -> None:
+    """S(u, v) = (-u, u + v): of f = (u, 0) the second component alone is not as it should be."""
+    order = [0, 1, 2]
+    order.remove(place)
+    u, w = order
+
+    def field(*values: Any) -> list[Any]:
+        rows = [0 * value for value in values[:3]]
+        rows[u], rows[w] = values[u], values[w]
+        return rows
+
+    symmetry = [[F(int(i == j)) for j in range(3)] for i in range(3)]
+    symmetry[u][u], symmetry[place][u] = F(-1), F(1)
+    rows = tuple(map(tuple, symmetry))
+    assert not is_respected(system_of(3, field).program, rows)
+    # With v' = -u/2 it is, and with w' = u the other one is not.
+    half = system_of(3, lambda *v: [f - v[u] / 2 * int(i == place) for i, f in enumerate(field(*v))])
+    assert is_respected(half.program, rows)
+    other = system_of(
+        3, lambda *v: [f - v[u] / 2 * int(i == place) + v[u] * int(i == w) for i, f in enumerate(field(*v))]
+    )
+    assert not is_respected(other.program, rows)
 
 
 @pytest.mark.parametrize("pairs", [1, 2])
@@ -167,7 +195,7 @@ def test_the_coordinate_of_a_level_is_one_at_all_points_of_a_box_or_it_is_refuse
         low, high = F(-chance.randint(10, 16), 16), F(-chance.randint(2, 5), 16)
         system = brakes(str(low), str(high))
         centre = (F(chance.randint(4, 12), 8), F(chance.randint(-3, 3), 8))
-        frame = ((F(1), F(0)), (F(chance.choice((-2, -1))), F(-1)))
+        frame = ((F(1), F(0)), (F(chance.choice((-2, -1, 2))), F(chance.choice((-1, 1)))))
         radii = (F(1, 2 ** chance.randint(2, 8)), F(1, 2 ** chance.randint(2, 8)))
         claim = Candidate("box", system, {"c": F(1)}, "period_tupling", 2, centre, frame, ((F(1),),), radii)
         balls = on_box(claim)

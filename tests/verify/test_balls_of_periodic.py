@@ -45,14 +45,21 @@ def numbers(count: int, chance: random.Random, size: float = 1.0) -> list[arb]:
     return [arb(chance.uniform(-size, size)) for _ in range(count)]
 
 
-MIXED = define_system(
-    {
-        "name": "mixed", "state": "x y z", "parameters": "b a c",
-        "field": {"x": "b*x**2 - y/z", "y": "a*z - c*x", "z": "x*y + a**2 - b"},
-        "first_integral": "b*x**2*y + a*y*z - c*z**3 + x/z",
-    }
+MIXED = replace(
+    define_system(
+        {
+            "name": "mixed", "state": "x y z", "parameters": "b a c",
+            "field": {"x": "b*x**2 - y/z", "y": "a*z - c*x", "z": "x*y + a**2 - b"},
+        }
+    ),
+    first_integral=lambda state, values: (_height(state, values),),
 )  # fmt: skip
-"""Parameters in no order of their names."""
+"""Parameters in no order of their names; the first integral is none, but a function of the state."""
+
+
+def _height(state: Sequence[Any], values: Sequence[Any]) -> Any:
+    (x, y, z), (b, a, c) = state, values
+    return b * x**2 * y + a * y * z - c * z**3 + x / z
 
 
 def _claim(chance: random.Random, varying: bool = False) -> PeriodicOrbit | PeriodicBifurcation:
@@ -321,8 +328,8 @@ def test_every_earlier_return_is_at_another_point_in_some_coordinate(
 @pytest.mark.parametrize("size", [2, 3])
 def test_a_turning_plane_is_on_the_circle_only_where_volume_is_kept(size: int) -> None:
     """The divergence is that of one coordinate alone, whichever it is, and of a plane alone there is no other one."""
-    for keeps_volume in (False, True):
-        known = known_return(random.Random(size), size, False, True, keeps_volume)
+    for keeps_volume, plain in ((False, False), (False, True), (True, False), (True, True)):
+        known = known_return(random.Random(size), size, False, True, keeps_volume, plain=plain)
         outcome = outcome_of(known.claim, known.enclosures)
         assert isinstance(outcome, Proved), outcome.reason
         found = outcome.results.multipliers

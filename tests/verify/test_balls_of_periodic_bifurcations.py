@@ -40,11 +40,12 @@ from orbitproof.verify.periodic_bifurcation import (
     prove_torus,
     without_plane,
 )
+from orbitproof.verify.periodic_bifurcation.coefficients import flip_coefficients, fold_coefficients
 from orbitproof.verify.periodic_bifurcation.equations import equations_of
-from orbitproof.verify.periodic_bifurcation.extended_system import Place, extended_matrix
+from orbitproof.verify.periodic_bifurcation.extended_system import Place, check_extended, extended_matrix
 from orbitproof.verify.periodic_bifurcation.proved_periodic_bifurcation import _squared, quotient
 from orbitproof.verify.periodic_bifurcation.symmetry import _image_of, check_mirrored, signs_on_box
-from orbitproof.verify.periodic_bifurcation.torus_system import torus_matrix
+from orbitproof.verify.periodic_bifurcation.torus_system import check_torus_point, torus_matrix
 
 Centres = dict[str, Any]
 """Derivatives at the centre: of each coordinate of the image, of the time, of the first integral if there is one."""
@@ -212,6 +213,50 @@ def test_the_same_of_tori(seed: int) -> None:
         assert not broken_inclusions(along(claim, centres, degree, chance), (arb(0),), chance, 1, arb(2) ** -24), degree
     assert not contradiction(along(claim, centres, 3, chance), [arb(100)])
     assert not unsound_balls(proves(claim), centres, chance, 3, (-120, 4), of_degree(0, 1))
+
+
+@pytest.mark.parametrize(
+    "name", ["periodic-fold free", "periodic-doubling parameter on a level", "moved free", "torus"]
+)
+def test_places_and_eigenvectors_lie_in_their_balls(name: str) -> None:
+    chance = random.Random(name)
+    claim, centres = torus(0) if name == "torus" else known(*CLAIMS[name], 4)
+    size = arb(2) ** (-48 if name == "torus" else -68)
+
+    def found(centres: Centres) -> Any:
+        equations = equations_of(claim, enclosures(claim, centres))
+        place: Any = (check_torus_point if name == "torus" else check_extended)(Checklist(), claim, equations)
+        return vars(place)
+
+    assert not broken_inclusions(found, (centres,), chance, 6, size, lambda path: of_degree(0, 1)(path[1:]))
+
+
+@pytest.mark.parametrize("kind", ["periodic-fold", "periodic-doubling"])
+@pytest.mark.parametrize("setting", ["free", "parameter on a level"])
+def test_coefficients_depend_on_each_derivative_by_itself(kind: str, setting: str) -> None:
+    """The place being given: by the left kernel alone, by the curve of orbits, by third derivatives."""
+    chance = random.Random(kind + setting)
+    claim, centres = known(kind, setting, 5)
+    size = len(claim.radii)
+    place = Place(tuple(arb(0) for _ in range(size + 1)), tuple(map(enclose, claim.kernel[0])))
+    coefficients = fold_coefficients if kind == "periodic-fold" else flip_coefficients
+
+    def found(centres: Centres, kernel: Any) -> Any:
+        equations = equations_of(claim, enclosures(claim, centres))
+        given = coefficients(equations, Place(place.where, tuple(kernel)), place.kernel)
+        # Which component of l is 1 is chosen by the middles of balls.
+        return given.opening, given.pairing / given.speed
+
+    for degree in (1, 2, 3) if kind == "periodic-doubling" else (1, 2):
+        of_centres = partial(_first_of, found, place.kernel)
+        assert not broken_inclusions(
+            of_centres, (centres,), chance, 7, arb(2) ** -30, lambda path, d=degree: of_degree(d)(path[1:])
+        ), degree
+    assert not broken_inclusions(lambda kernel: found(centres, kernel), (list(place.kernel),), chance)
+
+
+def _first_of(function: Any, second: Any, first: Any) -> Any:
+    return function(first, second)
 
 
 def test_the_parts_of_the_equations_depend_on_the_balls_that_they_are_found_from() -> None:

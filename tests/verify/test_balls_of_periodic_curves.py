@@ -7,6 +7,7 @@ import random
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction as F
+from typing import Any
 
 import pytest
 from flint import arb, arb_poly
@@ -38,14 +39,21 @@ def unit(size: int, place: int) -> tuple[F, ...]:
     return tuple(F(int(i == place)) for i in range(size))
 
 
-SPACE = define_system(
-    {
-        "name": "space", "state": "x y z", "parameters": "c b a",
-        "field": {"x": "b*y - z", "y": "c*x + a", "z": "a*x*y - c"},
-        "first_integral": "a*x**2*y + b*y*z - c*z**3 + x",
-    }
+SPACE = replace(
+    define_system(
+        {
+            "name": "space", "state": "x y z", "parameters": "c b a",
+            "field": {"x": "b*y - z", "y": "c*x + a", "z": "a*x*y - c"},
+        }
+    ),
+    first_integral=lambda state, values: (_height(state, values),),
 )  # fmt: skip
 """Parameters in no order of their names; no first integral, but a function of the state."""
+
+
+def _height(state: Sequence[Any], values: Sequence[Any]) -> Any:
+    (x, y, z), (c, b, a) = state, values
+    return a * x**2 * y + b * y * z - c * z**3 + x
 
 
 def space(varies: bool, normal: Sequence[F], crossings: int = 1) -> PeriodicAtlas:
@@ -53,9 +61,7 @@ def space(varies: bool, normal: Sequence[F], crossings: int = 1) -> PeriodicAtla
     values = {"a": F(3, 4), "b": F(-5, 4), "c": F(2, 3)}
     claim = PeriodicCurveClaim("periodic-arc", tuple(normal), F(3, 8), 1, crossings, "b" if varies else None)
     size = 2 + varies
-    frame = tuple(
-        tuple(F(-1 if i == j else (i + 2 * j) % 3 - 1) for j in range(size)) for i in range(size)
-    )  # fmt: skip
+    frame = tuple(tuple(map(F, row[:size])) for row in ((-1, -2, F(1, 2)), (1, F(-1, 2), -1), (F(1, 2), 1, 2))[:size])
     centre = ((values.pop("b"),) if varies else ()) + (F(1, 2), F(-3, 4))
     rows = ((F(1, 16), F(1, 8)),) * (size - 1)
     piece = Piece("p1", "regular", centre, frame, F(1, 4), rows, (F(1, 2**10),) * (size - 1), "physical")
