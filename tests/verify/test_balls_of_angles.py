@@ -97,11 +97,29 @@ def test_angles_of_planes(size: int) -> None:
         half_turns(angle, acb(arb(0, 1), arb(0, 1)), across, size)
 
 
+@pytest.mark.parametrize("place", range(3))
+def test_an_argument_is_followed_only_if_all_values_on_the_way_are_on_one_side(place: int) -> None:
+    """Of values on the way, that of before, and that of the end, one lies opposite, across, or about 0."""
+    for wrong in (acb(-1, "0.1"), acb(arb(0, 2), 1), acb(0, -2), acb(arb("nan"), 1)):
+        over, end = [acb(1, "0.5"), acb(2, -1), acb(1)], acb(1, "0.125")
+        turning = Turning(acb("0.5", "0.25"))
+        assert turning.reaches(over, end)
+        assert turning.reaches(over[:1], end)
+        over[place] = wrong
+        assert not turning.reaches(over, end)
+    assert not Turning(acb(-1)).reaches([acb(1)], acb(1))
+    assert not Turning(acb(1)).reaches([acb(1)], acb(arb(0, 1), 0))
+
+
 def test_vectors_that_move() -> None:
     chance = random.Random(0)
     polynomials = tuple(ball_polynomial([number(chance) for _ in range(5)]) for _ in range(3))
     vector = Moving(polynomials, (arb(0),) * 3)
     other = Moving(polynomials[::-1], (arb("0.25"), arb("0.5"), arb(1)))
+    both = Moving(polynomials, (arb("0.5"), arb(1), arb("0.25"))).less(arb(-2), other)
+    assert [float(bound) for bound in both.errors] == [1, 2, 2.25]
+    both = Moving(polynomials, (arb("0.5"), arb(1), arb("0.25"))).less(arb(2), other)
+    assert [float(bound) for bound in both.errors] == [1, 2, 2.25]
     assert not broken_inclusions(vector.over, (ball(chance, 0.2, 0.8),), chance)
     low, high = Fraction(1, 4), Fraction(3, 4)
     over = vector.over(hull(enclose(low), enclose(high)))

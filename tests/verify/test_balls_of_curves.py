@@ -15,7 +15,9 @@ from support.inclusion import broken_inclusions
 from orbitproof.shared.claims import BirthPiece
 from orbitproof.shared.systems import (
     AROUND,
+    CR3BP,
     CR3BP_AXIAL,
+    HILL,
     HILL_VARIED,
     VERTICAL,
     ParameterRange,
@@ -27,6 +29,7 @@ from orbitproof.verify.curve import vertical_family as vertical
 from orbitproof.verify.curve.bifurcations_on_it import CertifiedPoint
 from orbitproof.verify.curve.birth_piece import BirthTube
 from orbitproof.verify.curve.followed import Crossing
+from orbitproof.verify.curve.libration_point import derived_parameter
 from orbitproof.verify.curve.other_point import enclose_crossings, meets_section_once
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, enclose
@@ -173,6 +176,50 @@ def test_points_in_other_units_hold_those_of_all_points() -> None:
     h = ball(chance, 0.2, 0.3)
     assert not broken_inclusions(doubling_birth._at_other_point, (h, state), chance, 20)
     assert not broken_inclusions(doubling_birth._from_hill_units, (h, state), chance)
+
+
+def test_levels_and_directions_in_other_units_are_those_of_their_states() -> None:
+    """The Jacobi constant of the state itself; of a variation what is left beside a multiple of the field."""
+    chance, (program, inputs) = random.Random(2), (CR3BP.first_integral_program, (*CR3BP.state, "mu"))
+    assert program is not None
+
+    def level(**state: arb) -> arb:
+        known = dict.fromkeys(CR3BP.state, arb(0)) | state | {"mu": enclose(MU["mu"])}
+        (value,) = program.evaluate([known[name] for name in inputs], enclose, lambda x, p: x ** enclose(p))
+        return arb(value)
+
+    size, x, vy = ball(chance, 0.1, 0.2), ball(chance, 0.2, 0.3), ball(chance)
+    point = {"eps2": size, "x": x, "vy": vy}
+    x_l = planar.libration_point(VERTICAL["L2"], MU)
+    assert x_l is not None
+    found = vertical.vertical_jacobi_constant(VERTICAL["L2"], MU, point)
+    assert found is not None
+    assert found.overlaps(level(x=x_l + size * x, vy=size * vy, vz=size.sqrt()))
+    assert lifted_family.lifted_jacobi_constant(MU, point).overlaps(level(x=x, vy=vy, vz=size.sqrt()))
+    found = planar.jacobi_constant(AROUND["L2"], MU, {"eps": size, "vy": vy})
+    assert found is not None
+    assert found.overlaps(level(x=x_l + size, vy=size * vy))
+    h, state = ball(chance, 0.2, 0.3), {name: ball(chance, 0.2, 0.9) for name in HILL_VARIED.state}
+    at, direction = doubling_birth._at_other_point(h, state)
+    field = HILL.vector_field([at[name] for name in HILL.state], [h])
+    rates = dict(zip(HILL.state, field, strict=True))
+    assert all(at[name].overlaps(state[name]) for name in HILL.state)
+    for name, own in (("vx", "vxi"), ("vz", "vzeta")):
+        left = state[f"d{own}"] * rates["eta"] - rates[own] * state["deta"]
+        assert direction[name].overlaps(left / rates["eta"])
+
+
+def test_a_derived_parameter_that_is_known_badly_is_known_on_both_sides() -> None:
+    for name, system in AROUND.items():
+        exact = planar.libration_point(system, MU)
+        assert exact is not None
+        for bits in (8, 9, 10, 17):
+            root = derived_parameter(system, "x_l", MU, bits)
+            assert root.ball.contains(exact), name
+            assert root.ball.contains(enclose(root.lower))
+            assert root.ball.contains(enclose(root.upper))
+            assert root.radius == (root.upper - root.lower) / 2 <= Fraction(1, 2**bits)
+            assert enclose(root.middle - root.radius) <= exact <= enclose(root.middle + root.radius)
 
 
 def test_units_are_those_of_the_sizes() -> None:
