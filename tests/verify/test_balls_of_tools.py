@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 from flint import arb, arb_poly, ctx
+from support.cubic_tables import derivative, random_polynomial, table
 from support.flow_checks import random_fraction
 from support.inclusion import Path, broken_inclusions, checked
-from support.polynomial_tables import derivative, random_polynomial, table
 from support.thresholds import unsound_balls
 
 from orbitproof.shared import define_system
