@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 from flint import arb, arb_poly, ctx
-from support.cubic_tables import derivative, random_polynomial, table
 from support.flow_checks import random_fraction
 from support.inclusion import Path, broken_inclusions, checked
+from support.polynomial_tables import derivative, table
 from support.thresholds import unsound_balls
 
 from orbitproof.shared import define_system
@@ -27,12 +27,14 @@ from orbitproof.verify.evidence import (
     FUNCTIONS,
     Checklist,
     IntegrationFailure,
+    MultiIndex,
     NotEstablishedError,
     bounds,
     dot,
     enclose,
     excludes_zero,
     guarded,
+    indices_up_to,
     is_below,
     is_inside,
     is_outside,
@@ -79,6 +81,19 @@ def precision() -> Iterator[None]:
 
 def numbers(count: int, chance: random.Random, size: float = 1.0) -> list[arb]:
     return [arb(chance.uniform(-size, size)) for _ in range(count)]
+
+
+def random_polynomial(
+    variables: int, chance: random.Random, linear: Sequence[float], density: float = 0.5
+) -> dict[MultiIndex, arb]:
+    """One of degree 3 with these linear terms, without a constant one, and random ones of degree 2 and 3."""
+    found = {}
+    for index in indices_up_to(variables, 3):
+        if sum(index) == 1:
+            found[index] = arb(linear[index.index(1)])
+        elif sum(index) > 1 and chance.random() < density:
+            found[index] = arb(chance.randint(-12, 12)) / 8
+    return found
 
 
 def matrix_near(size: int, chance: random.Random, rest: float = 0.3) -> list[list[arb]]:
