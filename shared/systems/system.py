@@ -11,7 +11,7 @@ those that R fixes (they parametrise Fix(R)) and those that it negates (they van
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -287,20 +287,9 @@ class ReversibleSystem(System):
 
     @cached_property
     def _settings(self) -> Mapping[str, ReversibleSystem]:
-        return {
-            name: replace(
-                self,
-                name=f"{self.name}-{name}",
-                title=f"{self.title}, reversible under {reversor.title}",
-                reversing_symmetry=reversor.signs,
-                section=reversor.section or self.section,
-                level_coordinate=reversor.level_coordinate or self.level_coordinate,
-                reversors={},
-                original=self,
-                reversor=name,
-            )
-            for name, reversor in self.reversors.items()
-        }
+        from orbitproof.shared.systems.further_reversors import settings_of
+
+        return settings_of(self)
 
     @cached_property
     def section_index(self) -> int:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from orbitproof.shared.systems import System
-from orbitproof.verify.claim.functions import keeps_its_functions
 from orbitproof.verify.enclose.numbers import Number, exact
 from orbitproof.verify.maps import AffineSection, StartingSet
 
@@ -53,12 +52,7 @@ class Box:
         Raises `ValueError` unless the names are the same, and for a system whose field is not shown to keep the
         coordinates that are functions of others what they are (section 23.5).
         """
-        if not keeps_its_functions(system):
-            further = ", ".join(each.name for each in system.defined)
-            raise ValueError(
-                f"{system.name}: {further} are not shown to stay the functions of others that they begin as; "
-                "write these functions in the formulas of the field"
-            )
+        _require_functions(system)
         names = (*system.given_state, *system.parameters)
         for name in names:
             if name not in self.centre:
@@ -169,3 +163,17 @@ def section(normal: str | Mapping[str, Number], value: Number = 0) -> Section:
 def _exactly(key: str, value: object) -> None:
     if not isinstance(value, Fraction):
         raise ValueError(f"{key}: {value!r} is no Fraction; `box` and `section` take other exact numbers")
+
+
+def _require_functions(system: System) -> None:
+    """See `Box.of`."""
+    if not system.defined:
+        return
+    from orbitproof.verify.claim.functions import keeps_its_functions
+
+    if not keeps_its_functions(system):
+        further = ", ".join(each.name for each in system.defined)
+        raise ValueError(
+            f"{system.name}: {further} are not shown to stay the functions of others that they begin as; "
+            "write these functions in the formulas of the field"
+        )

@@ -1,3 +1,6 @@
+from .box_format import BOX_RATIO as BOX_RATIO
+from .box_format import check_size as check_size
+from .box_format import grade_bits as grade_bits
 from .coordinates import PHYSICAL as PHYSICAL
 from .coordinates import Coordinates as Coordinates
 from .coordinates import coordinates_of as coordinates_of
@@ -22,15 +25,12 @@ from .half_return import Derivatives as Derivatives
 from .half_return import HalfReturn as HalfReturn
 from .half_return import enclose_half_return as enclose_half_return
 from .half_return import named as named
-from .iterates import BOX_RATIO as BOX_RATIO
 from .iterates import Box as Box
 from .iterates import Enclosures as Enclosures
 from .iterates import Integration as Integration
 from .iterates import IntegratorSettings as IntegratorSettings
 from .iterates import box_of as box_of
-from .iterates import check_size as check_size
 from .iterates import enclose_iterates as enclose_iterates
-from .iterates import grade_bits as grade_bits
 from .iterates import grading_for as grading_for
 from .oracle import Oracle as Oracle
 from .regularised import is_regularised as is_regularised

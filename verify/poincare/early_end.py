@@ -8,7 +8,8 @@ from math import ceil, log2
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.evidence import DerivativeTable, IntegrationFailure
-from orbitproof.verify.poincare.iterates import LOSS_DIVISOR, Integration, log2_of
+from orbitproof.verify.poincare.box_format import LOSS_DIVISOR, log2_of
+from orbitproof.verify.poincare.iterates import Integration
 
 
 @dataclass(frozen=True)

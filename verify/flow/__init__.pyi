@@ -1,0 +1,11 @@
+from .expansion import Expansion as Expansion
+from .expansion import dyadic_below as dyadic_below
+from .expansion import planned_step as planned_step
+from .expansion import rough as rough
+from .field_along import FieldAlong as FieldAlong
+from .gronwall import LEAST_ERROR as LEAST_ERROR
+from .gronwall import comparison_matrices as comparison_matrices
+from .gronwall import derivative_bounds as derivative_bounds
+from .gronwall import exponential_bound as exponential_bound
+from .step import FlowStep as FlowStep
+from .step import advance as advance
