@@ -4,7 +4,7 @@ from .exact_numbers import SECONDS as SECONDS
 from .exact_numbers import exact_number as exact_number
 from .exact_numbers import mass_parameter as mass_parameter
 from .exact_numbers import time_given as time_given
-from .examined import examined as examined
+from .examination import examined as examined
 from .family_names import FAMILY_NAMES as FAMILY_NAMES
 from .family_names import POINTS as POINTS
 from .family_names import PRESETS as PRESETS
