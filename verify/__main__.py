@@ -1,40 +1,61 @@
-"""Command line of the verifier: hands over to that for rows, branches, catalogues, webs, indices, or second proofs."""
+"""Command line of the verifier: hands a file over to the command for its format, or to the one that is named."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
 
 from orbitproof.shared.interrupts import run_command
+
+_COMMANDS: Mapping[str, str] = {
+    "rows": "row_command",
+    "atlas": "branch_command",
+    "catalogue": "catalogue_command",
+    "web": "web_command",
+    "index": "index_command",
+    "second-proof": "second_proofs",
+}
+"""Modules of `run`, each loaded only when it is asked for: they take a moment."""
+_FORMATS: Mapping[str, str] = {
+    "atlas": "atlas",
+    "atlas-certificate": "atlas",
+    "catalogue-certificate": "catalogue",
+    "web": "web",
+    "web-certificate": "web",
+    "index-certificate": "index",
+}
+"""Commands by the formats that files say they have; rows are the rest."""
+_FLAGS = ("--recheck", "--integrate", "--fresh", "--quiet")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     words = sys.argv[1:] if arguments is None else list(arguments)
-    # Each only when it is asked for: they take a moment to load.
-    if words[:1] == ["atlas"]:
-        from orbitproof.verify.run.branch_command import main as verify_branch
+    if words and words[0] in _COMMANDS and words[0] not in ("rows", "second-proof"):
+        name, words = words[0], words[1:]
+    elif "--second-proof" in words:
+        name, words = "second-proof", [word for word in words if word != "--second-proof"]
+    else:
+        name = _command_for(words)
+    code: int = import_module(f"orbitproof.verify.run.{_COMMANDS[name]}").main(words)
+    return code
 
-        return verify_branch(words[1:])
-    if words[:1] == ["catalogue"]:
-        from orbitproof.verify.run.catalogue_command import main as verify_catalogue
 
-        return verify_catalogue(words[1:])
-    if words[:1] == ["web"]:
-        from orbitproof.verify.run.web_command import main as verify_web
+def _command_for(words: Sequence[str]) -> str:
+    """The command for the format of the file that is named; what is wrong with the file is for it to say."""
+    # What follows an option belongs to it, unless that one takes nothing.
+    alone = (word for before, word in zip(("", *words), words, strict=False) if before in _FLAGS or before[:1] != "-")
+    file = next((Path(word) for word in alone if word.endswith(".json") and Path(word).is_file()), None)
+    if file is None:
+        return "rows"
+    from orbitproof.shared.formats import InputError, stated_format
 
-        return verify_web(words[1:])
-    if words[:1] == ["index"]:
-        from orbitproof.verify.run.index_command import main as verify_index
-
-        return verify_index(words[1:])
-    if "--second-proof" in words:
-        from orbitproof.verify.run.second_proofs import main as prove_again
-
-        return prove_again([word for word in words if word != "--second-proof"])
-    from orbitproof.verify.run.row_command import main as verify_rows
-
-    return verify_rows(words)
+    try:
+        return _FORMATS.get(stated_format(file, ""), "rows")
+    except InputError:
+        return "rows"
 
 
 if __name__ == "__main__":

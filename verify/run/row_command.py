@@ -30,13 +30,14 @@ if TYPE_CHECKING:
 _DESCRIPTION = """\
 Prove bifurcations of symmetric periodic orbits, and single orbits: rigorous verification of candidate boxes.
 
-commands:
-  orbitproof verify FILE ..         certificates of bifurcations, from candidates (this page)
-  orbitproof verify atlas FILE ..   certificates of whole branches, from atlases (orbitproof verify atlas --help)
-  orbitproof verify catalogue FILE ..
-                                    rows of a catalogue, certified by a curve that is proved
-  orbitproof verify --second-proof FILE ..
-                                    certified bifurcations proved once more, by code that shares nothing with the first
+What a file holds decides what is done with it. Options of each kind:
+  orbitproof verify --help             candidates and their certificates (this page)
+  orbitproof verify atlas --help       whole branches: curves, surfaces, lists of resonances
+  orbitproof verify web --help         graphs of proved curves that meet
+  orbitproof verify index --help       the Conley-Zehnder index along a proved curve
+  orbitproof verify catalogue --help   rows of a catalogue, certified by a proved curve
+  orbitproof verify --second-proof --help
+                                       certificates proved once more, by other code
 """
 
 _EXAMPLES = """\
