@@ -5,11 +5,13 @@ from __future__ import annotations
 import argparse
 import ast
 import importlib
+import json
 import re
 import shlex
 import subprocess
 import sys
 import tomllib
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
@@ -102,6 +104,18 @@ def test_help_has_examples_and_its_examples_parse(package: str, monkeypatch: pyt
 
 def test_readme_is_short() -> None:
     assert len(README.split()) <= 1000
+
+
+def test_the_line_that_the_readme_explains_is_that_of_a_certificate() -> None:
+    document = json.loads((ROOT / "tests" / "data" / "figures-certificates.json").read_text("utf-8"))
+    (line,) = re.findall(r"^```text\n(.*)\n```$", README, re.MULTILINE)
+    (entry,) = (entry for entry in document["certificates"] if entry["id"] == line.split()[0])
+    claim, results = entry["statement"]["candidate"], entry["results"]
+    assert re.split(r"\s\s+", line)[1:-1] == [str(claim["k"]), claim["kind"], entry["verdict"], results["side"]]
+    name, digits, first, last = re.fullmatch(r".*  (.*) = (\d\.\d+)\[(\d),(\d)\]", line).groups()  # type: ignore[union-attr]
+    assert name == results["parameter_name"]
+    lower, upper = (Decimal(end) for end in results["parameter"]["decimal"].strip("[]").split(", "))
+    assert Decimal(digits + first) <= lower <= upper <= Decimal(digits + last)
 
 
 def test_architecture_names_every_room() -> None:
