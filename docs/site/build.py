@@ -49,8 +49,8 @@ def stage(folder: Path) -> None:
             target.write_text(with_formulas(path.read_text("utf-8")), "utf-8")
         else:
             shutil.copy(path, target)
-    for name in ("conf.py", "index.md"):
-        shutil.copy(HERE / name, folder)
+    for path in (HERE / "conf.py", *HERE.glob("*.md")):
+        shutil.copy(path, folder)
     # Pages that a browser shows as they are, if they were made: beside the documents, which then link to them.
     pages = folder / PAGES_AS_THEY_ARE / "docs" / "webs"
     pages.mkdir(parents=True)

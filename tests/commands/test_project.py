@@ -131,7 +131,7 @@ def test_the_order_of_reading_is_one() -> None:
     docs = ROOT / "docs"
     chapters = (docs / "method.md").read_text("utf-8").partition("## Chapters")[2].partition("\n## ")[0]
     order = [*re.findall(r"\(\.\./verify/(\w+)/README\.md\) \|", chapters), "second_proof"]
-    contents = (docs / "site" / "index.md").read_text("utf-8")
+    contents = (docs / "site" / "chapters.md").read_text("utf-8")
     assert re.findall(r"^verify/(\w+)/README$", contents, re.MULTILINE) == order
     layout = (docs / "architecture.md").read_text("utf-8").partition("in the order of reading")[2].partition("\n## ")[0]
     assert [word for word in re.findall(r"\w+", layout) if word in set(order)] == order

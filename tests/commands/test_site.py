@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -97,11 +98,19 @@ def test_pages_of_graphs_that_were_made_are_linked(
 
 
 def test_every_document_is_on_a_page_of_the_contents(site: dict[str, ModuleType]) -> None:
-    contents = (SITE / "index.md").read_text("utf-8")
+    contents = {line for page in SITE.glob("*.md") for line in re.findall(r"[\w./-]+", page.read_text("utf-8"))}
     for path in site["build"].documents():
         name = path.relative_to(ROOT).with_suffix("").as_posix()
         if path.suffix in {".md", ".ipynb"} and SITE not in path.parents:
-            assert name in contents or (path.parent.name == "how-to" and "docs/how-to/*" in contents), name
+            assert name in contents, name
+
+
+def test_the_sidebar_is_short_and_in_five_parts() -> None:
+    contents = (SITE / "index.md").read_text("utf-8")
+    captions = re.findall(r"^:caption: (.*)$", contents, re.MULTILINE)
+    assert captions == ["Tutorials", "How to", "Reference", "Explanation", "Proofs"]
+    entries = "".join(re.findall(r"^```\{toctree\}\n(.*?)^```$", contents, re.MULTILINE | re.DOTALL))
+    assert len(re.findall(r"^(?!:).+$", entries, re.MULTILINE)) <= 60
 
 
 @pytest.mark.slow
