@@ -34,8 +34,10 @@ from orbitproof.verify.curve import (
 )
 from orbitproof.verify.curve.birth_piece import even_part, read_birth
 from orbitproof.verify.curve.equation import divided_by_wide
+from orbitproof.verify.curve.lifted_family import _birth_at_end
 from orbitproof.verify.curve.other_point import Crossing, meets_section_once
-from orbitproof.verify.evidence import Checklist, NotProved, Proved
+from orbitproof.verify.curve.tube import Tube
+from orbitproof.verify.evidence import Checklist, Evidence, NotProved, Proved
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.web import Arc, conclude_web
 from orbitproof.verify.words.branches import conclusion_in_words
@@ -183,6 +185,34 @@ def test_a_curve_that_does_not_reach_the_piece_of_its_birth_is_refused() -> None
     unproved = tuple(result for result in RESULTS if result.piece != BIRTH.id)
     assert "nothing is proved of it" in refusal(concluded(results=unproved))
     assert "not enclosed" in refusal(concluded(watch=lambda *of: None))
+
+
+def test_all_orbits_that_may_be_at_its_end_are_followed() -> None:
+    """Also where the end is known badly: eps2 up to 2^-10, the others in proportion."""
+    asked: list[Any] = []
+
+    def watch(system: Any, parameters: Any, point: Any, crossings: int) -> None:
+        asked.append((system, point, crossings))
+
+    deviation = Fraction(1, 2**12)
+    curve = proof(concluded())
+    last = curve.chain.stretches[-1]
+    piece, size = last.tube.piece, LIFTED.centre_coordinates.index("eps2")
+    frame = tuple((row[0], row[1] + (i == size), row[2]) for i, row in enumerate(piece.frame))
+    run = replace(last.run, intervals=tuple(replace(part, deviation=(deviation,) * 2) for part in last.run.intervals))
+    tube = Tube(replace(piece, tube=(2 * deviation,) * 2, frame=frame), (run,))
+    chain = replace(curve.chain, stretches=(replace(last, tube=tube, run=run),))
+    evidence = Evidence("birth")
+    with ctx.workprec(128):
+        assert _birth_at_end(evidence, ATLAS, chain, RESULTS, watch) is None
+        end = dict(zip(LIFTED.centre_coordinates, tube.point(run, last.leaves), strict=True))
+        (axial, start, twice), (lifted, point, once_only) = asked
+        assert (axial, twice, lifted, once_only) == (CR3BP_AXIAL, 2, LIFTED, 1)
+        assert all(point[name].contains(ball) for name, ball in end.items())
+        assert end["eps2"].rad() > 0
+        for side in (end["eps2"].lower(), end["eps2"].upper()):
+            assert start["vz"].contains(side.sqrt().mid())
+        assert all(start[name].contains(end[name]) for name in ("x", "vy"))
 
 
 def test_a_second_crossing_at_another_time_is_refused() -> None:

@@ -21,7 +21,7 @@ from orbitproof.verify.bifurcation.fold import check as check_turning
 from orbitproof.verify.bifurcation.proved_bifurcation import check as check_bifurcation
 from orbitproof.verify.double_resonance import proved_double_resonance as double
 from orbitproof.verify.double_resonance.equations import equations_of as equations_of_resonances
-from orbitproof.verify.evidence import Checklist, enclose, guarded, symmetric
+from orbitproof.verify.evidence import Checklist, NotEstablishedError, enclose, guarded, symmetric
 from orbitproof.verify.krein import equations_of as equations_of_collision
 from orbitproof.verify.krein import proved_krein
 from orbitproof.verify.newton import BoxFunction, Jet
@@ -118,6 +118,25 @@ def test_bifurcations(k: int, on_levels: bool) -> None:
     arguments = [ball(chance) * little, ball(chance) * little / 16], arb("0.03"), arb("0.5"), u, arb(2), arb(2)
     wanted = (lambda path: path[0] != 3) if k == 2 and not on_levels else (lambda path: True)
     assert not broken_inclusions(found, arguments, chance, size=arb(2) ** -44, where=wanted)
+
+
+@pytest.mark.parametrize(("k", "number"), [(k, number) for k in (3, 4, 6) for number in range(1, k)])
+def test_each_return_before_the_last_may_have_other_orbits(k: int, number: int) -> None:
+    """Where D_p_1 q_1 of one of them vanishes nothing is proved; of all that is asked before that is what fails."""
+    radii = (SMALL, SMALL / 16)
+    candidate = claim(description(1, False), "touch_and_go" if k == 3 else "period_tupling", k, radii)
+
+    def component(place: int) -> BoxFunction:
+        def linear(p: Any, _: Any) -> Jet:
+            return p[1] if place != number else p[1] * p[1] if number > 1 else p[0]
+
+        return BoxFunction(table_of(linear, radii))
+
+    box = tuple(symmetric(radius) for radius in radii)
+    problem = Problem(k, radii, box, tuple((component(place),) for place in range(1, k + 1)), None)
+    with pytest.raises(NotEstablishedError) as caught:
+        check_bifurcation(candidate, Checklist(), problem)
+    assert caught.value.reason.condition == (f"regular-{number}" if number > 1 else "family")
 
 
 Polynomials = list[dict[tuple[int, ...], arb]]

@@ -206,18 +206,31 @@ def test_points_of_a_list_hold_the_levels_and_times_of_all_of_their_places() -> 
         finder = Finder(atlas, stretch, segment)
         told = lambda tau: finder._point(3, 1, Kind.RESONANCE, tau)  # noqa: E731
         assert not broken_inclusions(told, (arb("0.2"),), chance)
-        # All extrema of functions that are known up to an error.
-        error = Fraction(1, 2**14)
-        bent = [Fraction(1, 16), Fraction(0), Fraction(-1, 4), Fraction(1, 8), Fraction(1)]
-        wide = replace(segment, characteristic=(BoundedFunction(ball_polynomial(bent), enclose(error)),))
-        listed, undecided = extrema_on(wide, 0)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_every_extremum_of_every_function_that_may_be_meant_is_listed_or_open(count: int) -> None:
+    """Stability parameters near a quartic polynomial, and near that plus 3 + tau/2."""
+    chance, error = random.Random(0), Fraction(1, 2**14)
+    bent = [Fraction(1, 16), Fraction(0), Fraction(-1, 4), Fraction(1, 8), Fraction(1)]
+    other = [bent[0] + 3, bent[1] + Fraction(1, 2), *bent[2:]]
+
+    def segment(extra: tuple[Fraction, ...] = (), unknown: Fraction = Fraction(0)) -> Segment:
+        trace = [a + (b if count == 2 else 0) for a, b in zip(bent, other, strict=True)]
+        trace = [value + more for value, more in zip(trace, [*extra, *[Fraction(0)] * 5], strict=False)]
+        known_to = [BoundedFunction(ball_polynomial(trace), enclose(unknown))]
+        if count == 2:
+            known_to.append(BoundedFunction(ball_polynomial(bent) * ball_polynomial(other), arb(0)))
+        rest = [BoundedFunction(ball_polynomial([Fraction(chance.randint(1, 9))]), arb(0)) for _ in range(3)]
+        places = Fraction(-3, 4), Fraction(-3, 4), Fraction(3, 4), Fraction(0), Fraction(1)
+        return Segment(0, *places, tuple(known_to), *rest)
+
+    with ctx.workprec(BITS):
+        listed, undecided = extrema_on(segment(unknown=error), 0)
         assert listed
         for power, sign in product((0, 1, 2, 4), (1, -1)):
-            meant = [c + sign * error * (n == power) for n, c in enumerate(bent)]
-            true, left = extrema_on(
-                replace(segment, characteristic=(BoundedFunction(ball_polynomial(meant), arb(0)),)), 0
-            )
-            assert not left
+            true, _ = extrema_on(segment(tuple(sign * error * (n == power) for n in range(5))), 0)
+            assert true
             for place, value in true:
                 held = [here for here, known_value in listed if here.overlaps(place) and known_value.overlaps(value)]
                 assert len(held) == 1 or any(enclose(a) <= place <= enclose(b) for a, b in undecided)

@@ -14,7 +14,7 @@ from typing import Any
 
 import mpmath
 import pytest
-from flint import arb
+from flint import arb, ctx
 from support.forgeries import atlas_certificate, checked, forged, honest, noticed
 from support.stored import values
 
@@ -28,6 +28,8 @@ from orbitproof.shared.systems import AROUND, OVER_MASSES, SIDES, mass_of_distan
 from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.surface import SurfaceLimits, conclude_surface, prove_libration_piece
+from orbitproof.verify.surface.gluing import read_sheet
+from orbitproof.verify.surface.planar_family import _breaking
 from orbitproof.verify.words.branches import conclusion_in_words
 
 DATA = Path(__file__).parents[1] / "data"
@@ -50,6 +52,23 @@ def results() -> list[dict[str, Any]]:
     """What the verifier found for all pieces."""
     names = ("surface-results.json", "surface-planar-results.json")
     return [result for name in names for result in json.loads((DATA / name).read_text())]
+
+
+def test_symmetry_breakings_over_a_part_of_a_piece_are_those_of_all_of_its_distances(
+    atlas: Atlas, piece: LibrationPiece, results: list[dict[str, Any]]
+) -> None:
+    known = values(results)
+    sheets = [read_sheet(each, "h", [r for r in known if r.piece == each.id]) for each in atlas.surface_pieces()]  # type: ignore[misc]
+    middle, half = piece.distance
+    with ctx.workprec(128):
+        for place in (Fraction(-1, 2), Fraction(0), Fraction(1, 4)):
+            low, high = (middle + half * (place + Fraction(side, 3)) for side in (-1, 1))
+            over = _breaking(piece, sheets, (low, high))
+            assert isinstance(over, tuple)
+            for distance in (low, (low + high) / 2, high):
+                at = _breaking(piece, sheets, (distance, distance))
+                assert isinstance(at, tuple)
+                assert all(wide.contains(ball.mid()) for wide, ball in zip(over, at, strict=True))
 
 
 @pytest.mark.parametrize("point", ["L1", "L2"])
