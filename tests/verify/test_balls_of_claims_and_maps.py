@@ -28,6 +28,7 @@ from orbitproof.verify.claim import (
     is_respected,
     on_box,
 )
+from orbitproof.verify.claim.functions import enclose_functions
 from orbitproof.verify.evidence import (
     Checklist,
     DerivativeTable,
@@ -237,6 +238,29 @@ def test_points_are_on_a_sheet_if_all_of_them_are() -> None:
     assert there.between is not None
     assert there.between[0] < F(-5, 8)
     assert there.between[1] > F(5, 2)
+
+
+def test_functions_of_coordinates_are_those_at_all_points_of_balls() -> None:
+    """Each of what it is a function of, functions of functions too, parameters in no order of their names."""
+    system = define_system({
+        "name": "nested", "state": "x y", "parameters": "b a",
+        "field": {"x": "exp(a*x)*b - sin(x*b + exp(a*x))", "y": "log(2 + b*x**2) - a*cos(y - b)"},
+    })  # fmt: skip
+    chance = random.Random(6)
+    size = len(system.state)
+    state, parameters = (
+        [arb(0.3), arb(-0.4), *[arb(chance.uniform(5, 6)) for _ in range(size - 2)]],
+        [arb(0.7), arb(-0.2)],
+    )
+    assert not broken_inclusions(lambda s, p: enclose_functions(system, s, p), (state, parameters), chance)
+    found = dict(zip(system.state, enclose_functions(system, state, parameters), strict=True))
+    (x, y), (b, a) = state[:2], parameters
+    grown = (a * x).exp()
+    values = [grown, (x * b + grown).sin(), (x * b + grown).cos(), (2 + b * x * x).log(), (y - b).cos(), (y - b).sin()]
+    assert all(any(ball.overlaps(value) for ball in found.values()) for value in values)
+    # What is not defined at some point of a ball is not finite.
+    wide = enclose_functions(system, [arb(0, 3), *state[1:]], [arb(-1), arb(0)])
+    assert not all(ball.is_finite() for ball in wide)
 
 
 def a_table(value: arb) -> DerivativeTable:
