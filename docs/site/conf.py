@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import typing
+from contextlib import suppress
 from importlib import metadata
 from typing import Any
 
@@ -51,6 +53,13 @@ def _display(writer: Any, node: nodes.math_block) -> None:
     raise nodes.SkipNode
 
 
+def _without_rules(app: Sphinx, function: Any, bound: bool) -> None:
+    """Show the types of arguments without the rules of the fields' JSON, which the schemas have."""
+    with suppress(NameError, AttributeError, TypeError):
+        function.__annotations__ = typing.get_type_hints(function)
+
+
 def setup(app: Sphinx) -> None:
-    """Formulas as MathML, which browsers show without any script and without a network."""
+    """Formulas as MathML, which browsers show without any script and without a network; signatures to be read."""
+    app.connect("autodoc-before-process-signature", _without_rules)
     app.add_html_math_renderer("mathml", (_inline, None), (_display, None))

@@ -6,6 +6,7 @@ import argparse
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from importlib import import_module, resources
 from typing import Any
 from unittest.mock import patch
@@ -120,35 +121,45 @@ def systems_page() -> str:
     return with_formulas("\n".join(parts))
 
 
-PYTHON = """\
-# Python
+MODULES = {
+    "shared": ("orbitproof.shared", "systems and claims", ""),
+    "explore": ("orbitproof.explore", "the search, not trusted", ""),
+    "verify": ("orbitproof.verify", "proofs and certificates", "InputError, enclose"),
+    "enclose": ("orbitproof.verify.enclose", "flows and Poincaré maps of any system, enclosed", ""),
+    "figures": ("orbitproof.figures", "pictures and tables", ""),
+    "report": ("orbitproof.figures.report", "what certificates prove, as a document", ""),
+}
+"""The modules of the reference by page: module, what it is for, and what stands on another page."""
+_ONLY = {"report": "check_files, report_of, write_report"}
+"""Names of a module that are all of its face."""
 
-```{eval-rst}
-.. automodule:: orbitproof.shared
-   :members:
 
-.. automodule:: orbitproof.explore
-   :members:
+def python_page() -> str:
+    """The modules, with a page for each."""
+    rows = "\n".join(f"| [{module}](python-{page}.md) | {what} |" for page, (module, what, _) in MODULES.items())
+    pages = "\n".join(f"{module} <python-{page}>" for page, (module, _, _) in MODULES.items())
+    return (
+        "# Python\n\nEvery public name of every module. How to begin: the [guide](../docs/python.md).\n\n"
+        f"| module | for |\n| --- | --- |\n{rows}\n\n```{{toctree}}\n:hidden:\n\n{pages}\n```\n"
+    )
 
-.. automodule:: orbitproof.verify
-   :members:
-   :exclude-members: InputError, enclose
 
-.. automodule:: orbitproof.verify.enclose
-   :members:
+def module_page(page: str) -> str:
+    """What autodoc says of a module."""
+    module, what, elsewhere = MODULES[page]
+    excluded = f"   :exclude-members: {elsewhere}\n" if elsewhere else ""
+    only = f" {_ONLY[page]}" if page in _ONLY else ""
+    return (
+        f"# {module}\n\n{what[0].upper()}{what[1:]}.\n\n"
+        f"```{{eval-rst}}\n.. automodule:: {module}\n   :members:{only}\n{excluded}```\n"
+    )
 
-.. automodule:: orbitproof.figures
-   :members:
-
-.. automodule:: orbitproof.figures.report
-   :members: check_files, report_of, write_report
-```
-"""
 
 PAGES = {
     "commands.md": commands_page,
     "fields.md": formats_page,
     "systems.md": systems_page,
-    "python.md": lambda: PYTHON,
+    "python.md": python_page,
+    **{f"python-{page}.md": partial(module_page, page) for page in MODULES},
 }
 """The pages of the reference, by file name."""

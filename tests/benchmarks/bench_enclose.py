@@ -157,8 +157,10 @@ PAGE = """# Benchmarks
 
 What an enclosure costs beside integrators that compute and prove nothing. Made by
 
-    pip install heyoka
-    python tests/benchmarks/bench_enclose.py -o docs/benchmarks.md
+```sh
+pip install heyoka
+python tests/benchmarks/bench_enclose.py -o docs/benchmarks.md
+```
 
 on one core of a small virtual machine. Seconds are of processor time, the least of five runs, without the time in which
 heyoka compiles a system. Digits are those in which the worst coordinate agrees with an enclosure of

@@ -113,6 +113,15 @@ def test_the_sidebar_is_short_and_in_five_parts() -> None:
     assert len(re.findall(r"^(?!:).+$", entries, re.MULTILINE)) <= 60
 
 
+def test_the_reference_has_a_page_for_every_module_of_the_face(site: dict[str, ModuleType]) -> None:
+    pages = site["reference"].PAGES
+    contents = pages["python.md"]()
+    for page, (module, _, _) in site["reference"].MODULES.items():
+        assert importlib.import_module(module).__all__
+        assert f"({f'python-{page}.md'})" in contents
+        assert f".. automodule:: {module}\n" in pages[f"python-{page}.md"]()
+
+
 @pytest.mark.slow
 def test_the_site_builds_and_a_broken_link_fails(site: dict[str, ModuleType], tmp_path: Path) -> None:
     command = [sys.executable, str(SITE / "build.py"), str(tmp_path / "site")]
@@ -121,6 +130,9 @@ def test_the_site_builds_and_a_broken_link_fails(site: dict[str, ModuleType], tm
     notebook = (tmp_path / "site" / "docs" / "certificates.html").read_text("utf-8")
     assert "stands INTEGRATION" in notebook
     assert "evaluated again it is" in notebook
+    shared = (tmp_path / "site" / "reference" / "python-shared.html").read_text("utf-8")
+    assert "Candidate" in shared
+    assert "Annotated" not in shared
     assert "http" not in "".join(
         line for line in (tmp_path / "site" / "index.html").read_text("utf-8").splitlines() if "<script src" in line
     )
