@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterator
 from fractions import Fraction
+from itertools import product
 from types import SimpleNamespace
 from typing import Any
 
@@ -18,10 +19,11 @@ from support.polynomial_tables import table
 
 from orbitproof.verify.bifurcation.conditions import Problem
 from orbitproof.verify.bifurcation.fold import check as check_turning
+from orbitproof.verify.bifurcation.on_the_way import _iterate
 from orbitproof.verify.bifurcation.proved_bifurcation import check as check_bifurcation
 from orbitproof.verify.double_resonance import proved_double_resonance as double
 from orbitproof.verify.double_resonance.equations import equations_of as equations_of_resonances
-from orbitproof.verify.evidence import Checklist, NotEstablishedError, enclose, guarded, symmetric
+from orbitproof.verify.evidence import Checklist, NotEstablishedError, enclose, guarded, indices_up_to, symmetric
 from orbitproof.verify.krein import equations_of as equations_of_collision
 from orbitproof.verify.krein import proved_krein
 from orbitproof.verify.newton import BoxFunction, Jet
@@ -137,6 +139,28 @@ def test_each_return_before_the_last_may_have_other_orbits(k: int, number: int) 
     with pytest.raises(NotEstablishedError) as caught:
         check_bifurcation(candidate, Checklist(), problem)
     assert caught.value.reason.condition == (f"regular-{number}" if number > 1 else "family")
+
+
+@pytest.mark.parametrize("k", [3, 4, 5])
+def test_derivatives_of_later_returns_hold_those_at_all_points_of_the_box(k: int) -> None:
+    """By the recurrences of two returns, at corners of the box in a skew frame."""
+    chance = random.Random(k)
+    radii, size = (Fraction(1, 8), Fraction(1, 16), Fraction(1, 32)), 3
+    frame = tuple(tuple(Fraction(chance.randint(-4, 4), 4) + 2 * (i == j) for j in range(size)) for i in range(size))
+    candidate = claim(description(2, True), "period_tupling", k, radii, frame=frame)
+    sides = [symmetric(radius) for radius in radii]
+
+    def function() -> Any:
+        return table({index: ball(chance) for index in indices_up_to(size, 3) if sum(index)}, sides)
+
+    kernels = tuple(tuple(BoxFunction(function()) for _ in range(2)) for _ in range(2))
+    found: Any = SimpleNamespace(image={name: function() for name in candidate.coordinates})
+    over = _iterate(candidate, Problem(k, radii, tuple(sides), kernels, None), found)
+    for signs in product((-1, 1), repeat=size):
+        corner = tuple(sign * enclose(radius) for sign, radius in zip(signs, radii, strict=True))
+        at = _iterate(candidate, Problem(k, radii, corner, kernels, None), found)
+        for i, j in product(range(2), range(size)):
+            assert over[i, j].contains(at[i, j].mid())
 
 
 Polynomials = list[dict[tuple[int, ...], arb]]
