@@ -23,7 +23,7 @@ from orbitproof.verify.bifurcation.proved_bifurcation import results_at
 from orbitproof.verify.bifurcation.reduction import FamilyJet
 from orbitproof.verify.double_resonance import proved_double_resonance
 from orbitproof.verify.double_resonance.equations import Unfolding, _tangent
-from orbitproof.verify.evidence import DerivativeTable, enclose, guarded, indices_up_to
+from orbitproof.verify.evidence import Checklist, DerivativeTable, NotEstablishedError, enclose, guarded, indices_up_to
 from orbitproof.verify.krein import proved_krein
 from orbitproof.verify.newton import BoxFunction, Jet
 from orbitproof.verify.newton.jets import unit
@@ -31,6 +31,7 @@ from orbitproof.verify.orbit import full_return_jets, inverse_jets, stability_fr
 from orbitproof.verify.orbit.full_return import _along_level
 from orbitproof.verify.orbit.multipliers import UNDECIDED, _multiplier
 from orbitproof.verify.reversor_breaking import both_points, parameter_of, period_of
+from orbitproof.verify.twist import Rotation, proved_stable_orbit
 
 BITS = 160
 
@@ -234,3 +235,20 @@ def test_zeros() -> None:
     assert not broken_inclusions(of_both, (reduced.slope, reduced.foot), chance)
     of_foot = lambda at_foot: replace(reduced, at_foot=at_foot, across=at_foot + wide).at_centre(arb("0.3"))  # noqa: E731
     assert not broken_inclusions(of_foot, (jets[0],), chance)
+
+
+@pytest.mark.parametrize("cosine", ["-0.5", "0"])
+def test_at_a_resonance_of_order_3_or_4_nothing_is_said(cosine: str) -> None:
+    """Nor next to it where it may be one; a little farther away something is."""
+    for middle, radius, is_open in (("0", "0", True), ("1e-20", "2e-20", True), ("1e-20", "1e-21", False)):
+        value = arb(cosine) + arb(middle, radius)
+        rotation = Rotation(value, (1 - value * value).sqrt(), arb(1), 1)
+        for check in (
+            lambda known=value: proved_krein._check_resonances(Checklist(), known),
+            lambda known=rotation: proved_stable_orbit._check_resonances(Checklist(), known),
+        ):
+            if is_open:
+                with pytest.raises(NotEstablishedError):
+                    check()
+            else:
+                check()
