@@ -23,6 +23,7 @@ from orbitproof.verify.bifurcation import coordinates_in_box, in_box
 from orbitproof.verify.bifurcation.level_forms import _keeps_sign
 from orbitproof.verify.curve.bifurcations_on_it import _contradicts
 from orbitproof.verify.curve.gluing import Stretch, _enter
+from orbitproof.verify.curve.proved_curve import times_of
 from orbitproof.verify.curve.proved_intervals import ProvedInterval, Run
 from orbitproof.verify.curve.tube import Tube
 from orbitproof.verify.double_resonance import check_resonance_exactly
@@ -138,6 +139,23 @@ def test_a_point_over_two_intervals_is_known_as_badly_as_on_the_worse_one(order:
         over = point_over(stretch, arb(0, 2.0**-30))
         for sign in (1, -1):
             assert over[1].contains(enclose(piece.centre[1] + sign * Fraction(1, 4097)))
+
+
+def test_half_periods_of_a_curve_are_those_of_all_of_its_parts() -> None:
+    _, stretch = two_known("0", "0")
+    for order in (1, -1):
+        times = [arb(3, 0.5), arb(5, 0.25), arb(4)][::order]
+        parts = [replace(stretch.run.intervals[i % 2], time=time) for i, time in enumerate(times)]
+        chain: Any = SimpleNamespace(
+            stretches=[replace(stretch, run=Run(tuple(parts[:2]))), replace(stretch, run=Run(tuple(parts[2:])))]
+        )
+        found = times_of(chain)
+        assert all(found.contains(time) for time in times)
+        assert not found.contains(arb(6))
+        unknown: Any = SimpleNamespace(
+            stretches=[*chain.stretches, replace(stretch, run=Run((replace(parts[0], time=arb("nan")),)))]
+        )
+        assert not times_of(unknown).is_finite()
 
 
 @pytest.mark.parametrize("bad", [0, 1])
