@@ -79,6 +79,14 @@ def test_commands_of_all_other_documents_parse(monkeypatch: pytest.MonkeyPatch) 
         parse(shlex.split(text)[1:], monkeypatch)
 
 
+def test_commands_of_documents_are_in_fenced_blocks() -> None:
+    # Of two kinds of pages the indented lines are run as they stand.
+    pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md"), *(ROOT / "docs").glob("*/*.md")]
+    for page in pages:
+        if page.parent.name not in ("examples", "coming-from"):
+            assert not re.search(r"^ {4}(orbitproof|make|pip|python) ", page.read_text("utf-8"), re.MULTILINE), page.name
+
+
 def test_a_command_with_a_misspelt_option_does_not_parse(monkeypatch: pytest.MonkeyPatch) -> None:
     for command in (["explore", "candidates", "--sistem", "cr3bp"], ["verify", "c.json", "--outptu", "x"]):
         with pytest.raises(SystemExit):
