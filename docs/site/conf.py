@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import typing
 from contextlib import suppress
 from importlib import metadata
@@ -59,7 +60,15 @@ def _without_rules(app: Sphinx, function: Any, bound: bool) -> None:
         function.__annotations__ = typing.get_type_hints(function)
 
 
+def _short(
+    _app: Sphinx, _what: str, _name: str, _object: Any, _options: Any, signature: str | None, result: str | None
+) -> Any:
+    """Show names of types without those of their modules, as elsewhere, also where a default is shown in full."""
+    return (None if signature is None else re.sub(r"~(?:\w+\.)+", "", signature)), result
+
+
 def setup(app: Sphinx) -> None:
     """Formulas as MathML, which browsers show without any script and without a network; signatures to be read."""
     app.connect("autodoc-before-process-signature", _without_rules)
+    app.connect("autodoc-process-signature", _short)
     app.add_html_math_renderer("mathml", (_inline, None), (_display, None))

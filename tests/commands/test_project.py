@@ -84,7 +84,8 @@ def test_commands_of_documents_are_in_fenced_blocks() -> None:
     pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md"), *(ROOT / "docs").glob("*/*.md")]
     for page in pages:
         if page.parent.name not in ("examples", "coming-from"):
-            assert not re.search(r"^ {4}(orbitproof|make|pip|python) ", page.read_text("utf-8"), re.MULTILINE), page.name
+            text = page.read_text("utf-8")
+            assert not re.search(r"^ {4}(orbitproof|make|pip|python) ", text, re.MULTILINE), page.name
 
 
 def test_a_command_with_a_misspelt_option_does_not_parse(monkeypatch: pytest.MonkeyPatch) -> None:
