@@ -11,7 +11,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from flint import arb, ctx
+from flint import arb, arb_poly, ctx
 from support.chain_cases import concluded, parabola, proved
 from support.curve_cases import proof
 from support.inclusion import broken_inclusions
@@ -23,9 +23,10 @@ from orbitproof.verify.algebra import ball_polynomial
 from orbitproof.verify.curve.tube import read_tube
 from orbitproof.verify.distances.ranges import Extreme, KnownDistances, PartOfInterval, Where, _values, ranges_between
 from orbitproof.verify.evidence import enclose, hull
-from orbitproof.verify.functions import BoundedFunction
+from orbitproof.verify.functions import BoundedFunction, StoredFunction
 from orbitproof.verify.stability import point_over
 from orbitproof.verify.stability.between_orbits import _bends
+from orbitproof.verify.stability.closer_tube import _largest
 from orbitproof.verify.stability.extrema import _Stationary
 from orbitproof.verify.stability.level import gradient
 from orbitproof.verify.stability.linear_stability import is_stable
@@ -122,6 +123,27 @@ def test_values_over_parts_hold_those_at_both_ends(seed: int) -> None:
             assert ranges is not None
             wanted = edges(segment.tau_of, begin, end)
             assert all(ranges.half_period.overlaps(line.value(tau)) for tau in wanted)
+
+
+def test_a_function_near_balls_holds_those_with_coefficients_at_all_of_their_ends() -> None:
+    chance = random.Random(0)
+    for error in (0.0, 2.0**-24):
+        balls = [ball(chance) + arb(0, chance.choice([2.0**-20, 2.0**-30, 0.0])) for _ in range(6)]
+        found = StoredFunction.near(balls, arb(error)).enclosed
+        for sign in (1, -1):
+            ends = [each.mid() + chance.choice([1, -1]) * sign * each.rad() for each in balls]
+            assert found.contains(BoundedFunction(arb_poly(ends), arb(error)))
+        assert not found.contains(BoundedFunction(arb_poly([each.mid() for each in balls]), arb(2.0**-16)))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_largest_value_of_a_polynomial_may_be_at_either_end(sign: int) -> None:
+    """Where sigma is at most 16/17."""
+    end = Fraction(16, 17)
+    for coefficients in ([0, 1], [0, -1], [0, 0, 0, 1], [-1, 1], [1, 1], [0, 0, 1], [-2, 0, 1]):
+        row = [Fraction(c) * sign**n for n, c in enumerate(coefficients)]
+        most = max(abs(sum((c * s**n for n, c in enumerate(row)), Fraction(0))) for s in (end, -end, Fraction(0)))
+        assert most <= _largest(row) <= most * Fraction(9, 8)
 
 
 @pytest.mark.parametrize("sign", [1, -1])

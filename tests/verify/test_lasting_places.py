@@ -113,6 +113,21 @@ def test_on_a_loop_the_orbits_at_its_cut_are_stable_with_those_on_both_sides() -
     assert places == [640, 555]
 
 
+def test_twistless_orbits_are_found_between_all_of_the_places_where_stability_changes() -> None:
+    """On the second piece c = 1 - 3/2 (tau^2 - 1/9): unstable for abs(tau) < 1/3, on either side of which one lies."""
+    places = [-0.75, 0.75]
+    found = made_up(([], places))
+    for result, row in zip(found, (["1/4"], ["7/6", "0", "-3/2"]), strict=True):
+        rows = [Fraction(round(Fraction(text) * 2**60), 2**60) for text in row]
+        result["stability"]["characteristic"] = [stored(rows)]
+    known = lasting(found)
+    listed = [entry.point for entry in known.exceptions if entry.point.kind is Kind.TWISTLESS]
+    assert [float(point.s) * 32 / 33 for point in listed] == pytest.approx(places, abs=1e-6)
+    assert [entry.sign for entry in known.stable][:2] == [1, 1]
+    assert {entry.sign for entry in known.stable} == {1, -1}
+    assert known.undecided == known.gaps == ()
+
+
 # Parts of pieces
 
 
