@@ -88,6 +88,16 @@ def test_commands_of_documents_are_in_fenced_blocks() -> None:
             assert not re.search(r"^ {4}(orbitproof|make|pip|python) ", text, re.MULTILINE), page.name
 
 
+def test_blocks_of_json_can_be_read() -> None:
+    pages = [*(ROOT / "docs").glob("*.md"), *(ROOT / "docs").glob("*/*.md")]
+    blocks = [
+        text
+        for page in pages
+        for text in re.findall(r"^```json.*\n([^`]*)^```$", page.read_text("utf-8"), re.MULTILINE)
+    ]
+    assert len([json.loads(block) for block in blocks]) >= 2
+
+
 def test_a_command_with_a_misspelt_option_does_not_parse(monkeypatch: pytest.MonkeyPatch) -> None:
     for command in (["explore", "candidates", "--sistem", "cr3bp"], ["verify", "c.json", "--outptu", "x"]):
         with pytest.raises(SystemExit):
