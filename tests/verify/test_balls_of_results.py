@@ -27,7 +27,8 @@ from orbitproof.verify.evidence import Checklist, DerivativeTable, NotEstablishe
 from orbitproof.verify.krein import proved_krein
 from orbitproof.verify.newton import BoxFunction, Jet
 from orbitproof.verify.newton.jets import unit
-from orbitproof.verify.orbit import full_return_jets, inverse_jets, stability_from, stability_of
+from orbitproof.verify.orbit import Approach, full_return_jets, inverse_jets, proved_orbit, stability_from, stability_of
+from orbitproof.verify.orbit.following import Distance
 from orbitproof.verify.orbit.full_return import _along_level
 from orbitproof.verify.orbit.multipliers import UNDECIDED, _multiplier
 from orbitproof.verify.reversor_breaking import both_points, parameter_of, period_of
@@ -252,3 +253,32 @@ def test_at_a_resonance_of_order_3_or_4_nothing_is_said(cosine: str) -> None:
                     check()
             else:
                 check()
+
+
+def test_distances_along_an_orbit() -> None:
+    """Of balls of the place, of times and of squares: minima and maxima that take turns, both ends among them."""
+    chance = random.Random(0)
+    tables = [table_of(chance, 2) for _ in range(2)]
+    for table, height in zip(tables, (4, 9), strict=True):
+        for part in (table.box, table.centre):
+            part[0, 0] = part[0, 0] + height  # type: ignore[index]
+
+    def told(where: Any, half_period: Any, between: Any) -> Any:
+        approaches = tuple(
+            Approach(time, value, kind) for (time, value), kind in zip(between, (-1, 1, -1, 1), strict=True)
+        )
+        distance = Distance(tables[0], tables[1], 1, -1, approaches)
+        return checked(proved_orbit._check_distance, distance, where, half_period)
+
+    between = [(arb(1), arb(16)), (arb(2), arb(1)), (arb(3), arb(25)), (arb(4), arb(2))]
+    arguments = numbers(chance, 2), arb(5), between
+    assert not broken_inclusions(told, arguments, chance, 12)
+    (least, greatest), _ = told(*arguments)
+    assert least.distance.overlaps(arb(1))
+    assert greatest.distance.overlaps(arb(5))
+    # Two minima that may be the least: both times, and all values.
+    wide = [between[0], (arb(2, 0.25), arb(1, 0.5)), between[2], (arb(4, 0.125), arb(1.25, 0.125))]
+    (least, _), _ = told(*arguments[:2], wide)
+    assert len(least.times) == 2
+    assert all(ball.contains(end) for ball, end in zip(least.times, (arb("1.76"), arb("3.876")), strict=True))
+    assert all(least.distance.contains(arb(value).sqrt()) for value in ("0.51", "1.37"))

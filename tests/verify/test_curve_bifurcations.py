@@ -83,6 +83,11 @@ def test_a_symmetry_breaking_in_the_plane_is_the_symmetric_point() -> None:
     assert entry.place is not None
     assert (entry.place.piece, entry.place.s.is_zero()) == ("p000", True)
     assert proof(conclusion).ends["start"]["vy"].rad() < 2**-79
+    # All that the certificate leaves open is left open.
+    start = proof(conclusion).ends["start"]
+    with ctx.workprec(256):
+        ends = [(name, ball.mid() + side * ball.rad() * 0.99) for name, ball in point.items() for side in (1, -1)]
+        assert all(start[name].contains(end) for name, end in ends)
     assert proof(conclusion).ends["end"]["vy"].rad() > 2**-40
     assert "symmetric point of piece p000" in conclusion_in_words(conclusion)
 
