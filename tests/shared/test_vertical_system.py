@@ -27,7 +27,7 @@ from orbitproof.shared.claims import REVERSOR_BREAKING, Atlas, Claim
 from orbitproof.shared.claims.web import How, Meeting, Web, WebArc
 from orbitproof.shared.formats import read_atlas, read_candidates
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, MASS_PARAMETERS, VERTICAL
-from orbitproof.verify.claim import check_symmetries
+from orbitproof.verify.claim import check_symmetries, signs_on
 from orbitproof.verify.curve import (
     CertifiedPoint,
     PieceLimits,
@@ -233,7 +233,7 @@ def test_the_crossing_of_the_axis_is_between_the_two_points_of_the_plane(top: Ma
     assert in_units_of_vertical_orbit(VERTICAL["L1"], parameters, at_rest) is None
 
 
-@pytest.mark.parametrize("change", ["nothing", "beside the box", "the other sheet", "wide", "not known"])
+@pytest.mark.parametrize("change", ["nothing", "beside the box", "the other sheet", "wide", "not known", "no symmetry"])
 def test_a_shift_by_half_the_period_is_shown_by_the_box_alone(change: str) -> None:
     candidate = read_candidates(BIRTHS)[0]
     with ctx.workprec(200):
@@ -247,6 +247,10 @@ def test_a_shift_by_half_the_period_is_shown_by_the_box_alone(change: str) -> No
         found = BreakingResults(
             {"x": x, "z": z, "vy": vy}, other, "Jacobi constant", level, "above", zero, {}, zero, zero, zero
         )
+    if change == "no symmetry":
+        signs = (1, 1, -1, -1, 1, -1)
+        candidate = replace(candidate, system=replace(CR3BP, symmetries={"S": signs}, reversors={}))
+        assert signs_on(candidate.system, "S", candidate.coordinates) == signs_on(CR3BP, "S", candidate.coordinates)
     assert is_shifted_by(candidate, found, "S") == (change == "nothing")
 
 
