@@ -17,7 +17,7 @@ import pytest
 from flint import arb
 from support import atlas_work
 from support.claims import known, moved
-from support.forgeries import DATA, atlas_certificate, forged, read
+from support.forgeries import DATA, atlas_certificate, forged, forged_elsewhere, read
 
 from orbitproof.figures.commands.report import main
 from orbitproof.figures.report import CheckedAtlas, CheckedRow, Refused, check_files, margin_of, typeset
@@ -178,7 +178,7 @@ def _other_system(entry: dict[str, Any]) -> None:
 
 
 def test_the_words_of_a_certificate_are_told_anew(rows: list[Certificate], tmp_path: Path) -> None:
-    foreign = Certificate.from_json(forged(rows[0].to_json(), _more_words))
+    foreign = Certificate.from_json(forged_elsewhere(rows[0].to_json(), _more_words))
     write_certificates(tmp_path / "rows.json", [foreign])
     target = tmp_path / "report.html"
     assert main(words(tmp_path / "rows.json", "-o", target, "--quiet", "--no-pictures")) == 0
@@ -187,7 +187,7 @@ def test_the_words_of_a_certificate_are_told_anew(rows: list[Certificate], tmp_p
     assert "worded otherwise" in page.text
 
 
-@pytest.mark.parametrize("change", [_other_side, _other_system])
+@pytest.mark.parametrize("change", [_other_side, _other_system, _more_words])
 def test_a_forged_certificate_is_refused_and_named(
     change: Callable[[Any], Any], files: list[Path], rows: list[Certificate], tmp_path: Path, capsys: Any
 ) -> None:

@@ -49,8 +49,9 @@ def test_period_doubling_is_proved_and_agrees(proved: Proved) -> None:
     assert found.verdict == "agrees"
     said, unsaid = found.reason.split("Not confirmed: ")
     assert "inside the stored balls: parameter, point.beta, point.y" in said
-    assert re.search(r"overlapping: normal_form.alpha \(here to \d+ digits\), normal_form.beta", said)
-    assert unsaid == "that the candidate's box holds no other orbits"
+    assert re.fullmatch(
+        r"alpha beyond \d+ digits, beta beyond \d+ digits, that the candidate's box holds no other orbits", unsaid
+    )
 
 
 def test_coordinates_that_are_functions_of_others_are_not_followed() -> None:
@@ -147,13 +148,13 @@ def test_what_is_not_compared_is_named(proved: Proved) -> None:
 
     found = compare(changed(DOUBLING, more), proved)
     assert found.verdict == "agrees"
-    assert "Not confirmed: normal_form.gamma, that" in found.reason
+    assert re.search("Not confirmed: .*, normal_form.gamma, that", found.reason)
     slope = {"h_fp'": {"mid": "0x2p+0", "rad": "0x0p+0"}}
     certificate = changed(DOUBLING, lambda c: c["results"]["normal_form"].update(slope))
     assert compare(certificate, proved).verdict == "disagrees"
     # p_0 of a level form is another coordinate.
     certificate["statement"]["level_form"] = {}
-    assert "Not confirmed: normal_form.h_fp'" in compare(certificate, proved).reason
+    assert re.search("Not confirmed: .*, normal_form.h_fp', that", compare(certificate, proved).reason)
 
 
 def test_signs_have_to_be_shown(proved: Proved) -> None:

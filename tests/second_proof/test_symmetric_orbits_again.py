@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -11,7 +12,7 @@ from typing import Any
 
 import mpmath
 import pytest
-from flint import acb, arb
+from flint import acb, arb, ctx
 from support import tori_cases
 from support.springs import BITS, CLAIMS, SMALL, SPRINGS, claim, half, number
 from support.steps import few_bits, made_once
@@ -20,7 +21,8 @@ from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, ORBIT, STA
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems import ParameterRange, ReversibleSystem
 from orbitproof.verify.certificate import Limits, certify
-from orbitproof.verify.evidence import bounds
+from orbitproof.verify.evidence import ball_to_json, bounds
+from orbitproof.verify.run.relation import Comparison
 from orbitproof.verify.run.second_proofs import compare
 from orbitproof.verify.second_proof import BadCertificate, NotProved, ProvedSymmetric, read_claim, second_proof
 from orbitproof.verify.second_proof.full_return import FullReturn
@@ -110,7 +112,11 @@ def test_its_certificate_agrees(certificate: dict[str, Any], proof: ProvedSymmet
     assert found.verdict == "agrees", found.reason
     said, unsaid = found.reason.split("Not confirmed: ")
     assert "rotation_number, twist" in said
-    assert unsaid == "that the first integral is one, that the candidate's box holds no other orbits"
+    left = ", that the first integral is one, that the candidate's box holds no other orbits"
+    assert re.fullmatch(
+        r"point.x beyond \d+ digits, other_point.x beyond \d+ digits, other_point.y beyond .*e-\d+",
+        unsaid.removesuffix(left),
+    )
 
 
 def changed(certificate: dict[str, Any], change: Callable[[dict[str, Any]], object]) -> dict[str, Any]:
@@ -170,8 +176,41 @@ def test_multipliers_are_confirmed_where_there_are_some(certificate: dict[str, A
     assert (found.verdict, found.reason[:11]) == ("cannot follow", "multipliers"), found.reason
     none = compare(changed(certificate, lambda c: c["results"].update(multipliers=[])), proof)
     assert none.verdict == "agrees", none.reason
-    assert "multipliers" not in none.reason
-    assert "multipliers" in compare(certificate, proof).reason
+    assert "multiplier" not in none.reason
+    assert "multiplier 1, real part, multiplier 1, imaginary part" in compare(certificate, proof).reason
+
+
+def stored_multiplier(real: arb, imaginary: arb) -> dict[str, Any]:
+    return {"real": ball_to_json(real), "imaginary": ball_to_json(imaginary)}
+
+
+@pytest.mark.parametrize("angle", [0.3, 1.2, 2.5, 3.1])
+def test_a_multiplier_is_confirmed_by_one_of_the_pair_that_is_told_from_the_other(
+    certificate: dict[str, Any], proof: ProvedSymmetric, angle: float
+) -> None:
+    """lambda and 1/lambda have the sum 2 c: the ball that is stored has to contain one of them."""
+    with ctx.workprec(200):
+        exact, tiny = arb(angle), arb(0, 2.0**-100)
+        found = replace(proof, stability=(acb(exact.cos() + tiny),))
+        parameter = stored_multiplier(exact.cos() + 2 * tiny, arb(0))
+
+        def told(real: arb, imaginary: arb) -> Comparison:
+            values = {"stability_parameters": [parameter], "multipliers": [stored_multiplier(real, imaginary)]}
+            return compare(changed(certificate, lambda c: c["results"].update(values)), found)
+
+        wide, one, other = arb(0, 2.0**-80), exact.cos(), exact.sin()
+        for sign in (1, -1):
+            inside = told(one + wide, sign * other + wide).reason.split("Not confirmed: ")[0]
+            assert "multiplier 1, real part, multiplier 1, imaginary part" in inside
+        for move, verdict in (
+            (arb(2.0**-70), "disagrees"),
+            (wide.rad() * 1.5, "disagrees"),
+            (wide.rad(), "cannot follow"),
+        ):
+            assert told(one + move + wide, other + wide).verdict == verdict
+        # In a ball that holds both neither is told from the other.
+        assert told(arb(0, 4) + 8, arb(0, 4)).verdict == "disagrees"
+        assert told(one + wide, arb(0, 2)).verdict != "disagrees"
 
 
 def claimed(certificate: dict[str, Any], **values: Any) -> dict[str, Any]:

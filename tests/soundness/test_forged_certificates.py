@@ -20,6 +20,7 @@ from support.forgeries import (
     checked,
     fabricated,
     forged,
+    forged_elsewhere,
     honest,
     of_parabola,
     read,
@@ -34,7 +35,7 @@ from orbitproof.shared.systems import (
 )
 from orbitproof.verify.atlas import atlas_of, conclusion
 from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, certify, recheck
-from orbitproof.verify.evidence import ball_from_json, ball_to_json
+from orbitproof.verify.evidence import ball_from_json, ball_to_json, spared
 
 
 @pytest.fixture(scope="module")
@@ -137,14 +138,15 @@ REWORDED: dict[str, Callable[[Document], Any]] = {
 
 @pytest.mark.parametrize("change", REWORDED.values(), ids=REWORDED.keys())
 def test_a_true_certificate_in_other_words_is_told_in_those_of_this_version(curve: Document, change: Any) -> None:
-    other = forged(curve, change)
+    assert "these sources, which word what it proves otherwise" in checked(forged(curve, change)).why
+    other = forged_elsewhere(curve, change)
     found = checked(other)
     assert (found.findings, found.word) == ((), "stands, worded otherwise")
     assert found.rendered is not None
     again = atlas_certificate(
         atlas_of(other), other["results"], [Certificate.from_json(entry) for entry in other["rests_on"]]
     )
-    assert found.rendered == {**again, "digest": other["digest"]}
+    assert found.rendered == {**again, "software": other["software"], "digest": other["digest"]}
     assert "infinitely" not in json.dumps(found.rendered)
     assert checked(curve).rendered is None
 
@@ -202,6 +204,32 @@ def test_what_only_polynomials_of_higher_degree_enclose_more_widely_is_confirmed
 
     assert checked(document, wide).stands
     assert Counter(widths) == {48: len(results), 40: len(results)}
+
+
+def test_what_more_bits_do_not_make_smaller_is_confirmed_by_the_integration_of_the_run() -> None:
+    """Bounds about an exact solution, for one; a proof that is not that of the run does not count for it."""
+    atlas, results = of_parabola()
+    document = atlas_certificate(atlas, results)
+    settings: list[tuple[int, ...]] = []
+
+    def noisy(argument: Document, report: Any) -> Document:
+        settings.append(tuple(argument["integrator"][name] for name in ("precision", "order", "width")))
+        found = dict(honest(results)(argument, report))
+        return found if settings[-1] == (80, 40, 40) else {**found, "deviation": ["0x1"]}
+
+    assert checked(document, noisy).stands
+    assert len(settings) == 4 * len(results)
+    assert not checked(forged(document, lambda d: d["results"][0]["computation"].update(precision=81)), noisy).stands
+
+
+@pytest.mark.parametrize("off", [1, -1])
+def test_half_periods_that_contain_what_is_found_only_nearly_are_not_confirmed(off: int) -> None:
+    """A wide ball that leaves a part of a narrow one out, however small it is beside its own width."""
+    atlas, results = of_parabola()
+    found = [{**result, "time": ball_to_json(spared(arb(3, 2.0**-40)))} for result in results]
+    for reach, stands in ((spared(arb(3, 2.0**-40)), True), (arb(3 + off * (8 - 2.0**-41), 8), False)):
+        stored = [{**result, "time": ball_to_json(reach)} for result in results]
+        assert checked(atlas_certificate(atlas, stored), honest(found)).stands is stands
 
 
 def test_a_contradiction_is_not_mended_by_a_second_integration_that_agrees() -> None:
@@ -340,7 +368,7 @@ def test_a_claim_of_an_unknown_kind_is_refused_with_the_kinds_that_are_known(poi
 
 
 def renamed(document: Document, change: Callable[[Document], Any] = lambda document: None) -> Document:
-    """The same with the system under a name that nobody knows."""
+    """The same by another version, with the system under a name that nobody knows."""
 
     def rename(entry: Document) -> None:
         for claim in (entry["statement"].get("candidate"), entry["statement"].get("level_form"),
@@ -349,7 +377,7 @@ def renamed(document: Document, change: Callable[[Document], Any] = lambda docum
                 claim["system"] = "somebody-elses"
         change(entry)
 
-    return forged(document, rename)
+    return forged_elsewhere(document, rename)
 
 
 @pytest.mark.parametrize("name", ["fs3", "em1"])
@@ -487,9 +515,9 @@ def test_every_changed_field_of_a_certificate_is_found_but_for_names(point: Cert
     found = survey(point.to_json(), lambda document: recheck(Certificate.from_json(document), True), each)
     missed = {(field, how) for field, how in by("nothing", found) if not says_how_it_was_made(field)}
     assert not missed - {(field, how) for field, how in missed if field.startswith("enclosures.")}
-    # Under another name it is a system that is not known here, and true of the program that it has.
-    assert ("statement.candidate.system", "other words") in by("words", found)
-    assert ("statement.theorem", "other words") in by("words", found)
+    # Under another name it is a system that is not known here: the words are not those that this program has for it.
+    assert ("statement.candidate.system", "other words") in by("conclusion", found)
+    assert ("statement.theorem", "other words") in by("conclusion", found)
     assert ("results.parameter.mid", "larger") in by("conclusion", found)
     assert ("hypotheses.*.name", "other words") in by("form", found)
 
@@ -538,5 +566,5 @@ def test_every_changed_field_of_an_atlas_is_found_but_for_names(
     }
     assert missed == {("statement.atlas.title", "other words")}
     assert by("integration", found)
-    assert ("statement.theorem", "other words") in by("words", found)
+    assert ("statement.theorem", "other words") in by("conclusion", found)
     assert ("conclusion.hypotheses.*.name", "other words") in by("form", found)

@@ -23,12 +23,12 @@ from test_forged_certificates import fabricated, of_parabola
 import orbitproof.verify.certificate.rechecking as rechecking
 from orbitproof import verify
 from orbitproof.figures.report import check_files, report_of
-from orbitproof.shared import format_exact, parse_exact
+from orbitproof.shared import define_system, format_exact, parse_exact
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.codec import to_json
-from orbitproof.shared.formats import InputError
+from orbitproof.shared.formats import InputError, candidate_from_json
 from orbitproof.shared.formats.documents import validator
-from orbitproof.shared.systems import ID, IDENTIFIER, LINE, PIECE, SYSTEM, TITLE
+from orbitproof.shared.systems import ID, IDENTIFIER, LINE, PIECE, SYSTEM, TITLE, describe
 from orbitproof.verify.atlas import (
     Means,
     ProvedBefore,
@@ -49,9 +49,8 @@ from orbitproof.verify.certificate import (
     recheck,
     write_certificates,
 )
-from orbitproof.verify.certificate.kinds import unconfirmed
 from orbitproof.verify.certificate.tables import ball_to_text
-from orbitproof.verify.evidence import STOPS, Proved, ball_from_json, ball_to_json
+from orbitproof.verify.evidence import STOPS, ball_to_json, bounds
 from orbitproof.verify.run.branch_command import main
 from orbitproof.verify.run.branch_tasks import task_again
 
@@ -129,22 +128,63 @@ def test_honest_tables_are_confirmed_by_one_integration_or_another(name: str) ->
     assert (found.findings, found.level) == ((), Level.INTEGRATION)
 
 
-@pytest.mark.parametrize("number", [0, 1])
-def test_hypotheses_a_thousand_times_too_narrow_are_not_confirmed(point: Certificate, number: int) -> None:
-    """Compared with what new integrations find, whatever the tables are."""
-    entry = point.to_json()
+BESIDE = {
+    "name": "beside", "state": "x w y v", "R": {"w": -1, "v": -1}, "section": "w",
+    "field": {"x": "w", "w": "-x", "y": "v", "v": "2/3 - 2*y"}, "first_integral": "x**2 + w**2 + v**2 + 2*y**2 - 4*y/3",
+}  # fmt: skip
+"""x'' = -x beside an oscillator about y = 1/3: half a period takes pi."""
+AROUND = {
+    "name": "around", "state": "x w y v", "R": {"w": -1, "v": -1}, "section": "w",
+    "field": {"x": "w", "w": "-x", "y": "-(3/10 + y**2 + v**2)*v", "v": "(3/10 + y**2 + v**2)*y"},
+    "first_integral": "x**2 + w**2 + y**2 + v**2",
+}  # fmt: skip
+"""x'' = -x beside z' = i (3/10 + |z|^2) z, z = y + i v; the plane z = 0 is invariant."""
+
+
+def orbit_of(system: Mapping[str, Any], y: str, kind: str = "orbit") -> Any:
+    """The orbit through x = 1 and this y, which is at rest."""
+    return candidate_from_json(
+        {
+            "id": "orbit", "system": describe(define_system(system)), "parameters": {}, "kind": kind, "k": 1,
+            "centre": ["1", y], "frame": [["1", "0"], ["0", "1"]], "kernel_frame": [["1"]], "radii": ["1e-15", "1e-15"],
+            "equation": {"quantity": "coordinate", "coordinate": "x", "value": "1"},
+        },
+        "claim",
+    )  # fmt: skip
+
+
+def test_a_ball_that_leaves_the_true_value_out_by_a_small_part_of_its_width_does_not_stand() -> None:
+    """A wide one, beside the number by less than the first integration sees, and all that follows from it."""
+    entry = certify(orbit_of(BESIDE, "0." + "3" * 30), Limits(digits=12)).to_json()
+    assert recheck(Certificate.from_json(entry), True).level is Level.INTEGRATION
     stated = rechecking._read(entry)
-    fresh = rechecking.enclose(stated.claim, rechecking.IntegratorSettings(300, 100))
-    outcome = rechecking._conclude(stated.claim, 300, fresh)
-    assert isinstance(outcome, Proved)
-    assert not list(unconfirmed(entry, outcome, "here"))
-    hypothesis = [item for item in entry["hypotheses"] if item["enclosures"]][number]
-    name, ball = next(iter(hypothesis["enclosures"].items()))
+    assert stated.enclosures is not None
+    seen = rechecking.enclose(stated.claim, next(rechecking._settings(stated.enclosures)))
     with ctx.workprec(600):
-        value = ball_from_json(ball)
-        hypothesis["enclosures"][name] = ball_to_json(arb(value.mid() + value.rad() / 2, value.rad() / 1000))
-        findings = list(unconfirmed(entry, outcome, "here"))
-    assert [finding.place for finding in findings] == [f"here, hypothesis {hypothesis['name']}, {name}"]
+        below, above = bounds(arb.pi())
+        _, end = bounds(seen.half_period.box[0, 0])  # type: ignore[union-attr]
+        start, width = (above + end) / 2, Fraction(1, 8)
+        assert below < above < start < end
+        false = f"{format_exact(start + width)} +- {format_exact(width)}"
+        for part in ("box", "centre"):
+            entry["enclosures"]["half_period"][part][0] = false
+        consistent = Certificate.from_json(rechecking.derived(entry))
+    assert consistent.proved
+    assert recheck(consistent).stands
+    found = recheck(consistent, True)
+    assert found.level is Level.CONCLUSION
+    assert "half_period" in found.why
+
+
+@pytest.mark.parametrize("kind", ["orbit", "stable_orbit"])
+def test_an_orbit_whose_centre_is_exact_stands_with_another_integration(kind: str) -> None:
+    """What is 0 there is known up to the underflow of bounds, which more bits do not make smaller."""
+    certificate = certify(orbit_of(AROUND, "0", kind), Limits(digits=8))
+    assert certificate.proved
+    assert certificate.point["y"].contains(0)
+    assert certificate.point["y"].rad() < 1e-200
+    found = recheck(certificate, True)
+    assert (found.findings, found.level) == ((), Level.INTEGRATION)
 
 
 # What claims nothing says nothing

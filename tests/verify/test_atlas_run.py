@@ -332,7 +332,7 @@ def test_a_cluster_without_workers_or_with_other_software_is_refused(
     with distributed.LocalCluster(n_workers=0, **options) as cluster:
         assert "has no workers" in refused(capsys, source, "--scheduler", cluster.scheduler_address)
     with distributed.LocalCluster(n_workers=1, **options) as cluster:
-        monkeypatch.setattr("orbitproof.verify.run.cluster.installed", lambda: {"source": f"of process {os.getpid()}"})
+        monkeypatch.setattr("orbitproof.verify.run.cluster.software", lambda: {"source": f"of process {os.getpid()}"})
         assert "install the same version everywhere" in refused(
             capsys, source, "--scheduler", cluster.scheduler_address
         )

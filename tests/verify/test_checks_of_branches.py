@@ -16,7 +16,7 @@ from support.atlas_runs import CURVE, go
 from support.chain_cases import certificate, symmetric_arc
 from support.claims import known
 from support.conclusions import conclude, with_complete_list
-from support.forgeries import atlas_certificate, forged, honest, of_parabola
+from support.forgeries import atlas_certificate, forged, forged_elsewhere, honest, of_parabola
 from support.stability_cases import results as stability_results
 from support.stored import value_of, values
 
@@ -131,7 +131,7 @@ def test_a_list_is_taken_for_a_longer_one_only_where_what_is_stored_shows_that(o
         make_atlas_certificate(atlas, values(found), with_complete_list(atlas, found, curve, number))
         for number in (12, order)
     )
-    changed = forged(short, lambda d: d["conclusion"]["complete"].update(order=order))
+    changed = forged_elsewhere(short, lambda d: d["conclusion"]["complete"].update(order=order))
     check = checked(changed)
     assert check.stands == stands
     # Its old words are about the shorter list; those that are printed are the words of the one that is shown.
@@ -148,15 +148,16 @@ def test_a_list_is_taken_for_a_longer_one_only_where_what_is_stored_shows_that(o
 def test_every_interval_is_asked_for_with_other_settings_and_without_an_answer_is_not_confirmed(document: Any) -> None:
     asked: list[Sequence[ProvedBefore]] = []
     found = checked(document, lambda atlas, intervals, finished: asked.append(list(intervals)))
-    first, second, third = asked
+    first, second, third, last = asked
     assert [each.piece.id for each in first] == [each["piece"] for each in document["results"]]
-    assert [each.name for each in third] == [each.name for each in second] == [each.name for each in first]
+    assert all([each.name for each in other] == [each.name for each in first] for other in (second, third, last))
     assert [finding.place for finding in found.findings] == [each.name for each in first]
     assert {finding.message for finding in found.findings} == {"was not integrated again"}
     assert found.level is Level.CONCLUSION
     assert [dict(each.settings) for each in first] == [{"precision": 112, "order": 44, "width": 48, "top": 1}] * 3
     assert [dict(each.settings) for each in second] == [{"precision": 112, "order": 44, "width": 40, "top": 1}] * 3
     assert [dict(each.settings) for each in third] == [{"precision": 112, "order": 40, "width": 40, "top": 1}] * 3
+    assert [dict(each.settings) for each in last] == [{"precision": 80, "order": 40, "width": 40, "top": 1}] * 3
 
 
 def test_where_nothing_is_proved_there_is_nothing_to_integrate() -> None:

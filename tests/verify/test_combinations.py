@@ -14,7 +14,7 @@ import test_lists_of_three_bodies as three_bodies
 from flint import arb, arb_poly, ctx
 from support.closed_form_lists import curve_of, ellipse, line, results
 from support.conclusions import with_complete_list
-from support.forgeries import checked, forged
+from support.forgeries import checked, forged, forged_elsewhere
 from support.list_truths import Truth, _around, _interval, _within
 from support.skew_products import SkewProduct
 from support.stored import values
@@ -204,7 +204,9 @@ def test_a_list_without_combinations_says_nothing_of_them(certificate: dict[str,
         for name in ("combinations", "open_combinations"):
             del _list(entry)[name]
 
-    found = checked(forged(certificate, without))
+    found = checked(forged_elsewhere(certificate, without))
+    refused = checked(forged(certificate, without))
+    assert "these sources, which word what it proves otherwise" in refused.why
     assert found.stands
     assert found.rendered is not None
     text = found.rendered["conclusion"]["statement"]

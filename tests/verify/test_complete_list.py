@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from flint import arb, arb_poly, ctx
 from support.flow_checks import ball
-from support.forgeries import checked, forged, honest
+from support.forgeries import checked, forged, forged_elsewhere, honest
 from support.stability_cases import Results, atlas, listed, results
 from support.stored import value_of, values
 
@@ -426,7 +426,9 @@ def test_a_list_in_other_words_is_told_in_those_of_this_version() -> None:
             holder[key] = holder[key].replace("cos(2 pi 5/11)", "cos(2 pi 4/11)")
 
     document = document_of(results())
-    found = checked(forged(document, other_words))
+    found = checked(forged_elsewhere(document, other_words))
+    refused = checked(forged(document, other_words))
+    assert "these sources, which word what it proves otherwise" in refused.why
     assert found.word == "stands, worded otherwise"
     assert found.rendered is not None
     assert found.rendered["statement"]["theorem"] == document["statement"]["theorem"]

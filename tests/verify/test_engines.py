@@ -12,10 +12,10 @@ from support import atlas_work
 from orbitproof.shared import cluster
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.processes import Answer, Failure, Task
-from orbitproof.verify.evidence import installed
+from orbitproof.verify.evidence import software
 from orbitproof.verify.run import Engine, Processes, connected
 
-HERE = installed()
+HERE = software()
 OTHER = {**HERE, "orbitproof": "0"}
 LESS = dict(list(HERE.items())[:-1])
 MORE = {**HERE, "another": "1"}

@@ -142,5 +142,5 @@ def test_a_changed_word_is_said_and_is_no_proof_of_the_candidate(certificate: Ce
     entry["statement"]["in_full"] = entry["statement"]["in_full"].replace("reverses", "preserves")
     entry["digest"] = digest(entry)
     changed = Certificate.from_json(entry)
-    assert recheck(changed).word == "stands, worded otherwise"
+    assert recheck(changed).word == "DOES NOT STAND"
     assert not is_proof_of(changed, certificate.candidate)

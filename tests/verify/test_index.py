@@ -17,7 +17,7 @@ from typing import Any, cast
 
 import pytest
 from flint import acb, arb, arb_poly, ctx, fmpz_poly
-from support.forgeries import atlas_certificate, forged
+from support.forgeries import atlas_certificate, forged, forged_elsewhere
 from support.graph_index import index_of_orbit
 from support.stored import values
 
@@ -39,7 +39,7 @@ from orbitproof.verify.atlas import (
     write_index_certificate,
 )
 from orbitproof.verify.atlas import index as of_indices
-from orbitproof.verify.certificate import Level, Recheck
+from orbitproof.verify.certificate import CannotBeCheckedError, Finding, Level, Recheck
 from orbitproof.verify.curve import ProvedCurve, conclude, derived_parameter
 from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotProved, Proved
 from orbitproof.verify.index import (
@@ -782,29 +782,86 @@ def test_forged_certificates_do_not_stand(what: str) -> None:
 
 
 def test_other_words_are_told_anew() -> None:
-    found = check(forged(document(), lambda entry: entry["statement"].update(theorem="The index is 7.")))
+    found = check(forged_elsewhere(document(), lambda entry: entry["statement"].update(theorem="The index is 7.")))
+    refused = check(forged(document(), lambda entry: entry["statement"].update(theorem="The index is 7.")))
+    assert "these sources, which word what it proves otherwise" in refused.why
     assert found.stands
     assert found.word == "stands, worded otherwise"
 
 
+def with_angle(change: Callable[[arb], arb]) -> dict[str, Any]:
+    """The certificate that follows from another angle of the first orbit."""
+    known, (first, *others) = of_indices._known(curve_certificate()), of_indices._stored(document())
+    plane, across = first.turns
+    moved = replace(plane, angles=(change(plane.angles[0]), plane.angles[1]))
+    return of_indices._document(curve_certificate(), known, (replace(first, turns=(moved, across)), *others))
+
+
 def test_another_integration_finds_other_angles_than_forged_ones() -> None:
     """Angles that are those of no integration pass all that follows from them; numbers of turns too."""
-    orbits = of_indices._stored(document())
-    first = orbits[0]
-    plane, across = first.turns
-    moved = replace(plane, angles=(plane.angles[0] - arb("0.01"), plane.angles[1]))
-    entry = of_indices._document(
-        curve_certificate(),
-        of_indices._known(curve_certificate()),
-        (replace(first, turns=(moved, across)), *orbits[1:]),
-    )
+    entry = with_angle(lambda angle: angle - arb("0.01"))
     assert check(entry).stands
     found = check(entry, Level.INTEGRATION)
     assert not found.stands
-    assert "other angles" in found.why
-    assert of_indices._agree(first.turns, first.turns)
-    assert not of_indices._agree(first.turns, (plane,))
-    assert not of_indices._agree(first.turns, (HalfTurns(plane.fixed, plane.negated + 1, 1, plane.angles), across))
+    assert "orbits[0], 1 angles 1: stored is" in found.why
+    assert "disjoint" in found.why
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda angle: arb(angle.mid() + angle.rad() * 3 / 4, angle.rad() / 1000),
+        lambda angle: arb(angle.mid() - angle.rad() * 3 / 4, angle.rad() / 1000),
+        lambda angle: (angle.mid() + angle.rad() / 2).union(angle.mid() + 0.001),
+        lambda angle: arb(angle.mid(), angle.rad() * 3 / 4),
+    ],
+    ids=["above", "below", "wide", "narrow"],
+)
+def test_an_angle_beside_that_of_the_orbit_is_not_confirmed(change: Callable[[arb], arb]) -> None:
+    """It has points in common with what other integrations find, and does not contain what any of them finds."""
+    with ctx.workprec(192):
+        entry = with_angle(change)
+    assert check(entry).stands
+    assert check(document(), Level.INTEGRATION).stands
+    found = check(entry, Level.INTEGRATION)
+    assert (found.stands, found.level) == (False, Level.CONCLUSION)
+    assert "orbits[0], 1 angles 1: stored is" in found.why
+
+
+def test_what_other_integrations_find_of_an_orbit_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    orbit = of_indices._stored(document())[0]
+    plane, across = orbit.turns
+    start: Any = None
+    dark = IntegrationFailure("half turns", "it is dark", "light", needs_precision=True)
+
+    def finds(*answers: Any) -> list[Finding]:
+        """What is found if integrations give these answers, one after the other."""
+        left = [*answers]
+
+        def answer(*_: Any) -> Any:
+            if left and not isinstance(left[0], Exception):
+                return left.pop(0)
+            raise left.pop(0) if left else dark
+
+        monkeypatch.setattr(of_indices, "followed", answer)
+        return list(of_indices._unconfirmed(start, orbit, "here"))
+
+    narrow, wide = (replace(plane, angles=tuple(arb(a.mid(), a.rad() * by) for a in plane.angles)) for by in (0.5, 2))
+    assert not finds(orbit.turns)
+    assert not finds((narrow, across))
+    assert not finds(dark, (wide, across), (narrow, across))
+    (finding,) = finds((plane,))
+    assert finding == Finding("here", "another integration finds other half turns")
+    for other in (
+        HalfTurns(plane.fixed, plane.negated + 1, 1, plane.angles), replace(plane, fixed=plane.fixed - 1),
+        replace(plane, planes=2),
+    ):  # fmt: skip
+        assert finds((wide, across), (other, across)) == [finding]
+    apart = replace(plane, angles=(plane.angles[0] + 1, plane.angles[1]))
+    assert ["disjoint" in each.message for each in finds((wide, across), (apart, across), orbit.turns)] == [True]
+    assert ["does not confirm" in each.message for each in finds((wide, across))] == [True, True]
+    with pytest.raises(CannotBeCheckedError, match="here: it is dark"):
+        finds()
 
 
 def test_what_is_not_proved_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from flint import acb, arb, ctx
 from support import catalogue_cases
-from support.forgeries import forged
+from support.forgeries import forged, forged_elsewhere
 from support.runs import done_here
 from support.stored import values
 from support.three_body import Orbits, problem_of
@@ -525,7 +525,11 @@ def test_what_is_changed_without_a_new_digest_does_not_stand() -> None:
 
 
 def test_other_words_are_told_anew() -> None:
-    found = check(forged(document(), lambda entry: entry["statement"].update(theorem="Everything is stable.")))
+    found = check(
+        forged_elsewhere(document(), lambda entry: entry["statement"].update(theorem="Everything is stable."))
+    )
+    refused = check(forged(document(), lambda entry: entry["statement"].update(theorem="Everything is stable.")))
+    assert "these sources, which word what it proves otherwise" in refused.why
     assert found.stands
     assert found.word == "stands, worded otherwise"
     assert found.rendered is not None

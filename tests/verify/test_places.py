@@ -97,6 +97,21 @@ def test_a_forged_place_is_found(
     assert where != "place" or "rests on the curve" in found.findings[0].message
 
 
+def test_other_words_of_a_place_are_a_forgery_or_told_anew(curve: AtlasCertificate, placed: Certificate) -> None:
+    other = {**placed.to_json()["place"], "statement": "The orbit lies on every curve."}
+    found = checked(curve, placed.with_place(other))
+    assert "these sources, which word what it proves otherwise" in found.why
+    assert found.rendered is None
+    # A row of other sources, to which this program has added its place: nobody's words are all of one program.
+    older = Certificate.from_json(forged(placed.to_json(), lambda d: d["software"].update(source="sha256:" + 64 * "0")))
+    assert older.with_place(other).software == {**older.software, "program": "several"}
+    assert placed.with_place(other).software == placed.software
+    for entry, word in ((older, "stands"), (older.with_place(other), "stands, worded otherwise")):
+        found = checked(curve, entry)
+        assert found.word == word
+        assert "every curve" not in json.dumps(found.rendered)
+
+
 def test_a_curve_that_does_not_stand_places_nothing(curve: AtlasCertificate, placed: Certificate) -> None:
     falls = Recheck("parabola", "proved", 1, (Finding("digest", "does not fit the content"),))
     found = checked(curve, placed, falls)

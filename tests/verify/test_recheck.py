@@ -36,11 +36,12 @@ from orbitproof.verify.certificate import (
     read_certificates,
     recheck,
     rechecking,
+    tables_to_json,
     write_certificates,
 )
 from orbitproof.verify.certificate.earlier import taken_names
 from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
-from orbitproof.verify.evidence import exact_value
+from orbitproof.verify.evidence import exact_value, spared
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import Enclosures, enclose_iterates
 from orbitproof.verify.run import Display, checking_again
@@ -263,15 +264,41 @@ REWORDED: dict[str, Callable[[Entry], Any]] = {
 def test_a_true_certificate_in_other_words_stands_and_is_told_in_those_of_this_version(
     proved: Certificate, change: Any
 ) -> None:
-    other = forged(proved, change)
+    def elsewhere(entry: Entry) -> None:
+        entry["software"]["orbitproof"] = "0.0.1"
+
+    other = forged(proved, lambda entry: (change(entry), elsewhere(entry)))
     result = recheck(other)
     assert (result.stands, result.word) == (True, "stands, worded otherwise")
     assert "worded otherwise" in result.notes[-1]
     assert result.rendered is not None
     told, honest = dict(result.rendered), proved.to_json()
     assert told.pop("digest") == other.to_json()["digest"]
+    elsewhere(honest)
     assert told == {key: value for key, value in honest.items() if key != "digest"}
     assert recheck(proved).rendered is None
+    for also in (elsewhere, lambda entry: entry["software"].update(program="sha256:" + "0" * 64)):
+        assert recheck(forged(proved, lambda entry, also=also: also(entry))).word == "stands"
+
+
+@pytest.mark.usefixtures("no_integration")
+@pytest.mark.parametrize("change", REWORDED.values(), ids=REWORDED.keys())
+def test_other_words_than_the_program_has_that_is_named_are_a_forgery(proved: Certificate, change: Any) -> None:
+    """The program makes one text of the same data; what names it and has another one was changed."""
+    for also in (
+        lambda entry: None,
+        lambda entry: entry["software"].pop("program"),
+        lambda entry: entry["software"].update(python="3.0"),
+    ):
+        result = recheck(forged(proved, lambda entry, also=also: (change(entry), also(entry))))
+        assert (result.stands, result.word, result.level) == (False, "DOES NOT STAND", Level.FORM)
+        assert result.rendered is None
+        assert "these sources, which word what it proves otherwise" in result.why
+    for other in ("source", "program", "orbitproof"):
+        result = recheck(
+            forged(proved, lambda entry, other=other: (change(entry), entry["software"].update({other: "x"})))
+        )
+        assert result.word == "stands, worded otherwise"
 
 
 @pytest.mark.usefixtures("no_integration")
@@ -295,7 +322,7 @@ def test_not_proved_cannot_be_turned_into_proved(proved: Certificate, refuted: C
 
 
 def test_what_a_wider_enclosure_does_not_confirm_is_enclosed_once_more(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A row of the fourth-order equation: beta comes out wider with more bits, and narrower with still more."""
+    """A row of the fourth-order equation: derivatives come out wider with more bits, and narrower with still more."""
     (candidate,) = read_candidates(Path(__file__).parents[1] / "data" / "beam-candidate.json")
     certificate = certify(candidate, Limits(max_precision=256))
     assert recheck(certificate, integrate=True).stands
@@ -304,6 +331,18 @@ def test_what_a_wider_enclosure_does_not_confirm_is_enclosed_once_more(monkeypat
     findings = recheck(certificate, integrate=True).findings
     assert findings
     assert all("does not confirm" in str(finding) for finding in findings)
+
+
+def test_the_last_integration_is_that_of_which_the_certificate_was_made(proved: Certificate) -> None:
+    """It finds the very balls that were found at first, and those that are stored are wider."""
+    stated = rechecking._read(proved.to_json())
+    assert stated.enclosures is not None
+    *others, last = rechecking._settings(stated.enclosures)
+    assert len(others) == 3
+    assert all(each.precision > last.precision == proved.computation.precision for each in others)
+    found = rechecking.enclose(stated.claim, last)
+    assert tables_to_json(spared(found, negligible=Fraction(1, 2**last.precision))) == proved.to_json()["enclosures"]
+    assert tables_to_json(found) != proved.to_json()["enclosures"]
 
 
 def test_what_other_coordinates_enclose_more_widely_is_enclosed_in_those_of_the_certificate() -> None:

@@ -28,7 +28,7 @@ from support.chain_cases import (
 )
 from support.claims import known
 from support.conclusions import conclude
-from support.forgeries import atlas_certificate, fabricated, forged, of_parabola
+from support.forgeries import atlas_certificate, fabricated, forged, forged_elsewhere, of_parabola
 from support.stored import values
 
 from orbitproof import verify
@@ -529,7 +529,9 @@ def test_forged_webs_do_not_stand(change: Callable[[dict[str, Any]], Any]) -> No
 
 
 def test_other_words_are_told_anew() -> None:
-    found = checked(forged(document(), lambda d: d["statement"].update(theorem="Everything is joined.")))
+    found = checked(forged_elsewhere(document(), lambda d: d["statement"].update(theorem="Everything is joined.")))
+    refused = checked(forged(document(), lambda d: d["statement"].update(theorem="Everything is joined.")))
+    assert "these sources, which word what it proves otherwise" in refused.why
     assert found.stands
     assert found.rendered is not None
     assert found.rendered["statement"]["theorem"] == document()["statement"]["theorem"]

@@ -30,7 +30,7 @@ from orbitproof.verify.atlas.sealed import Sealed, sealed
 from orbitproof.verify.certificate import Certificate, digest, stated
 from orbitproof.verify.certificate.document import Names
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
-from orbitproof.verify.evidence import Reason, software
+from orbitproof.verify.evidence import Reason, differs_here, software
 from orbitproof.verify.stability import StabilityFunctions, StabilityResult
 from orbitproof.verify.words.branches import branch_in_full
 
@@ -218,7 +218,7 @@ def results_for(certificate: AtlasCertificate, atlas: AnyAtlas) -> list[Result]:
     before = certificate.atlas
     same_system = before.system == atlas.system and before.parameters == atlas.parameters
     same_claim = same_system and _setting(before) == _setting(atlas)
-    if not same_claim or certificate.document["software"] != software():
+    if not same_claim or differs_here(certificate.document["software"]):
         return []
     unchanged = {piece.id for piece in atlas.pieces if piece in before.pieces}
     return [result for result in certificate.results if result.piece in unchanged]

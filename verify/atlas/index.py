@@ -9,6 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
+from flint import arb
+
 from orbitproof.shared.claims.fields import Id, PieceId, Title
 from orbitproof.shared.formats import Atlas, InputError
 from orbitproof.shared.stored import rules
@@ -32,14 +34,17 @@ from orbitproof.verify.certificate import (
     Examination,
     Finding,
     Recheck,
+    confirmed,
     digest,
+    numbers,
     other_hypotheses,
+    overlap,
     unknown_reason,
 )
 from orbitproof.verify.certificate.document import Digest, Software, Verdict
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve import ProvedCurve, conclude, vertical_point
-from orbitproof.verify.evidence import Hypothesis, IntegrationFailure, Outcome, Proved, Reason, software
+from orbitproof.verify.evidence import Hypothesis, IntegrationFailure, Outcome, Proved, Reason, software, spared
 from orbitproof.verify.index import (
     SYSTEMS,
     CountedOrbit,
@@ -62,7 +67,11 @@ from orbitproof.verify.words.index import index_in_words
 SCHEMA = "index-certificate"
 
 _BITS = (128, 192, 288)
-"""Bits with which an orbit is followed, one after the other; another integration has 32 more than the last."""
+"""Bits with which an orbit is followed, one after the other."""
+_SPARE = Fraction(1, 4)
+"""Angles are stored wider by this share of their radius: with more bits steps are more, and bounds a little larger."""
+_MORE_BITS = 32
+"""Of another integration; what it does not confirm is followed with the bits above."""
 _ORDER = 2
 """Of the list: points with k = 1 are all that is wanted."""
 _MOST_ORBITS = 6
@@ -234,7 +243,7 @@ def _counted(known: _Known, interval: Interval | None) -> CountedOrbit | str:
         for place in tuple(starts):
             piece, s, start = place
             try:
-                return CountedOrbit(piece, s, followed(start, bits, ORACLE))
+                return CountedOrbit(piece, s, spared(followed(start, bits, ORACLE), _SPARE))
             except IntegrationFailure as failure:
                 why = f"{shown(piece)}, s = {float(s):.6g}: {failure.reason.message}"
                 if not failure.reason.needs_precision:
@@ -332,33 +341,35 @@ def _integration(document: Mapping[str, Any], curve: AtlasCertificate, _: Examin
         if start is None:
             yield Finding(place, "is no orbit of the curve that can be followed")
             continue
-        again = _again(start, orbit)
-        if isinstance(again, str):
-            raise CannotBeCheckedError(f"{place}: {again}")
-        if not _agree(orbit.turns, again):
-            yield Finding(place, "another integration finds other half turns, or other angles")
+        yield from _unconfirmed(start, orbit, place)
 
 
-def _again(start: Any, orbit: CountedOrbit) -> tuple[HalfTurns, ...] | str:
-    why = ""
-    for bits in _BITS:
+def _unconfirmed(start: Start, orbit: CountedOrbit, place: str) -> Iterator[Finding]:
+    """What other integrations contradict of an orbit, or none of them confirms (section 35.7).
+
+    Raises `CannotBeCheckedError` if the orbit is not followed again.
+    """
+    stored, why, remaining = numbers(orbit.turns), "", list[Finding]()
+    for bits in (*(bits + _MORE_BITS for bits in _BITS), *_BITS):
         try:
-            return followed(start, bits + 32, ORACLE)
+            again = numbers(followed(start, bits, ORACLE))
         except IntegrationFailure as failure:
-            why = failure.reason.message
-    return why
-
-
-def _agree(stored: Sequence[HalfTurns], again: Sequence[HalfTurns]) -> bool:
-    """Whether the half turns are the same, and each pair of angles has a common value."""
-    same = [(each.fixed, each.negated, each.planes) for each in stored] == [
-        (each.fixed, each.negated, each.planes) for each in again
-    ]
-    return same and all(
-        bool(one.overlaps(other))
-        for a, b in zip(stored, again, strict=True)
-        for one, other in zip(a.angles, b.angles, strict=True)
-    )
+            why = why or failure.reason.message
+            continue
+        exact = [{key: value for key, value in each.items() if not isinstance(value, arb)} for each in (stored, again)]
+        if exact[0] != exact[1]:
+            yield Finding(place, "another integration finds other half turns")
+            return
+        angles = [(f"{place}, {name}", value, again[name]) for name, value in stored.items() if name not in exact[0]]
+        if against := [found for name, old, new in angles for found in overlap(old, new, name)]:
+            yield from against
+            return
+        remaining = [found for name, old, new in angles for found in confirmed(old, new, name)]
+        if not remaining:
+            return
+    if not remaining:
+        raise CannotBeCheckedError(f"{place}: {why}")
+    yield from remaining
 
 
 def write_index_certificate(path: Path, document: Mapping[str, Any]) -> None:

@@ -16,6 +16,7 @@ from orbitproof.verify.atlas.recheck import Means, recheck_atlas
 from orbitproof.verify.certificate import (
     REWORDED,
     Certificate,
+    Examination,
     Finding,
     Level,
     Recheck,
@@ -78,12 +79,12 @@ def recheck_place(
         return check
     if examined is not None and examined.stands and examined.digest != digest(curve.document):
         raise ValueError(f"examined: is the check of {examined.id!r}, and not of the curve {curve.document['id']!r}")
-    rendered, findings = check.rendered, []
+    rendered, findings = check.rendered, list[Finding]()
     for finding, again in _differences(curve, examined, certificate, place):
-        if finding.in_words:
-            rendered = {**(rendered or certificate.to_json()), "place": again}
-        else:
-            findings.append(finding)
+        kept = {**(rendered or certificate.to_json()), "place": again}
+        examination = Examination(certificate.software)
+        findings += examination.in_data([finding], kept)
+        rendered = examination.rendered or rendered
     level = min(check.level, Level.FORM if findings or examined is None else examined.level)
     notes = check.notes if rendered is check.rendered else tuple(dict.fromkeys((*check.notes, REWORDED)))
     return replace(check, findings=tuple(findings), level=level, open_place="", rendered=rendered, notes=notes)

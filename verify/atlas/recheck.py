@@ -57,7 +57,7 @@ from orbitproof.verify.certificate import (
     unknown_reason,
 )
 from orbitproof.verify.curve import Interval
-from orbitproof.verify.evidence import NotKnown, quoted_name
+from orbitproof.verify.evidence import NotKnown, as_found, quoted_name
 from orbitproof.verify.lasting import LastingResult, unconfirmed_twist
 from orbitproof.verify.periodic_curve import PeriodicResult, unconfirmed_multipliers
 from orbitproof.verify.stability import unconfirmed
@@ -66,9 +66,10 @@ from orbitproof.verify.surface import ProvedPart, SurfaceResult, unshown
 _MORE = {"precision": 32, "order": 4, "width": 8}
 _MORE_OF_SAME_WIDTH = {"precision": 32, "order": 4}
 _MORE_BITS = {"precision": 32}
+_NO_MORE: dict[str, int] = {}
 """What the second integration has more: it has to find bounds that are no larger than the stored ones. Polynomials of
 higher degree are sometimes enclosed a little more widely, and longer steps too; what they do not confirm is proved with
-those of the same width, and then of the same order."""
+those of the same width, then of the same order, and at last as it was: more bits do not make every bound smaller."""
 
 _ENDED = ("time", "memory", "process")
 """Why a proof was not brought to an end."""
@@ -275,11 +276,12 @@ def _integration(document: Document, means: Means, examination: Examination) -> 
     findings: dict[str, list[Finding]] = {}
     contradictions: list[Finding] = []
     time = "period" if isinstance(atlas, PeriodicAtlas) else _HALF_PERIOD
-    for more in (_MORE, _MORE_OF_SAME_WIDTH, _MORE_BITS):
+    for more in (_MORE, _MORE_OF_SAME_WIDTH, _MORE_BITS, _NO_MORE):
         intervals, before = _intervals(document, atlas, more)
         examination.precision = min((interval.settings["precision"] for interval in intervals), default=0)
 
         def finished(name: str, fresh: Result, before: Mapping[str, Result] = before) -> str:
+            fresh = as_found(fresh)
             contradictions.extend(_contradictions(before[name], fresh, time))
             results[name], findings[name] = fresh, list(_interval_findings(before[name], fresh, time))
             return f"{fresh.verdict} again"

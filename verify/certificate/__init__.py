@@ -13,7 +13,7 @@ from orbitproof.verify.certificate.certificate import (
 from orbitproof.verify.certificate.certifying import Integrator, broken_off, certify, not_proved
 from orbitproof.verify.certificate.document import Computation
 from orbitproof.verify.certificate.earlier import taken_names
-from orbitproof.verify.certificate.kinds import contradictions, tables_from_json, tables_to_json
+from orbitproof.verify.certificate.kinds import contradictions, numbers, tables_from_json, tables_to_json
 from orbitproof.verify.certificate.levels import (
     MEANINGS,
     REWORDED,

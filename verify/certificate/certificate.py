@@ -47,6 +47,8 @@ from orbitproof.verify.evidence import (
     Theorem,
     as_said,
     certain_digits,
+    completed_here,
+    differs_here,
     software,
 )
 
@@ -156,7 +158,7 @@ class Certificate:
     def with_place(self, place: Mapping[str, Any] | None) -> Certificate:
         """The same with another place on a proved curve, as JSON, or with none."""
         entry = {key: value for key, value in self.to_json().items() if key not in ("place", "digest")}
-        entry |= {} if place is None else {"place": dict(place)}
+        entry |= {} if place is None else {"place": dict(place), "software": completed_here(entry.get("software", {}))}
         return Certificate.from_json({**entry, "digest": digest(entry)}, f"certificate {self.id!r}")
 
     def without_place(self) -> Certificate:
@@ -277,7 +279,7 @@ def is_proof_of(certificate: Certificate, candidate: BoxClaim) -> bool:
     return (
         entry.get("digest") == digest(entry)
         and entry["statement"] == to_json(told)
-        and entry.get("software") == software()
+        and not differs_here(entry.get("software", {}))
         and tuple(hypothesis.name for hypothesis in certificate.hypotheses) == theorem.hypotheses
         and all(hypothesis.holds is True for hypothesis in certificate.hypotheses)
     )

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 import numpy as np
 
@@ -35,6 +36,7 @@ from orbitproof.verify.evidence import (
     Proved,
     Reason,
     guarded,
+    spared,
 )
 from orbitproof.verify.poincare import IntegratorSettings
 
@@ -245,6 +247,8 @@ def _attempt(
             # Bounds that overflow are infinite, and what is infinite proves nothing.
             with np.errstate(all="ignore"):
                 found = integrate(candidate, IntegratorSettings(precision, accuracy=accuracy), report)
+            # What is concluded is concluded from what is stored.
+            found = spared(found, negligible=Fraction(1, 2**precision))
             stage = "evaluation"
             outcome = prove(candidate, checklist, found)
         except _OutOfTime:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
-from fractions import Fraction
 from functools import cache, reduce
 from importlib import import_module
 from operator import or_
@@ -37,7 +36,7 @@ from orbitproof.verify.certificate.document import Computation
 from orbitproof.verify.certificate.kind import Kind, Progress
 from orbitproof.verify.certificate.levels import Finding, confirmed, overlap
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
-from orbitproof.verify.evidence import Checklist, Outcome, Proved, Reason, Theorem, ball_from_json
+from orbitproof.verify.evidence import Checklist, Outcome, Reason, Theorem
 from orbitproof.verify.poincare import IntegratorSettings
 
 Found = Any
@@ -155,15 +154,10 @@ def contradictions(stored: Found, fresh: Found, place: str) -> Iterator[Finding]
         yield from overlap(old, new, name)
 
 
-def too_narrow(stored: Found, fresh: Found, place: str) -> Iterator[Finding]:
-    """Where new enclosures of the same numbers reach out of the stored ones by more than these are wide."""
+def unconfirmed(stored: Found, fresh: Found, place: str) -> Iterator[Finding]:
+    """Where new enclosures of the same numbers do not lie within the stored ones."""
     for name, old, new in _pairs(stored, fresh, place):
-        yield from confirmed(old, new, name, _REACH)
-
-
-_REACH = Fraction(1)
-"""By how much of its width an entry of a table may be exceeded: those that are zero by symmetry are known up to the
-underflow of bounds only, whatever the precision."""
+        yield from confirmed(old, new, name)
 
 
 def _pairs(stored: Found, fresh: Found, place: str) -> Iterator[tuple[str, arb, arb]]:
@@ -176,33 +170,6 @@ def _pairs(stored: Found, fresh: Found, place: str) -> Iterator[tuple[str, arb, 
             yield f"{place}, {name}", value, new[name]
         elif value != new[name]:
             raise ValueError(f"{place}: the tables do not belong to each other: {name} is another one")
-
-
-def unconfirmed(stored: Mapping[str, Any], found: Proved[Results], place: str) -> Iterator[Finding]:
-    """What a certificate says of the hypotheses and results, and what a new proof does not confirm."""
-    old_entries = {entry["name"]: entry["enclosures"] for entry in stored["hypotheses"]}
-    for hypothesis in found.hypotheses:
-        for name, old in old_entries[hypothesis.name].items():
-            where = f"{place}, hypothesis {hypothesis.name}, {name}"
-            if name not in hypothesis.enclosures:
-                yield Finding(where, "is not enclosed again")
-            else:
-                yield from confirmed(ball_from_json(old), hypothesis.enclosures[name], where)
-    results: Any = found.results
-    if not has_fields(type(results), stored["results"]):
-        yield Finding(
-            place, f"other results are found: {', '.join(sorted(stored['results'].keys() ^ to_json(results)))}"
-        )
-        return
-    old, new = numbers(from_json(type(results), stored["results"], "results")), numbers(results)
-    if old.keys() != new.keys():
-        yield Finding(place, "other results are found: " + ", ".join(sorted(old.keys() ^ new.keys())))
-        return
-    for name, value in old.items():
-        if isinstance(value, arb) and isinstance(new[name], arb):
-            yield from confirmed(value, new[name], f"{place}, {name}")
-        elif value != new[name]:
-            yield Finding(f"{place}, {name}", f"stored is {value!r}, found {new[name]!r}")
 
 
 def numbers(value: Any) -> dict[str, Any]:

@@ -7,9 +7,8 @@ means, and how stored and new values are compared is the same for all and stands
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
-from fractions import Fraction
 from typing import Any
 
 from flint import arb
@@ -22,17 +21,15 @@ from orbitproof.verify.evidence import (
     ball_to_json,
     bounds,
     decimal_interval,
+    differs_here,
+    is_of_this_program,
     one_line,
     quoted,
     quoted_name,
-    software,
 )
 
 _SHOWN_DIGITS = 45
 _LONGEST_SHOWN = 100
-
-_TOLERANCE = Fraction(1, 2**20)
-"""The part of its own width by which a stored ball may be exceeded: radii are rounded up to 30 bits."""
 
 
 class Level(IntEnum):
@@ -66,7 +63,7 @@ MEANINGS: Mapping[Level, Meaning] = {
     ),
     Level.INTEGRATION: Meaning(
         "what is stored, and what it rests on",
-        "integrated with more bits, first in a higher order: proved again, and the stored numbers are confirmed",
+        "integrated again, at first with more bits and a higher order: proved again, and found within what is stored",
         "the theorems, this software, FLINT, numpy, Python, the processor",
     ),
 }
@@ -79,10 +76,15 @@ WORDS = frozenset({
     ("gaps", "reason"), ("open_extrema", "reason"),
 })  # fmt: skip
 """The last two keys, indices left out, of what only words what other fields say. Nothing is decided by these fields:
-words that a version of this program would not use are no defect, and are never printed."""
+words of another version are no defect, and are never printed. This version has no others than those that follow."""
 
 REWORDED = "worded otherwise than by this version, which checks no foreign words: what it prints are its own"
 """What is said of a certificate whose data are as they should be, and whose words are not those that follow."""
+
+FORGED_WORDS = (
+    "it names this very version and these sources, which word what it proves otherwise: its words were changed"
+)
+"""What is said of one that cannot have its words from where it says that it was made."""
 
 
 @dataclass(frozen=True)
@@ -197,8 +199,13 @@ _REMEDIES = {
 
 @dataclass
 class Examination:
-    """What the levels leave for the result while they are climbed; see `Recheck`."""
+    """What the levels leave for the result while they are climbed; see `Recheck`.
 
+    Attributes:
+        made_by: the software that the certificate names.
+    """
+
+    made_by: Mapping[str, str] = field(default_factory=dict)
     hypotheses: int = 0
     precision: int = 0
     notes: tuple[str, ...] = ()
@@ -206,12 +213,17 @@ class Examination:
     rendered: Mapping[str, Any] | None = None
 
     def in_data(self, findings: Iterable[Finding], rendered: Mapping[str, Any]) -> Iterator[Finding]:
-        """The findings that are not about words; if some are, the words of `rendered` are to be printed."""
+        """The findings that are not about words; if some are, the words of `rendered` are to be printed.
+
+        Of a certificate that this very program says to have made they are findings like others.
+        """
         for finding in findings:
-            if finding.in_words:
-                self.rendered = rendered
-            else:
+            if not finding.in_words:
                 yield finding
+            elif is_of_this_program(self.made_by):
+                yield replace(finding, message=f"{FORGED_WORDS}; {finding.message}")
+            else:
+                self.rendered = rendered
 
 
 Step = Callable[[Examination], Iterable[Finding]]
@@ -224,7 +236,7 @@ def climb(document: Mapping[str, Any], steps: Sequence[Step]) -> Recheck:
 
     `document` is the certificate as JSON, of any kind.
     """
-    examination, level = Examination(), Level.NONE
+    examination, level = Examination(document.get("software", {})), Level.NONE
     findings: list[Finding] = []
     obstacle = ""
     for number, step in enumerate(steps, start=1):
@@ -300,8 +312,10 @@ def decimals(value: Any, place: str) -> Iterator[Finding]:
 def other_software(certificate: Mapping[str, Any]) -> Iterator[Finding]:
     """What may explain differences: another version rounds or words differently."""
     made_by = certificate.get("software", {})
-    other = [f"{name} {quoted_name(str(made_by.get(name)))}, here {version}" for name, version in software().items()
-             if made_by.get(name) != version]  # fmt: skip
+    other = [
+        f"{name} {quoted_name(str(made_by.get(name)))}, here {version}"
+        for name, version in differs_here(made_by).items()
+    ]
     if other:
         yield Finding("software", f"the certificate was made with {'; '.join(other)}: prove it again with this one")
 
@@ -335,14 +349,13 @@ def overlap(stored: arb, fresh: arb, place: str) -> Iterator[Finding]:
         yield Finding(place, "stored is {}, disjoint from {}".format(*shown))
 
 
-def confirmed(stored: arb, fresh: arb, place: str, tolerance: Fraction = _TOLERANCE) -> Iterator[Finding]:
-    """A finding unless `stored` contains the new enclosure, up to a part of its own width, a millionth."""
+def confirmed(stored: arb, fresh: arb, place: str) -> Iterator[Finding]:
+    """A finding unless `stored` contains the new enclosure."""
     if not (stored.is_finite() and fresh.is_finite()):
         yield Finding(place, "is not finite")
         return
     (low, high), (new_low, new_high) = bounds(stored), bounds(fresh)
-    margin = tolerance * (high - low)
-    if not low - margin <= new_low <= new_high <= high + margin:
+    if not low <= new_low <= new_high <= high:
         shown = (decimal_interval(ball, _SHOWN_DIGITS) for ball in (stored, fresh))
         yield Finding(place, "stored is {}, which the new integration does not confirm: it finds {}".format(*shown))
 

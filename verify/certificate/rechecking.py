@@ -3,7 +3,7 @@
 The form: digest, schema, the names of the hypotheses. The conclusion: every hypothesis is evaluated again from the
 stored tables of derivatives, by the functions that made the certificate, and the certificate that results is compared
 with the stored one in all data; its words are those that are told. The integration: the tables are enclosed again, at
-another precision and order; they have to overlap the stored ones, prove the claim again, and confirm all that is said.
+another precision and order; they have to prove the claim again, and to lie within the stored ones.
 """
 
 from __future__ import annotations
@@ -32,7 +32,6 @@ from orbitproof.verify.certificate.kinds import (
     prove,
     tables_from_json,
     theorem_of,
-    too_narrow,
     unconfirmed,
 )
 from orbitproof.verify.certificate.levels import (
@@ -67,8 +66,8 @@ _MORE_ORDER = 6
 """The second integration has an eighth more bits, and a sixth more terms in time."""
 
 _STILL_MORE_PRECISION = 64
-"""What it does not confirm is enclosed once more, with so many more bits and in the stored coordinates, and then with
-these at the stored order."""
+"""What it does not confirm is enclosed once more, with so many more bits and in the stored coordinates, then with
+these at the stored order, and at last as it was."""
 
 Entry = Mapping[str, Any]
 """A certificate as JSON."""
@@ -272,7 +271,7 @@ def _integration(
 ) -> Iterator[Finding]:
     """Whether other integrations contradict nothing that is stored, prove the claim again, and confirm all of it.
 
-    Each number has to be confirmed by one of them.
+    Each enclosure has to be confirmed by one of them; what is said of hypotheses and results follows from these.
     """
     stated = _read(certificate)
     stored = stated.enclosures
@@ -294,7 +293,7 @@ def _integration(
         if against := list(contradictions(stored, fresh, place)):
             yield from against
             return
-        found = {finding.place: finding for finding in too_narrow(stored, fresh, "tables")}
+        found = {finding.place: finding for finding in unconfirmed(stored, fresh, "not confirmed")}
         if certificate["verdict"] == "proved":
             outcome = _conclude(stated.claim, settings.precision, fresh)
             if stated.form is not None:
@@ -303,7 +302,6 @@ def _integration(
                 reason = outcome.reason
                 yield Finding(place, f"the claim is not proved again: {reason.condition}: {reason.message}")
                 return
-            found |= {finding.place: finding for finding in unconfirmed(certificate, outcome, "not confirmed")}
         remaining = {key: finding for key, finding in found.items() if number == 0 or key in remaining}
         if not remaining:
             return
@@ -311,8 +309,11 @@ def _integration(
 
 
 def _settings(stored: Found) -> Iterator[IntegratorSettings]:
-    """Of integrations one after the other. The first may choose other coordinates than those of the stored tables; the
-    last has their order too: in other coordinates, and in a higher order, true enclosures can be wider.
+    """Of integrations one after the other.
+
+    The first may choose other coordinates than those of the stored tables; the third has their order too: in other
+    coordinates, and in a higher order, true enclosures can be wider. The last is the one that the certificate says it
+    was made with: more bits do not make every bound smaller.
     """
     more = stored.precision + max(_LEAST_MORE_PRECISION, stored.precision // _MORE_PRECISION)
     higher = stored.order + max(1, stored.order // _MORE_ORDER)
@@ -320,3 +321,4 @@ def _settings(stored: Found) -> Iterator[IntegratorSettings]:
     yield IntegratorSettings(more, higher)
     yield IntegratorSettings(more + _STILL_MORE_PRECISION, higher, coordinates=coordinates)
     yield IntegratorSettings(more + _STILL_MORE_PRECISION, stored.order, coordinates=coordinates)
+    yield IntegratorSettings(stored.precision, stored.order, coordinates=coordinates)

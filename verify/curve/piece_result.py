@@ -22,6 +22,7 @@ from orbitproof.verify.evidence import (
     Proved,
     Reason,
     Theorem,
+    spared,
     without_result,
 )
 
@@ -141,9 +142,9 @@ class PieceResult(Generic[Known]):
 
     @property
     def stored(self) -> IntervalResult:
-        """The same as it is stored."""
+        """The same as it is stored; balls are wider than they were found (13.3)."""
         if isinstance(self.outcome, Proved):
-            return self.outcome.results.stored(self.piece, self.computation)
+            return spared(self.outcome.results.stored(self.piece, self.computation))
         return IntervalResult(self.piece, self.interval, NOT_PROVED, self.computation, self.outcome.reason)
 
 

@@ -62,6 +62,10 @@ from .outcome_as_json import reason_to_json as reason_to_json
 from .precision import GUARD_BITS as GUARD_BITS
 from .precision import guarded as guarded
 from .sources import ON_WHICH_NOTHING_RESTS as ON_WHICH_NOTHING_RESTS
-from .sources import installed as installed
+from .sources import completed_here as completed_here
+from .sources import differs_here as differs_here
+from .sources import is_of_this_program as is_of_this_program
 from .sources import software as software
+from .spare import as_found as as_found
+from .spare import spared as spared
 from .stops import STOPS as STOPS

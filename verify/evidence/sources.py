@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Sequence
+from collections.abc import Mapping
 from functools import cache
 from importlib import metadata, resources
 
@@ -27,20 +27,17 @@ ON_WHICH_NOTHING_RESTS = (
 )
 """What finds, words and moves what is proved, and proves nothing: a change there makes no proof another one."""
 
+_PROGRAM = "program"
+_SEVERAL = "several"
+
 
 @cache
 def software() -> dict[str, str]:
-    """Names and versions of what computes, with a digest of the sources that a proof rests on (section 10.2)."""
-    return _with_digest(ON_WHICH_NOTHING_RESTS)
+    """Names and versions of what computes, with two digests of sources (section 10.2).
 
-
-@cache
-def installed() -> dict[str, str]:
-    """The same with a digest of all sources of verify and shared: what workers of one run have in common."""
-    return _with_digest(())
-
-
-def _with_digest(left_out: Sequence[str]) -> dict[str, str]:
+    ``source`` is that of the sources that a proof rests on, ``program`` that of all sources of verify and shared, by
+    which words are made too, and what workers of one run have in common.
+    """
     try:
         version = metadata.version("orbitproof")
     except metadata.PackageNotFoundError:
@@ -48,9 +45,31 @@ def _with_digest(left_out: Sequence[str]) -> dict[str, str]:
     packages = [(name, resources.files(f"orbitproof.{name}")) for name in ("shared", "verify")]
     return {
         "orbitproof": version,
-        "source": source_digest(packages, left_out),
+        "source": source_digest(packages, ON_WHICH_NOTHING_RESTS),
+        _PROGRAM: source_digest(packages),
         "python": platform.python_version(),
         "python-flint": str(flint.__version__),
         "FLINT": str(flint.__FLINT_VERSION__),
         "numpy": metadata.version("numpy"),
     }
+
+
+def differs_here(made_by: Mapping[str, str]) -> dict[str, str]:
+    """The software that a proof rests on where it is another one here, with the versions here; empty if all agree."""
+    here = software()
+    return {name: here[name] for name in here if name != _PROGRAM and made_by.get(name) != here[name]}
+
+
+def is_of_this_program(made_by: Mapping[str, str]) -> bool:
+    """Whether a certificate says that this very program made all of it, its words included.
+
+    Sources of one version that only word things otherwise have another ``program``.
+    """
+    here = software()
+    same = all(made_by.get(name) == here[name] for name in ("orbitproof", "source"))
+    return same and made_by.get(_PROGRAM, here[_PROGRAM]) == here[_PROGRAM]
+
+
+def completed_here(made_by: Mapping[str, str]) -> dict[str, str]:
+    """What made a certificate to which this program has added something."""
+    return {**made_by} if is_of_this_program(made_by) else {**made_by, _PROGRAM: _SEVERAL}

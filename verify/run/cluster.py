@@ -9,7 +9,7 @@ from functools import partial
 
 from orbitproof.shared import cluster
 from orbitproof.shared.processes import Progress, Source
-from orbitproof.verify.evidence import installed
+from orbitproof.verify.evidence import software
 from orbitproof.verify.run.processes import Engine, Finished, Processes, Work, as_text, hand_over, on_text
 
 
@@ -38,5 +38,5 @@ def engine_of(
 @contextmanager
 def connected(address: str) -> Iterator[Cluster]:
     """The cluster whose scheduler listens at `address`, as long as the body runs; see `shared.cluster.connected`."""
-    with cluster.connected(address, installed) as workers:
+    with cluster.connected(address, software) as workers:
         yield Cluster(workers)

@@ -1,10 +1,17 @@
-"""How an enclosure of a second proof stands to the stored one. Section 7 of its chapter."""
+"""How enclosures of a second proof stand to the stored ones. Section 7 of its chapter."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from flint import arb
+
+from orbitproof.verify.evidence import ball_from_json, decimal_above
+
+Pairs = Mapping[str, tuple[arb, Any]]
+"""By the names of numbers: the ball of a second proof, and the stored one, or its JSON."""
 
 
 @dataclass(frozen=True)
@@ -21,8 +28,34 @@ MARGIN = 8
 """An enclosure narrower by this factor than the stored one has to lie inside it."""
 
 
+def agreement(
+    parts: Sequence[str], pairs: Pairs, left: Sequence[str], is_in_box: bool | None, what: str = "point"
+) -> Comparison:
+    """What is confirmed of a certificate, which balls and which are not, or the first that does not agree.
+
+    Args:
+        parts: what agrees besides.
+        left: what is not confirmed besides.
+        is_in_box: whether what is in question, usually the point, lies in the box of the candidate; `None`: that is not
+            certain.
+    """
+    inside, beyond = list[str](), list[str]()
+    for name, (mine, entry) in pairs.items():
+        found = relation(name, mine, entry if isinstance(entry, arb) else ball_from_json(entry))
+        if isinstance(found, Comparison):
+            return found
+        (beyond if found else inside).append(name.removeprefix("normal_form.") + found)
+    if is_in_box is None:
+        return Comparison("cannot follow", f"the enclosure of the {what} is too wide to tell whether it is in the box")
+    if not is_in_box:
+        return Comparison("disagrees", f"the {what} is not in the box of the candidate")
+    told = [*parts, f"the {what} in the box of the candidate"]
+    told += [f"inside the stored balls: {', '.join(inside)}"] if inside else []
+    return Comparison("agrees", f"{'; '.join(told)}. Not confirmed: {', '.join([*beyond, *left])}")
+
+
 def relation(name: str, mine: arb, stored: arb) -> str | Comparison:
-    """Empty if the stored ball contains this one, a remark if they overlap, or why they do not agree."""
+    """Empty if the stored ball contains this one, how far they agree if they overlap, or why they do not agree."""
     if not (mine.is_finite() and stored.is_finite()):
         return Comparison("cannot follow", f"{name}: an enclosure is not finite")
     if not mine.overlaps(stored):
@@ -33,4 +66,5 @@ def relation(name: str, mine: arb, stored: arb) -> str | Comparison:
         return Comparison("cannot follow", f"{name}: the enclosure here is narrower and not inside the stored one")
     if name.startswith("normal_form.") and mine.contains(0) and not stored.contains(0):
         return Comparison("cannot follow", f"{name}: its sign is not shown here")
-    return f" (here to {max(0, int(mine.rel_accuracy_bits() * 0.30103))} digits)"
+    digits = max(0, int(mine.rel_accuracy_bits() * 0.30103))
+    return f" beyond {digits} digits" if digits else f" beyond {decimal_above(mine.abs_upper(), 2)}"

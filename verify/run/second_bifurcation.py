@@ -7,9 +7,8 @@ from typing import Any
 
 from flint import arb
 
-from orbitproof.verify.evidence import ball_from_json
-from orbitproof.verify.run.relation import Comparison, relation
-from orbitproof.verify.run.second_periodic import compare_multipliers, is_in_the_box, is_within
+from orbitproof.verify.run.relation import Comparison, agreement
+from orbitproof.verify.run.second_periodic import COUNTS, CROSSINGS, compare_multipliers, is_in_the_box, is_within
 from orbitproof.verify.second_proof import ProvedPeriodicBifurcation, ProvedTorus
 
 _NOT_CONFIRMED = "that the candidate's box holds no other bifurcations"
@@ -86,12 +85,6 @@ def _numbers(
     if set(results["point"]) != set(result.point):
         return Comparison("disagrees", "point: other coordinates in the certificate")
     pairs = {f"point.{name}": (ball, results["point"][name]) for name, ball in result.point.items()} | dict(more)
-    inside, overlapping = list[str](), list[str]()
-    for name, (mine, entry) in pairs.items():
-        found = relation(name, mine, ball_from_json(entry))
-        if isinstance(found, Comparison):
-            return found
-        (inside if found == "" else overlapping).append(name.removeprefix("normal_form.") + found)
     found = compare_multipliers(results["multipliers"], result, on_level=claim.get("level") is not None)
     if isinstance(found, Comparison):
         return found
@@ -100,11 +93,5 @@ def _numbers(
         is_in_the_box(claim, list(result.point.values())),
         is_within(result.parameter, middle, claim["parameter_radius"]),
     )
-    if False in places:
-        return Comparison("disagrees", "the point or the value is not in the box of the candidate")
-    if None in places:
-        return Comparison("cannot follow", "the enclosure of the point is too wide to tell whether it is in the box")
-    told = [*parts, "the least period, with the crossings that are claimed", "the point in the box of the candidate"]
-    told += [found, *([f"inside the stored balls: {', '.join(inside)}"] if inside else [])]
-    told += [f"overlapping: {', '.join(overlapping)}"] if overlapping else []
-    return Comparison("agrees", f"{'; '.join(told)}. Not confirmed: {', '.join(left)}")
+    is_in_box = False if False in places else None if None in places else True
+    return agreement([*parts, CROSSINGS, COUNTS], pairs | found, left, is_in_box, "point with the value")

@@ -9,10 +9,13 @@ from flint import acb, arb, arb_mat, fmpq
 
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.evidence import ball_from_json
-from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, relation
+from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, agreement
 from orbitproof.verify.second_proof import ProvedPeriodic, ProvedPeriodicBifurcation, ProvedTorus
 
 _PARTS = ("real", "imaginary")
+CROSSINGS = "the least period, with the crossings that are claimed"
+COUNTS = "how many multipliers are inside, on and outside the circle"
+"""What agrees where nothing else is said."""
 
 
 def compare_periodic(certificate: Mapping[str, Any], result: ProvedPeriodic) -> Comparison:
@@ -29,32 +32,18 @@ def compare_periodic(certificate: Mapping[str, Any], result: ProvedPeriodic) -> 
         return Comparison("disagrees", "level: is here or in the certificate, and not in both")
     if result.level is not None:
         pairs["level"] = result.level, results["level"]
-    inside, overlapping = list[str](), list[str]()
-    for name, (mine, entry) in pairs.items():
-        found = relation(name, mine, ball_from_json(entry))
-        if isinstance(found, Comparison):
-            return found
-        (inside if found == "" else overlapping).append(name + found)
-    stored = results["multipliers"]
-    found = compare_multipliers(stored, result, on_level=result.level is not None)
+    found = compare_multipliers(results["multipliers"], result, on_level=result.level is not None)
     if isinstance(found, Comparison):
         return found
-    is_inside = is_in_the_box(claim, list(result.point.values()))
-    if is_inside is None:
-        return Comparison("cannot follow", "the enclosure of the point is too wide to tell whether it is in the box")
-    if not is_inside:
-        return Comparison("disagrees", "the point is not in the box of the candidate")
-    parts = ["the least period, with the crossings that are claimed", "the point in the box of the candidate", found]
-    parts += [f"inside the stored balls: {', '.join(inside)}"] if inside else []
-    parts += [f"overlapping: {', '.join(overlapping)}"] if overlapping else []
     left = [NOT_CONFIRMED] if result.level is None else ["that the first integral is one", NOT_CONFIRMED]
-    return Comparison("agrees", f"{'; '.join(parts)}. Not confirmed: {', '.join(left)}")
+    is_in_box = is_in_the_box(claim, list(result.point.values()))
+    return agreement([CROSSINGS, COUNTS], pairs | found, left, is_in_box)
 
 
 def compare_multipliers(
     stored: Mapping[str, Any], result: ProvedPeriodic | ProvedPeriodicBifurcation | ProvedTorus, *, on_level: bool
-) -> str | Comparison:
-    """What is confirmed of the multipliers, or why they do not agree."""
+) -> dict[str, tuple[arb, Any]] | Comparison:
+    """The multipliers with the stored balls that they may lie in, if as many are where they are stored; or why not."""
     if stored["trivial"] != (2 if on_level else 1):
         return Comparison("disagrees", "multipliers: another number of them is 1 for every orbit")
     mine = {"inside": result.inside, "on": result.on, "outside": result.outside}
@@ -72,8 +61,8 @@ def compare_multipliers(
         stored["values"],
     )
     if not values:
-        return "how many multipliers are inside, on and outside the circle"
-    held = [0] * size
+        return {}
+    held, pairs = [0] * size, dict[str, tuple[arb, Any]]()
     for number, ball in enumerate(result.multipliers, start=1):
         near = [place for place, value in enumerate(values) if value.overlaps(ball)]
         if not near:
@@ -85,12 +74,10 @@ def compare_multipliers(
             held[index] += 1
         for part in _PARTS:
             here, there = (getattr(value, part[:4]) for value in (ball, values[near[0]]))
-            found = relation(f"multiplier {number}, {part} part", here, there)
-            if isinstance(found, Comparison):
-                return found
+            pairs[f"multiplier {number}, {part} part"] = here, there
     if any(count != entries.count(entry) for count, entry in zip(held, entries, strict=True)):
         return Comparison("disagrees", "multipliers: a stored ball has another number of them")
-    return "the multipliers in stored balls of their own, and how many are inside, on and outside the circle"
+    return pairs
 
 
 def is_in_the_box(claim: Mapping[str, Any], point: Sequence[arb]) -> bool | None:

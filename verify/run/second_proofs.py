@@ -21,7 +21,7 @@ from orbitproof.shared.formats import InputError, check_writable, read_document,
 from orbitproof.shared.processes import Answer, Failure, Report, Task
 from orbitproof.shared.systems import shown
 from orbitproof.verify import second_proof as folder
-from orbitproof.verify.evidence import ball_from_json, guarded
+from orbitproof.verify.evidence import guarded
 from orbitproof.verify.run import (
     ArgumentParser,
     CheckLimits,
@@ -34,7 +34,7 @@ from orbitproof.verify.run import (
     positive_seconds,
     whole_number,
 )
-from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, relation
+from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, agreement
 from orbitproof.verify.run.second_bifurcation import compare_bifurcation, compare_torus
 from orbitproof.verify.run.second_periodic import compare_periodic, is_in_the_box
 from orbitproof.verify.run.second_symmetric import compare_birth, compare_symmetric
@@ -118,28 +118,14 @@ def compare(certificate: Mapping[str, Any], result: Outcome) -> Comparison:
         return Comparison("disagrees", f"kind or k: {result.kind}, {result.k}")
     if results["side"] != result.side:
         return Comparison("disagrees", f"side: {results['side']} in the certificate, {result.side} here")
-    inside, overlapping, untold = list[str](), list[str](), list[str]()
     with guarded(4096):
         stored, mine = _values(results), _values_here(certificate, result)
         for name in sorted(name for name in {*stored} ^ {*mine} if not name.startswith("normal_form.")):
             return Comparison("disagrees", f"{name}: is here or in the certificate, and not in both")
-        for name, entry in stored.items():
-            if name not in mine:
-                untold.append(name)
-                continue
-            found = relation(name, mine[name], ball_from_json(entry))
-            if isinstance(found, Comparison):
-                return found
-            (inside if found == "" else overlapping).append(name + found)
-        is_inside = is_in_the_box(claim, list(result.point.values()))
-    if is_inside is None:
-        return Comparison("cannot follow", "the enclosure of the point is too wide to tell whether it is in the box")
-    if not is_inside:
-        return Comparison("disagrees", "the point is not in the box of the candidate")
-    parts = ["kind, k, side", "the point in the box of the candidate"]
-    parts += [f"inside the stored balls: {', '.join(inside)}"] if inside else []
-    parts += [f"overlapping: {', '.join(overlapping)}"] if overlapping else []
-    return Comparison("agrees", f"{'; '.join(parts)}. Not confirmed: {', '.join([*untold, NOT_CONFIRMED])}")
+        pairs = {name: (mine[name], entry) for name, entry in stored.items() if name in mine}
+        untold = [name for name in stored if name not in mine]
+        is_in_box = is_in_the_box(claim, list(result.point.values()))
+        return agreement(["kind, k, side"], pairs, [*untold, NOT_CONFIRMED], is_in_box)
 
 
 def _values(results: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,8 +8,8 @@ from typing import Any
 from flint import acb, arb
 
 from orbitproof.verify.evidence import ball_from_json
-from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, relation
-from orbitproof.verify.run.second_periodic import is_in_the_box
+from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, agreement
+from orbitproof.verify.run.second_periodic import CROSSINGS, is_in_the_box
 from orbitproof.verify.second_proof import ProvedBirth, ProvedSymmetric, Torsion
 
 Pairs = dict[str, tuple[arb, Any]]
@@ -45,7 +45,7 @@ def compare_symmetric(certificate: Mapping[str, Any], result: ProvedSymmetric) -
     found = _stability(results, result, pairs)
     if found is not None:
         return found
-    parts = ["kind", *(["multipliers"] if results["multipliers"] else []), f"stability ({results['stability']})"]
+    parts = ["kind", f"stability ({results['stability']})"]
     if result.rotation_number is not None:
         found = _twist(results, result, pairs)
         if found is not None:
@@ -55,7 +55,7 @@ def compare_symmetric(certificate: Mapping[str, Any], result: ProvedSymmetric) -
         found = _torsion(results, result.torsion, pairs)
         if found is not None:
             return found
-        parts.append("the sign of the determinant of the torsion, and tau_11 tau_22/(tau_12 tau_21)")
+        parts.append("the sign of the determinant of the torsion")
     left = ["that the first integral is one"] if result.level is not None else []
     left += ["distances"] if results.get("least_distance") is not None else []
     return _compared(certificate, result, ("point", "other_point"), pairs, parts, left)
@@ -75,13 +75,18 @@ def _stability(results: Mapping[str, Any], result: ProvedSymmetric, pairs: Pairs
     # There are none where it is not known which parameters are real.
     if len(results["multipliers"]) not in (0, len(mine)):
         return Comparison("disagrees", "multipliers: another number of them")
-    for value, entry in zip(mine, results["multipliers"], strict=False):
+    for number, (value, entry) in enumerate(zip(mine, results["multipliers"], strict=False), start=1):
         at = _complex(entry)
-        belongs = (at + 1 / at) / 2
-        if not belongs.is_finite():
+        if not at.is_finite() or at.contains(0):
             return Comparison("cannot follow", "multipliers: an enclosure contains 0 or is not finite")
-        if not belongs.overlaps(value):
+        # Of one pair with the sum 2 c and the product 1 the one that is stored, if that is told from the other.
+        root = (value * value - 1).sqrt()
+        near = [each for each in (value + root, value - root) if each.overlaps(at)]
+        if not near:
             return Comparison("disagrees", "multipliers: they do not belong to the stability parameters")
+        here = near[0] if len(near) == 1 else near[0].union(near[1])
+        pairs[f"multiplier {number}, real part"] = here.real, at.real
+        pairs[f"multiplier {number}, imaginary part"] = here.imag, at.imag
     stable = all(value.imag == 0 and abs(value) < 1 for value in mine)
     unstable = any(abs(value) > 1 or not value.imag.contains(0) for value in mine)
     word = results["stability"]
@@ -118,8 +123,7 @@ def _torsion(results: Mapping[str, Any], found: Torsion, pairs: Pairs) -> Compar
         return Comparison("disagrees", "torsion_determinant: another sign than here")
     (a, b), (c, d) = ([ball_from_json(entry) for entry in row] for row in results["torsion"])
     (k, l), (m, n) = found.rows
-    if not (a * d * l * m).overlaps(b * c * k * n):
-        return Comparison("disagrees", "torsion: tau_11 tau_22/(tau_12 tau_21) is another number here")
+    pairs["tau_11 tau_22/(tau_12 tau_21)"] = k * n / (l * m), a * d / (b * c)
     return None
 
 
@@ -138,21 +142,8 @@ def _compared(
         if set(results[part]) != set(mine):
             return Comparison("disagrees", f"{part}: other coordinates in the certificate")
         pairs |= {f"{part}.{name}": (ball, results[part][name]) for name, ball in mine.items()}
-    inside, overlapping = list[str](), list[str]()
-    for name, (ball, entry) in pairs.items():
-        found = relation(name, ball, ball_from_json(entry))
-        if isinstance(found, Comparison):
-            return found
-        (inside if found == "" else overlapping).append(name.removeprefix("normal_form.") + found)
-    place = is_in_the_box(claim, result.coordinates)
-    if place is None:
-        return Comparison("cannot follow", "the enclosure of the point is too wide to tell whether it is in the box")
-    if not place:
-        return Comparison("disagrees", "the point is not in the box of the candidate")
-    told = [*parts, "the least period, with the crossings that are claimed", "the point in the box of the candidate"]
-    told += [f"inside the stored balls: {', '.join(inside)}"] if inside else []
-    told += [f"overlapping: {', '.join(overlapping)}"] if overlapping else []
-    return Comparison("agrees", f"{'; '.join(told)}. Not confirmed: {', '.join([*left, NOT_CONFIRMED])}")
+    is_in_box = is_in_the_box(claim, result.coordinates)
+    return agreement([*parts, CROSSINGS], pairs, [*left, NOT_CONFIRMED], is_in_box)
 
 
 def _complex(entry: Mapping[str, Any]) -> acb:
