@@ -227,7 +227,9 @@ def test_half_periods_that_contain_what_is_found_only_nearly_are_not_confirmed(o
     """A wide ball that leaves a part of a narrow one out, however small it is beside its own width."""
     atlas, results = of_parabola()
     found = [{**result, "time": ball_to_json(spared(arb(3, 2.0**-40)))} for result in results]
-    for reach, stands in ((spared(arb(3, 2.0**-40)), True), (arb(3 + off * (8 - 2.0**-41), 8), False)):
+    wide = arb(0, 8)
+    beside = wide + 3 + off * (wide.rad() - 2.0**-41)
+    for reach, stands in ((spared(arb(3, 2.0**-40)), True), (beside, False)):
         stored = [{**result, "time": ball_to_json(reach)} for result in results]
         assert checked(atlas_certificate(atlas, stored), honest(found)).stands is stands
 
