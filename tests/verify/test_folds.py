@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction as F
@@ -20,7 +21,7 @@ from orbitproof.shared import format_exact
 from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, candidate_to_json, read_candidates
 from orbitproof.verify.bifurcation import BifurcationResults, fold, proved_bifurcation, theorem_of
 from orbitproof.verify.certificate import Certificate, Limits, certify, digest, recheck
-from orbitproof.verify.evidence import Checklist, NotProved, Outcome, bounds
+from orbitproof.verify.evidence import Checklist, NotProved, Outcome, bounds, enclose
 
 Function = Callable[[Sequence[Any], Callable[[F], Any]], Any]
 
@@ -109,6 +110,25 @@ def test_the_extremum_beside_the_centre_is_enclosed() -> None:
     assert found.local[1].contains(arb(2) ** -12)
     assert found.local[1].rad() < arb(2) ** -80
     assert found.parameter.contains(-(arb(2) ** -24))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_extremum_of_a_random_cubic_is_enclosed_though_its_curvature_varies(seed: int) -> None:
+    """p_0 = a (p_1 - e)^2 + b (p_1 - e)^3 less its value at 0: g' vanishes at e, and g'' varies by half over P_1."""
+    source = random.Random(seed)
+    e, a = F(source.choice((-1, 1)) * source.randint(1, 7), 16) * R, F(source.choice((-1, 1)) * source.randint(2, 6), 4)
+    b = a * F(source.randint(-4, 4) or 3, 40) / R
+
+    def cubic(p: Sequence[Any], c: Callable[[F], Any]) -> Any:
+        square = p[1] * p[1]
+        linear = 2 * a * e - 3 * b * e * e
+        return p[0] + p[1] * c(linear) + square * c(3 * b * e - a) + square * p[1] * c(-b)
+
+    found = proof(outcome([cubic], RADII)).results
+    assert found.local[1].contains(enclose(e))
+    assert found.local[1].rad() < 2.0**-20
+    assert found.normal_form["beta"].contains(enclose(a))
+    assert found.side == ("above" if a > 0 else "below")
 
 
 @pytest.mark.parametrize(
