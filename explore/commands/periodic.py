@@ -19,7 +19,7 @@ from orbitproof.explore.commands.periodic_claims import (
     refine_orbits,
     refuse_claims,
 )
-from orbitproof.explore.names import exact_number, given_values, own_system, section_of, symmetry_of
+from orbitproof.explore.names import exact_number, given_values, own_system, section_of, symmetry_of, varied
 from orbitproof.explore.seeds import TRIANGULAR
 from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.interrupts import INTERRUPTED
@@ -273,13 +273,12 @@ def _along(options: argparse.Namespace, system: System, parameters: Mapping[str,
     low, high = (float(exact_number(f"--along {name}", text)) for text in ends)
     if not low < high:
         raise InputError(f"--along {name}: an empty interval; give the smaller value first")
-    if name in system.parameters:
-        if not low <= float(parameters[name]) <= high:
-            raise InputError(
-                f"--along {name}: {parameters[name]}, where the first orbit is, lies outside; widen the interval"
-            )
-        return name, low, high
-    if name == "level" and system.first_integral_program is not None:
-        return None, low, high
-    known = ", ".join([*system.parameters, *(["level"] if system.first_integral_program is not None else [])])
-    raise InputError(f"--along {name}: there is nothing of that name to vary; there are {known or 'none'}")
+    try:
+        parameter = varied(system, name)
+    except LookupError as error:
+        raise InputError(f"--along {name}: {error}") from None
+    if parameter is not None and not low <= float(parameters[parameter]) <= high:
+        raise InputError(
+            f"--along {name}: {parameters[name]}, where the first orbit is, lies outside; widen the interval"
+        )
+    return parameter, low, high

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from math import inf, isfinite
 
 from orbitproof.explore.flow import Matrix
+from orbitproof.explore.names import told_apart
 from orbitproof.explore.orbits import ShootingProblem, SymmetricOrbit
 from orbitproof.explore.seeds import distance_to_primaries
 from orbitproof.shared.systems import THREE_BODY, ReversibleSystem
@@ -92,9 +93,13 @@ class Limits:
 
 
 def limited_names(system: ReversibleSystem) -> tuple[str, ...]:
-    """What of an orbit can be limited by name: centre coordinates, ``half-period``, ``integral`` if there is one."""
-    names = (*system.centre_coordinates, "half-period")
-    return names if system.first_integral is None else (*names, "integral")
+    """What of an orbit can be limited by name: centre coordinates, ``half-period``, ``integral`` if there is one.
+
+    The latter is ``(integral)`` where a coordinate is called so.
+    """
+    names = system.centre_coordinates
+    ours = ("half-period",) if system.first_integral is None else ("half-period", "integral")
+    return (*names, *told_apart(ours, names))
 
 
 def _limited_values(orbit: SymmetricOrbit) -> tuple[float, ...]:

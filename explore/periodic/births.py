@@ -13,7 +13,6 @@ from orbitproof.explore.periodic.continuation import (
     PATIENCE,
     PeriodicFamily,
     StepControl,
-    called,
     continue_orbit,
     scale_of,
     traced,
@@ -60,7 +59,7 @@ def new_orbits(
     ahead = traced(family, first, bounds, control, progress)
     return PeriodicFamily(
         problem,
-        called(problem, name),
+        name,
         (first, *ahead.members),
         tuple(ahead.bifurcations),
         ahead.reason,

@@ -11,6 +11,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from orbitproof.explore.names import told_apart
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem
 from orbitproof.explore.periodic.detection import (
     Bifurcation,
@@ -62,13 +63,18 @@ class PeriodicFamily:
     """
 
     problem: PeriodicProblem
-    name: str
+    parameter: str | None
     members: tuple[FamilyMember, ...]
     bifurcations: tuple[Bifurcation, ...]
     reason: str
     born: Bifurcation | None = None
     generation: int = 0
     interrupted: bool = False
+
+    @property
+    def name(self) -> str:
+        """What people call what varies; a first integral may be called like a parameter."""
+        return self.parameter or self.problem.system.first_integral_name or "first integral"
 
 
 def continue_orbit(
@@ -113,7 +119,7 @@ def continue_orbit(
     turned = [replace(member, tangent=-member.tangent) for member in reversed(back.members)]
     return PeriodicFamily(
         problem,
-        called(problem, name),
+        name,
         (*turned, first, *ahead.members),
         (*reversed(back.bifurcations), *ahead.bifurcations),
         f"{back.reason}; {ahead.reason}",
@@ -124,10 +130,6 @@ def continue_orbit(
 def scale_of(orbit: ClosedOrbit, name: str | None, bounds: tuple[float, float]) -> Vector:
     width = [] if name is None else [bounds[1] - bounds[0]]
     return np.concatenate([np.full(len(orbit.point), orbit.size), [orbit.period], width])
-
-
-def called(problem: PeriodicProblem, name: str | None) -> str:
-    return name or problem.system.first_integral_name or "first integral"
 
 
 def _part(progress: Callable[[float], None] | None, number: int, parts: int) -> Callable[[float], None] | None:
@@ -239,7 +241,7 @@ def family_csv(family: PeriodicFamily) -> str:
     """The orbits of a family as a table, an orbit a line, in order along the family."""
     system = family.problem.system
     count = max(len(each.orbit.multipliers) for each in family.members)
-    head = [family.name.replace(",", " "), "period", *system.given_state]
+    head = [*told_apart((family.name.replace(",", " "), "period"), system.given_state), *system.given_state]
     head += [f"multiplier{number} {part}" for number in range(1, count + 1) for part in ("real", "imaginary")]
     rows = [",".join(head)]
     for each in family.members:

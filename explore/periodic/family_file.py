@@ -80,15 +80,15 @@ class PeriodicFamilyRecord:
 def record_of(family: PeriodicFamily) -> PeriodicFamilyRecord:
     """What a file says of a family."""
     system, fixed = family.problem.system, dict(family.problem.parameters)
-    over_levels = family.name not in fixed
-    fixed.pop(family.name, None)
+    if family.parameter is not None:
+        del fixed[family.parameter]
     return PeriodicFamilyRecord(
         STATUS,
         system.name,
         system.given_state,
         fixed,
         family.name,
-        over_levels,
+        family.parameter is None,
         system.first_integral_program is not None,
         family.reason,
         tuple(map(_member, family.members)),

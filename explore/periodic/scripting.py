@@ -8,7 +8,7 @@ from itertools import chain
 from typing import overload
 
 from orbitproof.explore.engines import Reporter
-from orbitproof.explore.names import exact_number, given_values, section_of, symmetry_of
+from orbitproof.explore.names import exact_number, given_values, section_of, symmetry_of, varied
 from orbitproof.explore.periodic.atlas import cover_curve
 from orbitproof.explore.periodic.bifurcations import refine_bifurcation
 from orbitproof.explore.periodic.continuation import PeriodicFamily, StepControl
@@ -182,24 +182,26 @@ def periodic_atlas(
     before, and its title and pieces are of what there is.
 
     Arguments:
-        along: name of the parameter, or "level", with the least and the greatest value.
+        along: name of the parameter, or "level", with the least and the greatest value; of a system with a parameter
+            of that name "(level)".
 
     Raises `ValueError` for what cannot vary, and `PeriodicFailure` if there is no piece at all.
     """
     varies, low, high = along
     system = found.problem.system
-    is_level = varies == "level" and system.first_integral_program is not None
-    if not (varies in system.parameters or is_level) or not low < high:
-        raise ValueError(f"along: {varies!r} is nothing that varies in {system.name}, or the interval is empty")
+    try:
+        parameter = varied(system, varies)
+    except LookupError as error:
+        raise ValueError(f"along: {varies!r}: {error}") from None
+    if not low < high:
+        raise ValueError(f"along: {varies!r}: an empty interval; give the smaller value first")
     if system.defined:
         raise ValueError(
             f"found: without symmetry there are no claims about systems such as {system.name}, with functions"
         )
     with Reporter(quiet) as report:
         report.stage(f"covering the curve in {varies}")
-        return cover_curve(
-            found, None if is_level else varies, (low, high), name, progress=lambda text: report.update(text, None)
-        ).atlas
+        return cover_curve(found, parameter, (low, high), name, progress=lambda text: report.update(text, None)).atlas
 
 
 def _words(values: Mapping[str, object]) -> list[str]:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from orbitproof.explore.names import told_apart
 from orbitproof.explore.trajectories.interpolation import DEGREE
 from orbitproof.explore.trajectories.sampling import Samples
 from orbitproof.explore.trajectories.trajectory import Trajectory
@@ -91,7 +92,7 @@ def complex_text(value: complex) -> str:
 def _columns(samples: Samples) -> Sequence[str]:
     names = samples.trajectory.source.system.state
     if samples.trajectory.source.system not in THREE_BODY:
-        return ("t", *names)
+        return (*told_apart("t", names), *names)
     length, time, velocity = ("LU", "TU", "LU/TU") if samples.units is None else ("km", "s", "km/s")
     labels = [f"{name} ({unit})" for name, unit in zip(names, [length] * 3 + [velocity] * 3, strict=True)]
     return (f"t ({time})", *labels)

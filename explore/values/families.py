@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from orbitproof.explore.catalogues import catalogue_of, write_catalogue_csv
 from orbitproof.explore.families import TracedFamily
-from orbitproof.explore.names import time_given
+from orbitproof.explore.names import time_given, told_apart
 from orbitproof.explore.orbits import SymmetricOrbit
 from orbitproof.explore.plots import draw_family, draw_orbits
 from orbitproof.explore.search.orbits import orbits_with
@@ -136,7 +136,8 @@ class OrbitFamily(Sequence[Orbit]):
         """A `pandas.DataFrame`, one row for each orbit.
 
         Columns: the state at time 0 by its names, `period`, the first integral (or the family parameter), the
-        stability parameters `s1`, `s2`, .. and `arclength`. Raises `ModuleNotFoundError` where pandas is missing.
+        stability parameters `s1`, `s2`, .. and `arclength`; with parentheses, as `(period)`, if a coordinate is called
+        so. Raises `ModuleNotFoundError` where pandas is missing.
         """
         try:
             pandas = import_module("pandas")
@@ -145,15 +146,20 @@ class OrbitFamily(Sequence[Orbit]):
         return pandas.DataFrame([self._row(orbit) for orbit in self])
 
     def _row(self, orbit: Orbit) -> dict[str, float | complex]:
-        row: dict[str, Any] = dict(zip(self.system.state, orbit.point.tolist(), strict=True))
-        row["period"] = orbit.period
-        if self.system.family_parameter is not None:
-            row[self.system.family_parameter] = orbit.parameters[self.system.family_parameter]
+        system, varies = self.system, self.system.family_parameter
+        row: dict[str, Any] = dict(zip(system.state, orbit.point.tolist(), strict=True))
+
+        def add(head: str, value: float | complex) -> None:
+            row[told_apart([head], (*row, *system.parameters))[0]] = value
+
+        add("period", orbit.period)
+        if varies is not None:
+            row[varies] = orbit.parameters[varies]
         elif orbit.first_integral is not None:
-            row[self.system.first_integral_name or "first integral"] = orbit.first_integral
+            add(system.first_integral_name or "first integral", orbit.first_integral)
         for number, value in enumerate(orbit.stability, start=1):
-            row[f"s{number}"] = value.real if value.imag == 0 else value
-        row["arclength"] = orbit.arclength
+            add(f"s{number}", value.real if value.imag == 0 else value)
+        add("arclength", orbit.arclength)
         return row
 
     def __repr__(self) -> str:

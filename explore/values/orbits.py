@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from orbitproof.explore.flow import flow_of
+from orbitproof.explore.names import told_apart
 from orbitproof.explore.orbits import ShootingProblem, SymmetricOrbit, multipliers, stability_index
 from orbitproof.explore.plots import draw_orbits
 from orbitproof.explore.refinement import OrbitTask, refine_orbit
@@ -43,7 +44,16 @@ from orbitproof.explore.trajectories import (
     write_spk,
 )
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Candidate, Equation, write_text
-from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS, THREE_BODY, UNITS, ReversibleSystem, System
+from orbitproof.shared.systems import (
+    CR3BP,
+    LEVEL_NAME,
+    MASS_PARAMETERS,
+    THREE_BODY,
+    UNITS,
+    ReversibleSystem,
+    System,
+    own_name,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -274,7 +284,8 @@ class Orbit:
         """The claim that there is exactly one symmetric orbit near this one with a value, for `verify.certify`.
 
         Arguments:
-            quantity: "period", "level" (of the first integral), or one of `system.centre_coordinates`.
+            quantity: "period", "level" (of the first integral), or one of `system.centre_coordinates`. Where a
+                coordinate is called so, that is meant, and "(period)", "(level)" are those of the orbit.
             value: exact: `Fraction`, int, or text such as "0.1" or "3/2".
             digits: decimal digits of the point.
             id: of the claim.
@@ -284,14 +295,16 @@ class Orbit:
         source, exact = self._trajectory.source, Fraction(value)
         if source.unknowns is None or not isinstance(self.system, ReversibleSystem):
             raise ValueError("claim: of symmetric orbits; refine_new_orbit and refine_periodic make those of others")
-        if quantity == "period":
-            equation = Equation(HALF_PERIOD, exact / 2)
-        elif quantity == "level" and self.system.first_integral is not None:
-            equation = Equation(LEVEL, exact)
-        elif quantity in self.system.centre_coordinates:
+        coordinates = self.system.centre_coordinates
+        period, level = told_apart(("period", "level"), coordinates)
+        if quantity in coordinates:
             equation = Equation(COORDINATE, exact, quantity)
+        elif quantity in (period, own_name("period")):
+            equation = Equation(HALF_PERIOD, exact / 2)
+        elif quantity in (level, LEVEL_NAME) and self.system.first_integral is not None:
+            equation = Equation(LEVEL, exact)
         else:
-            known = ", ".join(("period", "level", *self.system.centre_coordinates))
+            known = ", ".join((period, level, *coordinates))
             raise ValueError(f"quantity: {quantity!r} is unknown; there are {known}")
         fixed = {name: source.parameters[name] for name in self.system.fixed_parameters}
         guess = tuple(map(float, source.unknowns[:-1]))
