@@ -9,7 +9,7 @@ SYSTEM = r"^[A-Za-z][A-Za-z0-9_-]{0,59}" + END
 
 TITLE = (
     r"^(?=[^\n]{1,200}" + END + r")(?![^\n]*[.,] +[A-Z])"
-    r"[(A-Za-z0-9\u00c0-\u024f\u0370-\u03ff][A-Za-z0-9\u00c0-\u024f\u0370-\u03ff .,_+*/^=<>()'-]*" + END
+    r"[(_A-Za-z0-9\u00c0-\u024f\u0370-\u03ff][A-Za-z0-9\u00c0-\u024f\u0370-\u03ff .,_+*/^=<>()'-]*" + END
 )
 """What people call a system, its first integral, a body; with no second sentence."""
 
