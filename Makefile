@@ -33,7 +33,7 @@ help:
 	@echo "make notebooks  run the notebooks, and keep their outputs in them"
 	@echo "make test       everything that has to pass: lint, format, types, tests"
 	@echo "make test-slow  the longer proofs and campaigns"
-	@echo "make campaign   10,000 false claims and 2,000 forged certificates (campaign.json; hours, goes on where it stopped)"
+	@echo "make campaign   10,000 false claims, 2,000 forged certificates, claims told otherwise (campaign.json; hours, goes on where it stopped)"
 	@echo "make faults     faults made on purpose, one line each, and which tests notice them (faults.json; hours, goes on where it stopped)"
 	@echo "make reading-list CHAPTER=curve   what has to be read to believe a theorem: files in order, lines"
 	@echo "make release-check   wheel and sdist, installed empty; commands of README and documents, each run once (hours)"

@@ -6,7 +6,8 @@ claims too, about which nothing has to be known but that its centre is the bifur
 of any kind with one to three fields changed and a new digest, or with one entry of what it stores changed and all else
 derived from that again. It is checked at all levels; for the last, a claim is integrated once more, and what a prover
 would find on the pieces of an atlas is what was proved there. Nothing false may be proved, and what no level finds has
-to be among the fields that belong to no claim.
+to be among the fields that belong to no claim. A claim of every kind is told otherwise, with other names, in another
+order, in other units, beside things that play no part: what is proved, checked again and proved once more is the same.
 """
 
 from __future__ import annotations
@@ -34,6 +35,8 @@ from support import atlas_work, stability_cases  # noqa: E402
 from support.chain_cases import parabola  # noqa: E402
 from support.claims import known, shifted, verdict_of  # noqa: E402
 from support.forgeries import DATA, Change, Document, atlas_certificate, changes, checked, forged, honest, read  # noqa: E402
+from support.metamorphic_cases import CASES  # noqa: E402
+from support.metamorphic_runs import table, told_in_every_way  # noqa: E402
 from support.stored import values  # noqa: E402
 from test_soundness_campaign import (  # noqa: E402
     LIMITS,
@@ -399,7 +402,16 @@ def _is_harmless(change: Change, document: Document) -> bool:
     return change.field.startswith(HARMLESS) or (change.how == "larger" and change.field.endswith(WEAKER))
 
 
-WORK = {"claims": claims_batch, "rows": rows_batch, "forgeries": forgeries_batch}
+def told_batch(seed: int) -> dict[str, Any]:
+    """Every way of telling a claim otherwise, of a kind; the kinds take turns."""
+    around, place = divmod(seed % 1_000_000, len(CASES))
+    name = list(CASES)[place]
+    found = dict(told_in_every_way(name, seed - place + around))
+    wrong = [f"seed {seed}, {name}, {title}: {'; '.join(each)}" for title, each in found.items() if each]
+    return {"counts": {f"{name}: {title}": int(not each) for title, each in found.items()}, "wrong": wrong}
+
+
+WORK = {"claims": claims_batch, "rows": rows_batch, "forgeries": forgeries_batch, "told": told_batch}
 
 
 def run(
@@ -448,9 +460,10 @@ def summary(state: dict[str, Any]) -> str:
                 rows.update(batch.get("rows", {}))
                 missed.update(batch.get("missed", {}))
                 wrong += batch["wrong"]
-        lines += [f"{part}: {counts.total()}", *(f"  {name:58} {count}" for name, count in sorted(counts.items()))]
-    for title, table in (("false claims", rows), ("found by no level", missed)):
-        lines += [f"{title}: {table.total()}", *(f"  {name:58} {count}" for name, count in sorted(table.items()))]
+        each = [f"  {name:58} {count}" for name, count in sorted(counts.items())]
+        lines += [f"{part}: {counts.total()}", *(table(counts) if part == "told" else each)]
+    for title, found in (("false claims", rows), ("found by no level", missed)):
+        lines += [f"{title}: {found.total()}", *(f"  {name:58} {count}" for name, count in sorted(found.items()))]
     return "\n".join([*lines, f"wrong: {len(wrong)}", *wrong])
 
 
@@ -461,12 +474,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--forgeries", type=int, default=2_000, metavar="N")
     parser.add_argument("--candidates", type=Path, metavar="FILE", help="a file whose rows give false claims too")
     parser.add_argument("--of-each-row", type=int, default=4, metavar="N", help="false claims from each row (4)")
+    parser.add_argument("--told", type=int, default=1, metavar="N", help="how often each kind is told in every way (1)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--output", type=Path, default=Path("campaign.json"))
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--seconds", type=float, default=float("inf"), help="begin no further batch after this time")
     options = parser.parse_args(arguments)
     wanted = {"claims": -(-options.claims // BATCH), "forgeries": -(-options.forgeries // BATCH)}
+    wanted["told"] = options.told * len(CASES)
     if options.candidates is not None:
         wanted["rows"] = options.of_each_row * len(candidate_rows(options.candidates))
     print(f"seed {options.seed}", file=sys.stderr)
