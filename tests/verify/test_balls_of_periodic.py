@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -30,6 +31,7 @@ from orbitproof.verify.periodic import (
     state_on_box,
 )
 from orbitproof.verify.periodic.box import parameters_on_box, values_on
+from orbitproof.verify.periodic.multipliers import _with_real_ones
 
 BITS = 160
 ZERO, ONE = Fraction(0), Fraction(1)
@@ -194,6 +196,19 @@ def test_eigenvalues_near_the_circle_and_those_that_are_not_found_are_not_counte
         assert (found.inside, found.on, found.outside) == (0, 0, 0) or not found.values
         assert not found.is_attracting
         assert not found.is_hyperbolic
+
+
+def test_eigenvalues_are_called_real_if_no_other_one_may_be_their_conjugate() -> None:
+    """Of three the two that are not told apart, wherever they stand, and a pair beside a real one."""
+    cluster = acb(arb(1, 0.125), arb(0, 0.125))
+    up, down = acb(arb(-2, 0.01), arb(1, 0.01)), acb(arb(-2, 0.01), arb(-1, 0.01))
+    alone = acb(arb(4, 0.01), arb(0, 0.01))
+    for values in itertools.permutations([alone, cluster, cluster, up, down], 4):
+        for value, found in zip(values, _with_real_ones(values), strict=True):
+            is_alone = value is alone or (value is cluster and sum(each is cluster for each in values) == 1)
+            assert found.imag.is_zero() is is_alone
+            assert found.real.overlaps(value.real)
+            assert is_alone or found.imag.overlaps(value.imag)
 
 
 CASES = [(1, False), (2, False), (3, False), (2, True), (3, True)]
