@@ -17,11 +17,12 @@ from support.inclusion import broken_inclusions
 from orbitproof.shared.claims import SurfacePiece
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR, LIFTED, VERTICAL
 from orbitproof.verify.algebra import ball_polynomial
-from orbitproof.verify.evidence import enclose, hull
+from orbitproof.verify.curve import stiffness_at_rest
+from orbitproof.verify.evidence import Evidence, enclose, hull
 from orbitproof.verify.functions import BoundedFunction
 from orbitproof.verify.index.along_curve import _start
 from orbitproof.verify.index.half_turns import Turning, determinant, half_turns, index_of
-from orbitproof.verify.index.libration_value import _whole
+from orbitproof.verify.index.libration_value import _whole, index_of_small_orbits
 from orbitproof.verify.index.moving import Moving
 from orbitproof.verify.lasting.jets import FunctionJet, compose, inverse_of_plane_map
 from orbitproof.verify.lasting.twist_function import normal_form
@@ -170,6 +171,24 @@ def test_orbits_of_the_three_body_problem_start_at_all_points_of_a_ball() -> Non
         atlas = SimpleNamespace(system=system, parameters={"mu": MU}, claim=SimpleNamespace(crossings=1))
         point = {each: ball(chance, 0.3, 0.6) for each in system.centre_coordinates}
         assert _start(atlas, point | {name: arb(size, "0.01")}) is None
+
+
+@pytest.mark.parametrize("system", [*AROUND.values(), *VERTICAL.values()], ids=lambda system: system.name)
+@pytest.mark.parametrize("mass", ["1/80", "1/1000", "1/3"])
+def test_frequencies_at_rest_are_those_of_the_linear_equations(system: Any, mass: str) -> None:
+    """w^4 - (2 - c) w^2 + (1 + 2 c)(1 - c) = 0 in the plane, w^2 = c across it (16.3)."""
+    evidence, parameters = Evidence("libration-point"), {"mu": Fraction(mass)}
+    known = index_of_small_orbits(evidence, system, parameters)
+    plane, across = (evidence.enclosures[f"frequency {place} the plane"] for place in ("in", "out of"))
+    c = stiffness_at_rest(system, parameters)
+    square = plane * plane
+    assert plane > 0
+    assert (square * square - (2 - c) * square + (1 + 2 * c) * (1 - c)).contains(0)
+    assert (across * across).overlaps(c)
+    assert plane.rad() < arb(2) ** -100
+    is_planar = system in AROUND.values()
+    turns = 2 * int(float(across / plane if is_planar else plane / across)) + 1
+    assert known == ((2, turns) if is_planar else (2 + turns,))
 
 
 def test_a_whole_number_below_a_ratio_is_told_only_between_two() -> None:

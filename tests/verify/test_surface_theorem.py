@@ -26,7 +26,7 @@ from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.systems import HILL
 from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.curve import Conclusion
-from orbitproof.verify.evidence import NotProved, Proved, ball_from_json, ball_to_json, enclose, hull
+from orbitproof.verify.evidence import Evidence, NotProved, Proved, ball_from_json, ball_to_json, enclose, hull
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.surface import (
     ProvedPart,
@@ -38,7 +38,7 @@ from orbitproof.verify.surface import (
 )
 from orbitproof.verify.surface.gluing import Sheet
 from orbitproof.verify.surface.piece import candidate_at
-from orbitproof.verify.surface.proved_surface import heights
+from orbitproof.verify.surface.proved_surface import _require_adapted, heights
 from orbitproof.verify.words.branches import conclusion_in_words
 from orbitproof.verify.words.surface import _digits
 
@@ -52,6 +52,26 @@ def atlas() -> Atlas:
 @pytest.fixture(scope="module")
 def piece(atlas: Atlas) -> SurfacePiece:
     return atlas.surface_pieces()[0]
+
+
+def test_each_entry_of_centre_and_frames_that_has_to_vanish_is_asked_for(atlas: Atlas, piece: SurfacePiece) -> None:
+    """S negates zeta and one of the q: p_1 alone moves zeta and nothing else, and so with q_1."""
+
+    def fits(**changes: Any) -> bool:
+        evidence = Evidence("frames")
+        _require_adapted(evidence, replace(atlas, pieces=(replace(piece, **changes),)))
+        return evidence.holds
+
+    def moved(rows: Any, i: int, j: int) -> Any:
+        return tuple(tuple(v + ((a, b) == (i, j)) for b, v in enumerate(row)) for a, row in enumerate(rows))
+
+    assert fits()
+    for name, rows in (("frame", piece.frame), ("kernel_frame", piece.kernel_frame)):
+        vanishing = [(i, j) for i, row in enumerate(rows) for j, value in enumerate(row) if not value]
+        assert vanishing
+        assert not any(fits(**{name: moved(rows, *place)}) for place in vanishing)
+    assert not fits(centre=moved(piece.centre, 1, len(piece.centre[1]) - 1))
+    assert fits(centre=moved(piece.centre, 0, 0))
 
 
 def flat_piece(number: int, start: Fraction, end: Fraction, turn: Fraction = Fraction(0)) -> SurfacePiece:
