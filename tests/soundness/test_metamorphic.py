@@ -11,9 +11,12 @@ from flint import arb
 from support.metamorphic import Change
 from support.metamorphic_cases import CASES, ROWS, Case
 from support.metamorphic_changes import all_at_once, changes, is_free, symbols, words
-from support.metamorphic_runs import Told, changed, objections, tell, told_in_every_way
+from support.metamorphic_runs import LIMITS, Told, certificate_of, changed, objections, tell, told_in_every_way
 
 from orbitproof.shared.claims import BOX_KINDS, KINDS_IN_SECTION
+from orbitproof.verify.atlas import places_on
+from orbitproof.verify.certificate import certify
+from orbitproof.verify.evidence import ball_from_json
 
 LONG = ("tori", "list")
 """Cases that take seconds."""
@@ -81,3 +84,20 @@ def test_names_may_begin_with_an_underscore(name: str) -> None:
     after = tell(changed(case, change))
     assert objections(before, after, change) == []
     assert after.check(integrate=False) == "stands"
+
+
+def test_an_orbit_lies_at_the_same_place_of_a_curve_told_otherwise() -> None:
+    """The orbit of a claim on the arc on a level."""
+    curve, orbit = CASES["arc-on-level"](), CASES["fixed-level"]()
+    places = []
+    for change in (Change("plainly"), all_at_once("arc-on-level", curve)):
+        arc = tell(changed(curve, change))
+        assert arc.document is not None
+        (found,) = places_on(certificate_of(arc), [certify(changed(orbit, change), LIMITS)])  # type: ignore[arg-type]
+        place = found.certificate.to_json().get("place")
+        assert place is not None, found.line
+        places.append(place)
+    first, other = (ball_from_json(place["s"]) for place in places)
+    assert first.contains(0)
+    assert other.contains(0)
+    assert {place["piece"] for place in places} == {"p1"}

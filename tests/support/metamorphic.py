@@ -120,6 +120,8 @@ def _times(value: Any, factor: Fraction) -> Any:
 
 def changed_system(system: AnySystem, change: Change) -> AnySystem:
     """The system told otherwise."""
+    if isinstance(system, ReversibleSystem) and system.original is not None:
+        return changed_system(system.original, change).under(change.name(str(system.reversor)))  # type: ignore[return-value]
     state = order_of(system, change)
     ranges = {**dict.fromkeys(change.unused, ParameterRange(None, None)), **system.parameters}
     integral, name = system.first_integral, system.first_integral_name
@@ -138,7 +140,6 @@ def changed_system(system: AnySystem, change: Change) -> AnySystem:
     )
     if not isinstance(system, ReversibleSystem):
         return told  # type: ignore[return-value]
-    assert system.original is None
     assert not system.derived_parameters
     assert system.arrival is None
 
@@ -157,6 +158,15 @@ def changed_system(system: AnySystem, change: Change) -> AnySystem:
         reversing_symmetry=signs(system.reversing_symmetry, (1, -1)),
         section=change.name(system.section),
         symmetries={change.name(key): signs(each, (1, 1)) for key, each in system.symmetries.items()},
+        reversors={
+            change.name(key): replace(
+                each,
+                signs=signs(each.signs, (1, -1)),
+                section=optional(each.section),
+                level_coordinate=optional(each.level_coordinate),
+            )
+            for key, each in system.reversors.items()
+        },
         family_parameter=optional(system.family_parameter),
         level_coordinate=optional(system.level_coordinate),
         normalised={change.name(key): value * change.factor(key) for key, value in system.normalised.items()},

@@ -64,17 +64,23 @@ def _on_levels(added: str, **more: Any) -> ReversibleSystem:
     return _system("clock-beside", **(given | more))
 
 
-def _turning(added: str) -> ReversibleSystem:
+def _turning(added: str, **more: Any) -> ReversibleSystem:
     """u and y turn on the circle of radius r^(1/2) with the rate r; half a turn adds pi/r times `added` to q."""
     return _system(
         "turning", state="u y q", parameters="a c", section="y", family_parameter="a", R={"y": -1, "q": -1},
-        where={"r": "u**2 + y**2"}, field={"u": "-r*y", "y": "r*u", "q": added},
+        where={"r": "u**2 + y**2"}, field={"u": "-r*y", "y": "r*u", "q": added}, **more,
     )  # fmt: skip
 
 
 def fold() -> Candidate:
     """a = c (r - 1)^2."""
     return _claim(_turning("a - c*(r - 1)**2"), "fold", (Q(0), Q(1)), SMALL, parameters={"c": Q(3)})
+
+
+def under_another_reversor() -> Candidate:
+    """The same where u and q change their signs, on u = 0."""
+    system = _turning("a - c*(r - 1)**2", reversors={"R2": {"R": {"u": -1, "q": -1}, "section": "u"}}).under("R2")
+    return _claim(system, "fold", (Q(0), Q(1)), SMALL, parameters={"c": Q(3)})
 
 
 def level_fold() -> Candidate:
@@ -130,6 +136,7 @@ def double_resonance() -> Candidate:
 
 ROWS: Mapping[str, Callable[[], BoxClaim]] = {
     "fold": fold,
+    "other-reversor": under_another_reversor,
     "level-fold": level_fold,
     "symmetry-breaking": symmetry_breaking,
     "fixed-level": fixed_level,

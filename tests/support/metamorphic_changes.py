@@ -59,10 +59,11 @@ def is_free(word: str) -> bool:
 
 
 def symbols(case: Case) -> tuple[str, ...]:
-    """Coordinates, parameters and symmetries."""
+    """Coordinates, parameters, symmetries and further reversors."""
     system = system_of(case)
-    named = tuple(system.symmetries) if isinstance(system, ReversibleSystem) else ()
-    return (*system.state, *system.parameters, *named)
+    if not isinstance(system, ReversibleSystem):
+        return (*system.state, *system.parameters)
+    return (*system.state, *system.parameters, *system.symmetries, *(system.original or system).reversors)
 
 
 def _held(case: Case) -> set[str]:

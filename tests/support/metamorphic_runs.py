@@ -16,7 +16,7 @@ from support.metamorphic_results import Named, differences
 
 from orbitproof.shared.formats import Atlas, Candidate, PeriodicAtlas
 from orbitproof.verify import enclose
-from orbitproof.verify.atlas import conclusion_of, make_atlas_certificate
+from orbitproof.verify.atlas import AtlasCertificate, conclusion_of, make_atlas_certificate
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate, Limits, Recheck, certify, recheck
 from orbitproof.verify.curve import conclude
@@ -139,6 +139,13 @@ def objections(before: Told, after: Told, change: Change) -> list[str]:
     if before.verdict != after.verdict:
         return [f"{before.verdict}, told otherwise {after.verdict}"]
     return list(differences(before.results, after.results, change, named(before.case)))
+
+
+def certificate_of(told: Told) -> AtlasCertificate:
+    """That of a curve."""
+    assert isinstance(told.case, Curve)
+    assert told.document is not None
+    return AtlasCertificate(told.case.atlas, told.document)
 
 
 PROVED_AGAIN = ("all at once",)
