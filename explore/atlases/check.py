@@ -76,7 +76,9 @@ def check_file(path: Path, quiet: bool) -> int:
     examined(atlas.system, str(path))
     if atlas.is_surface:
         raise InputError(f"{path}: field claim.kind: {atlas.claim.kind}; this check is for curves")
-    if isinstance(atlas, Atlas) and atlas.system.normalised:
+    if not isinstance(atlas, Atlas):
+        raise InputError(f"{path}: field claim.kind: {atlas.claim.kind}; this check is for curves of symmetric orbits")
+    if atlas.system.normalised:
         raise InputError(f"{path}: field system: {atlas.system.name}; families in units of their size are not checked")
     good = True
     with Reporter(quiet) as report:

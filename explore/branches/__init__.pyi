@@ -10,3 +10,4 @@ from .following import follow as follow
 from .start import BranchPoint as BranchPoint
 from .start import NoBranch as NoBranch
 from .start import branch_point as branch_point
+from .start import centre_of as centre_of

@@ -115,6 +115,16 @@ class BranchPoint:
         return float(here - context.mpf(self.level.numerator) / self.level.denominator), 4 * noise
 
 
+def centre_of(candidate: Candidate) -> Vector:
+    """The centre of a claim on Fix(R), shape (1 + n,), without a parameter that varies where two resonances meet."""
+    if candidate.level_sign is None:
+        return np.array([*map(float, candidate.centre[candidate.resonances_meet :])])
+    context = mpmath.MPContext()
+    context.prec = BITS
+    centre, *frame = ([_number(value, context) for value in row] for row in (candidate.centre, *candidate.frame))
+    return _floats([_without_level(candidate, centre, frame, context)[0]])[0]
+
+
 def branch_point(candidate: Candidate) -> BranchPoint:
     """Prepare the start of the branch of a claim. Raises `NoBranch`, one line."""
     if candidate.is_fold:

@@ -293,6 +293,11 @@ def _extrema(options: argparse.Namespace) -> int:
     complete = True
     with Reporter(options.quiet) as report:
         tasks = tasks_of_extrema(record, options.id or _full_name(record), options.digits)
+        if not tasks:
+            report.error(
+                f"{options.from_family}: lists no extrema of the stability parameters of {_full_name(record)}; "
+                "explore family -k K finds them, for K from 2 on"
+            )
         waiting = [task for task in tasks if not all(_is_there(task, kept, word) for word in SIDES)]
         report.stage(f"refining {len(waiting)} of {len(tasks)} extrema")
         try:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from orbitproof.explore.branches import NoBranch, branch_point, numbered, read_branches
+from orbitproof.explore.branches import NoBranch, branch_point, centre_of, numbered, read_branches
 from orbitproof.explore.catalogues import Catalogue, correct_catalogue, read_catalogue
 from orbitproof.explore.flow import Vector
 from orbitproof.explore.masses import read_curves
@@ -122,21 +122,18 @@ def _claimed(claim: Any, title: str, verdict: str, results: Mapping[str, Any] | 
         if half_period is None:
             unknowns = _to_second_point(claim.system, claim.parameters, unknowns, claim.crossings, title)
         return SourceOrbit(claim.system, claim.parameters, unknowns, title, verdict)
+    parameters = dict(claim.parameters)
+    if claim.resonances_meet:
+        parameters[claim.varying] = claim.centre[0]
     try:
         start = branch_point(claim)
-    except NoBranch as failure:
+    except NoBranch:
         # There is an orbit all the same.
-        if claim.level_sign is not None:
-            raise NoOrbit(f"{title}: {failure}") from None
-        centre, parameters = [*map(float, claim.centre)], dict(claim.parameters)
-        if claim.resonances_meet:
-            parameters[claim.varying] = claim.centre[0]
-            del centre[0]
-        unknowns = _to_second_point(claim.system, parameters, np.array([*centre, 0.0]), claim.crossings, title)
-        return SourceOrbit(claim.system, parameters, unknowns, title, verdict)
+        centre = np.array([*centre_of(claim), 0.0])
+        unknowns = _to_second_point(claim.system, parameters, centre, claim.crossings, title)
     else:
         unknowns = np.append(start.point, start.half_period)
-    return SourceOrbit(claim.system, claim.parameters, unknowns, title, verdict)
+    return SourceOrbit(claim.system, parameters, unknowns, title, verdict)
 
 
 def _to_second_point(

@@ -77,8 +77,8 @@ def chosen_id(path: Path, choice: Choice, known: Sequence[str]) -> str:
     if choice.identifier is None and len(known) == 1:
         return known[0]
     if choice.identifier not in known:
-        said = "missing" if choice.identifier is None else f"no {choice.identifier!r} in {path}"
-        raise InputError(f"--id: {said}; give one of {some(known)}")
+        said = "missing" if choice.identifier is None else f"no {choice.identifier!r}"
+        raise InputError(f"--id: {said}; give one of {path}: {some(known)}")
     return choice.identifier
 
 

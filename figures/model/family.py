@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from orbitproof.figures.orbits import Array, centre_on_fixed_set, parameter_values, state_on_fixed_set
+from orbitproof.figures.orbits import Array, centre_on_fixed_set, parameter_values, parameters_of, state_on_fixed_set
 from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, read_document
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import ReversibleSystem
@@ -150,7 +150,7 @@ class MarkedPoint:
     Attributes:
         candidate: the claim.
         certified: whether its certificate says "proved".
-        point: shape (1 + n,), its centre in double precision.
+        point: shape (1 + n,), its centre in double precision, without a parameter that varies.
         level: Jacobi constant (first integral) or family parameter at the centre.
     """
 
@@ -227,7 +227,7 @@ def mark_candidates(
     marks = []
     for candidate in candidates:
         point = np.array([float(ball.mid()) for ball in centre_on_fixed_set(candidate)])
-        level = level_of(candidate.system, candidate.parameters, list(point))
+        level = level_of(candidate.system, parameters_of(candidate), list(point))
         marks.append(MarkedPoint(candidate, proved.get(candidate.id, False), point, level))
     return marks
 
@@ -257,7 +257,7 @@ def assign(
         candidate = mark.candidate
         distances = [
             family.place(mark).distance
-            if family.system.name == candidate.system.name and dict(family.parameters) == dict(candidate.parameters)
+            if family.system.name == candidate.system.name and dict(family.parameters) == parameters_of(candidate)
             else np.inf
             for family in families
         ]

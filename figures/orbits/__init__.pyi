@@ -4,6 +4,7 @@ from .beside import new_orbits as new_orbits
 from .fixed_set import Array as Array
 from .fixed_set import centre_on_fixed_set as centre_on_fixed_set
 from .fixed_set import parameter_values as parameter_values
+from .fixed_set import parameters_of as parameters_of
 from .fixed_set import state_on_fixed_set as state_on_fixed_set
 from .orbit import OrbitNotClosed as OrbitNotClosed
 from .orbit import loop_through as loop_through

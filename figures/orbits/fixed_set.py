@@ -37,8 +37,16 @@ def parameter_values(
     ]
 
 
+def parameters_of(candidate: Candidate) -> dict[str, Fraction]:
+    """The fixed parameters of a claim, where two resonances meet with that one which is its first coordinate."""
+    own = {candidate.varying: candidate.centre[0]} if candidate.resonances_meet else {}
+    return {**candidate.parameters, **own}
+
+
 def centre_on_fixed_set(candidate: Candidate) -> list[arb]:
     """The centre of a claim in the coordinates of Fix(R), of which one follows from the level if that is its first."""
+    if candidate.resonances_meet:
+        return [enclose(value) for value in candidate.centre[1:]]
     if candidate.level_sign is None:
         return [enclose(value) for value in candidate.centre]
     where = {name: enclose(value) for name, value in zip(candidate.coordinates, candidate.centre, strict=True)}

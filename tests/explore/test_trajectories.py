@@ -15,6 +15,7 @@ import spiceypy
 from astropy.time import TimeDelta
 from oem import OrbitEphemerisMessage
 from scipy.integrate import solve_ivp
+from support import krein_cases
 
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.flow import flow_of
@@ -31,7 +32,7 @@ from orbitproof.explore.trajectories import (
     sample,
     trajectory_of,
 )
-from orbitproof.shared.formats import InputError
+from orbitproof.shared.formats import InputError, write_candidates
 from orbitproof.shared.systems import CR3BP
 
 DATA = Path(__file__).resolve().parents[1] / "data"
@@ -66,6 +67,7 @@ def orbit_of(path: Path, choice: Choice) -> Trajectory:
         (DATA / "orbit-vertical.json", Choice()),
         (DATA / "atlas-vertical.json", Choice()),
         (DATA / "orbits-without-reversor.json", Choice(identifier="earth-moon-L1-loss-orbit28")),
+        (DATA / "double-resonance.json", Choice()),
     ],
 )
 def test_states_are_those_of_the_flow_and_come_back(path: Path, choice: Choice) -> None:
@@ -80,6 +82,24 @@ def test_states_are_those_of_the_flow_and_come_back(path: Path, choice: Choice) 
     assert flow_of(CR3BP).derivative(found.start, found.period, mass).state == pytest.approx(found.start, abs=1e-6)
     assert found.drift is not None
     assert found.drift < 1e-10
+
+
+@pytest.mark.parametrize("name", ["double-resonance", "krein-collision"])
+def test_orbits_of_claims_of_which_no_branch_begins_have_the_multipliers_that_are_claimed(
+    name: str, tmp_path: Path
+) -> None:
+    path = DATA / f"{name}.json"
+    if name == "krein-collision":
+        path = tmp_path / "claim.json"
+        write_candidates(path, [krein_cases.halo()])
+    found = orbit_of(path, Choice()).multipliers
+    assert found is not None
+    if name == "double-resonance":
+        # Two 1:4 resonances.
+        assert min(abs(value - 1j) for value in found) < 1e-9
+    else:
+        pairs = [abs(a - b) for i, a in enumerate(found) for b in found[:i]]
+        assert sorted(pairs)[1] < 1e-3
 
 
 def test_multipliers_are_eigenvalues_of_the_monodromy_matrix() -> None:

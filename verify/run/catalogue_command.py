@@ -10,6 +10,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+from orbitproof.shared.errors import about
 from orbitproof.shared.formats import (
     CatalogueRows,
     InputError,
@@ -112,7 +113,8 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
         table_form(options.table)
     curve = read_atlas_certificate(options.curve)
     rows = read_catalogue_rows(options.file) if options.rows is None else rows_of_curve(curve, options.rows)
-    certificate = certify_rows(rows, curve, options.within, workplace)
+    with about(options.curve):
+        certificate = certify_rows(rows, curve, options.within, workplace)
     if options.output is not None:
         write_catalogue_certificate(options.output, certificate.document)
     if options.table is not None:

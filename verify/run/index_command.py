@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from orbitproof.shared.errors import about
 from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.interrupts import run_command
 from orbitproof.verify.atlas import (
@@ -65,7 +66,9 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
         raise InputError("FILE: is taken with --recheck only; the curve is given with --curve")
     if options.output is not None:
         check_writable(options.output)
-    certificate = certify_the_index(_indexed_curve(options), workplace)
+    curve = _indexed_curve(options)
+    with about(options.curve):
+        certificate = certify_the_index(curve, workplace)
     if options.output is not None:
         write_index_certificate(options.output, certificate.document)
     return told(certificate)

@@ -9,6 +9,7 @@ from contextlib import closing
 from pathlib import Path
 
 from orbitproof.shared.claims.web import Web
+from orbitproof.shared.errors import about
 from orbitproof.shared.formats import InputError, check_writable, read_web, stated_format
 from orbitproof.shared.interrupts import run_command
 from orbitproof.verify.atlas import (
@@ -78,7 +79,8 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
     if options.output is not None:
         check_writable(options.output)
     web, given = read_web(options.file), _read(options.certificates)
-    certificate = certify_the_web(claiming_indices(web, given) if options.indices else web, given, workplace)
+    with about(options.file, *options.certificates):
+        certificate = certify_the_web(claiming_indices(web, given) if options.indices else web, given, workplace)
     if options.output is not None:
         write_web_certificate(options.output, certificate.document)
     return told(certificate)
@@ -88,7 +90,9 @@ def _recheck(options: argparse.Namespace, workplace: Workplace) -> Recheck:
     if options.indices:
         raise InputError("--indices: is about a web that is not proved yet; --recheck takes the claim as it was made")
     certificate = read_web_certificate(options.file)
-    return check_web_again(certificate, _read(options.certificates), options.integrate, workplace)
+    given = _read(options.certificates)
+    with about(options.file, *options.certificates):
+        return check_web_again(certificate, given, options.integrate, workplace)
 
 
 def _read(paths: Sequence[Path]) -> list[Resting]:
