@@ -122,7 +122,7 @@ def _write_numeric(named: Any) -> None:
     family = continue_orbit(problem, correct(problem, [1, 0], 6.3), "w", (0.9, 1.1))
     write_periodic_family(named("periodic-family.json", "periodic-family"), family)
     falkner_skan = read_candidates(DATA / "figures-candidates.json")[1]
-    for name, claim in (("branches.json", falkner_skan), ("branches-loss.json", breaking_cases.halo())):
+    for name, claim in (("branches-loss.json", breaking_cases.halo()), ("branches.json", falkner_skan)):
         write_branches(named(name, "branches"), [follow(branch_point(claim), length=0.02, orbits=6).record(None, None)])
     path = named("portraits.json", "portraits")
     assert explore(["portraits", "--orbits", "2", "--iterates", "10", "--quiet", "-o", str(path)]) == 0
