@@ -150,8 +150,8 @@ LONG = {
     ("verify catalogue", "catalogue"), ("verify catalogue --curve", "atlas-certificate"),
     ("verify catalogue --recheck", "catalogue-certificate"), ("verify web --certificates", "atlas-certificate"),
     ("verify web --recheck", "web-certificate"), ("verify index", "atlas-certificate"),
-    ("verify index --recheck", "index-certificate"), ("verify --second-proof", "certificates"), ("explore mass-curve -o", "mass-curve"),
-    ("explore candidates --from-family", "families"),
+    ("verify index --recheck", "index-certificate"), ("verify --second-proof", "certificates"),
+    ("explore mass-curve -o", "mass-curve"), ("explore candidates --from-family", "families"),
 }  # fmt: skip
 """Commands with files that they prove or check: other tests are about that."""
 
