@@ -109,13 +109,20 @@ def find_periodic(request: PeriodicRequest, progress: Progress) -> Iterator[Foun
         x = states[-1]
     states, times = follow(problem, x, request.followed, lambda done: progress("following", done))
     section = request.section or through_the_middle(states)
-    found = False
+    why = f"within time {request.followed:g} nothing repeats after up to {request.returns} returns to the section"
+    failure = PeriodicFailure(f"{why}; follow it longer, allow more returns, or give a period to begin with")
+    some = False
     for orbit in nearby_orbits(problem, recurrences(problem, states, times, section, request.returns), section):
-        found = True
-        yield _claimed(problem, orbit, section, level)
-    if not found:
-        why = f"within time {request.followed:g} nothing repeats after up to {request.returns} returns to the section"
-        raise PeriodicFailure(f"{why}; follow it longer, allow more returns, or give a period to begin with")
+        try:
+            found = _claimed(problem, orbit, section, level)
+        except PeriodicFailure as reason:
+            # On another level, say; the others are found all the same.
+            failure = reason
+            continue
+        some = True
+        yield found
+    if not some:
+        raise failure
 
 
 def refined(found: FoundOrbit, name: str, digits: int, progress: Progress | None = None) -> PeriodicOrbit:

@@ -14,6 +14,8 @@ from orbitproof import explore
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.periodic import (
     AffineSection,
+    ClosedOrbit,
+    FoundOrbit,
     PeriodicFailure,
     PeriodicProblem,
     PeriodicRequest,
@@ -23,6 +25,7 @@ from orbitproof.explore.periodic import (
     map_derivative,
     refined,
     remarks,
+    search,
 )
 from orbitproof.explore.periodic.flow import growth_of_bounds, stretching
 from orbitproof.explore.periodic.refinement import digits_of_centre
@@ -199,6 +202,24 @@ def test_a_start_where_the_field_is_not_defined_is_told(force: str, period: floa
     system = define_system({"name": "edge", "state": "x y", "field": {"x": "y", "y": force}, **integral})
     with pytest.raises(PeriodicFailure, match="the formulas of edge have no value at x = 0, y = 1"):
         list(find_periodic(PeriodicRequest(system, {}, (0.0, 1.0), period=period), _nothing))
+
+
+def test_orbits_are_found_beside_one_that_is_not_claimed(monkeypatch: pytest.MonkeyPatch) -> None:
+    request = PeriodicRequest(HOPF, {"c": Fraction(1, 4)}, (1.0, 0.1, 0.0), followed=30.0)
+    (found,) = find_periodic(request, _nothing)
+
+    def claimed(problem: PeriodicProblem, orbit: ClosedOrbit | None, *more: object) -> FoundOrbit:
+        if orbit is None:
+            raise PeriodicFailure("not this one")
+        return found
+
+    monkeypatch.setattr(search, "_claimed", claimed)
+    for orbits, number in (([None, found.orbit], 1), ([found.orbit, None], 1)):
+        monkeypatch.setattr(search, "nearby_orbits", lambda *_, orbits=orbits: iter(orbits))
+        assert len(list(find_periodic(request, _nothing))) == number
+    monkeypatch.setattr(search, "nearby_orbits", lambda *_: iter([None]))
+    with pytest.raises(PeriodicFailure, match="not this one"):
+        list(find_periodic(request, _nothing))
 
 
 def test_of_multipliers_what_is_known_is_told() -> None:

@@ -10,7 +10,6 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from orbitproof.shared.errors import about
 from orbitproof.shared.formats import (
     CatalogueRows,
     InputError,
@@ -42,7 +41,7 @@ from orbitproof.verify.run import (
     whole_number,
 )
 from orbitproof.verify.run.branch_checks import examined
-from orbitproof.verify.run.proof_command import add_checking_options, by_curve, limits_of, prove_or_check
+from orbitproof.verify.run.proof_command import about, add_checking_options, by_curve, limits_of, prove_or_check
 
 _EXAMPLES = """\
 examples:

@@ -7,7 +7,6 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from orbitproof.shared.errors import about
 from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.interrupts import run_command
 from orbitproof.verify.atlas import (
@@ -27,7 +26,7 @@ from orbitproof.verify.run import (
     Workplace,
 )
 from orbitproof.verify.run.branch_checks import examined, index_apart
-from orbitproof.verify.run.proof_command import add_checking_options, by_curve, limits_of, prove_or_check, told
+from orbitproof.verify.run.proof_command import about, add_checking_options, by_curve, limits_of, prove_or_check, told
 
 _EXAMPLES = """\
 examples:

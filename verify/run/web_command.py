@@ -9,7 +9,6 @@ from contextlib import closing
 from pathlib import Path
 
 from orbitproof.shared.claims.web import Web
-from orbitproof.shared.errors import about
 from orbitproof.shared.formats import InputError, check_writable, read_web, stated_format
 from orbitproof.shared.interrupts import run_command
 from orbitproof.verify.atlas import (
@@ -38,7 +37,7 @@ from orbitproof.verify.run import (
 )
 from orbitproof.verify.run.branch_checks import index_apart
 from orbitproof.verify.run.checking_again import checked_again
-from orbitproof.verify.run.proof_command import add_checking_options, limits_of, prove_or_check, told
+from orbitproof.verify.run.proof_command import about, add_checking_options, limits_of, prove_or_check, told
 
 _EXAMPLES = """\
 examples:
