@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import select
 import signal
 import sys
 import threading
@@ -12,7 +11,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
 
+from orbitproof.shared.errors import InputError
 from orbitproof.shared.extras import missing_extra
+from orbitproof.shared.output import special_files_last
+from orbitproof.shared.streams import StreamError, closed_stream, is_unread, watched_streams
 
 ENDING_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 """The signals that ask a run to end, as far as the system knows them."""
@@ -38,51 +40,66 @@ def held_back() -> Iterator[None]:
 
 
 def run_command(main: Callable[[], int]) -> int:
-    """The exit code of a command line that signals end as Ctrl-C does; `INTERRUPTED` where it does not care for itself.
+    """The exit code of a command line, which signals end as Ctrl-C does: `INTERRUPTED` if one came, whatever was done.
 
-    Where a package of an extra is missing, the memory is short or a number too large, one line says so, and the code
-    is 2: commands that read, search and draw do so in their own process. Where nobody reads on what is printed, as in
-    ``orbitproof .. | head -1``, it ends without a word, and the code is 1.
+    Where a package of an extra is missing, the memory is short, a number too large, or a standard stream closed or
+    full, one line says so, as far as it can be told, and the code is 2: commands that read, search and draw do so in
+    their own process. Where nobody reads on what is printed, as in ``orbitproof .. | head -1``, it ends without a word,
+    and the code is 1.
     """
-    with ending_by_signals():
+    closed = closed_stream()
+    if closed:
+        return _refused(f"{closed} is closed; give it a file, or {os.devnull}")
+    with ending_by_signals() as is_ending, watched_streams():
+        code = _code(main)
+    return INTERRUPTED if is_ending() and code in (0, 1) else code
+
+
+def _code(main: Callable[[], int]) -> int:
+    try:
         try:
-            code = main()
-            sys.stdout.flush()
-            return code
-        except BrokenPipeError:
-            if not _is_unread():
-                raise
-            return 1
-        except ModuleNotFoundError as error:
-            line = missing_extra(error)
-            if line is None:
-                raise
-            print(f"error: {line}", file=sys.stderr)
-            return 2
-        except (MemoryError, OverflowError) as error:
-            why = "there is not enough memory" if isinstance(error, MemoryError) else "a number is too large"
-            print(f"error: {why} for what is asked; is the file one that you trust?", file=sys.stderr)
-            return 2
-        except KeyboardInterrupt:
-            print("interrupted", file=sys.stderr)
-            return INTERRUPTED
+            with special_files_last():
+                code = main()
+        except SystemExit as end:
+            code = end.code if isinstance(end.code, int) else 2
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:
+        if not is_unread():
+            raise
+        return 1
+    except (InputError, StreamError) as error:
+        return _refused(str(error))
+    except ModuleNotFoundError as error:
+        line = missing_extra(error)
+        if line is None:
+            raise
+        return _refused(line)
+    except (MemoryError, OverflowError) as error:
+        why = "there is not enough memory" if isinstance(error, MemoryError) else "a number is too large"
+        return _refused(f"{why} for what is asked; is the file one that you trust?")
+    except KeyboardInterrupt:
+        _say("interrupted")
+        return INTERRUPTED
 
 
-def _is_unread() -> bool:
-    """Whether nobody can read standard output any more; what Python still has for it goes nowhere then."""
-    if not hasattr(select, "poll"):
-        return False
-    output = select.poll()
-    output.register(sys.stdout.fileno(), 0)
-    if not any(events & select.POLLERR for _, events in output.poll(0)):
-        return False
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return True
+def _refused(line: str) -> int:
+    _say(f"error: {line}")
+    return 2
+
+
+def _say(line: str) -> None:
+    """On standard error, if that can be written."""
+    if sys.stderr is not None:
+        with suppress(OSError, StreamError):
+            print(line, file=sys.stderr, flush=True)
 
 
 @contextmanager
-def ending_by_signals() -> Iterator[None]:
+def ending_by_signals() -> Iterator[Callable[[], bool]]:
     """While the body runs, SIGTERM and SIGHUP raise `KeyboardInterrupt`, as Ctrl-C does. For the main thread.
+
+    What is yielded tells whether one of the three has come.
 
     Once the run is ending they do nothing more; a second Ctrl-C does. What is ignored from the start stays ignored:
     SIGHUP under nohup, SIGINT in the background of a script. A process that was started with `bound_to_this` gets
@@ -104,7 +121,7 @@ def ending_by_signals() -> Iterator[None]:
     if bound_to.isdecimal() and os.name == "posix":
         threading.Thread(target=_end_with, args=(int(bound_to),), daemon=True).start()
     try:
-        yield
+        yield lambda: ending
     finally:
         for number in ours:
             signal.signal(number, before[number])

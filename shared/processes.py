@@ -32,10 +32,12 @@ from multiprocessing.connection import Connection, wait
 from types import ModuleType
 from typing import Any, Literal
 
+from orbitproof.shared.allowance import Allowance
 from orbitproof.shared.interrupts import ENDING_SIGNALS, held_back
 
 GRACE_SECONDS = 2.0
-"""A task that has come to its time limit may take so long to hand over what it has; then its process is ended."""
+"""A task that has come to its time limit may take so long to hand over what it has; then its process is ended.
+Limits of tasks are of processor time (`shared.allowance`)."""
 
 _REPORT_SECONDS = 0.2
 _START_SECONDS = 20.0
@@ -98,8 +100,8 @@ def answers(
     """Do what `source` gives with at most `jobs` processes, until it gives nothing and all is answered.
 
     Answers come in the order in which they are had. `source` is asked for the next task before the consumer sees an
-    answer, so that no process waits for it, and again after it. A task takes at most `timeout` and `GRACE_SECONDS`,
-    and a process at most `memory` bytes more than it begins with.
+    answer, so that no process waits for it, and again after it. A task takes at most `timeout` and `GRACE_SECONDS` of
+    processor time, and a process at most `memory` bytes more than it begins with.
 
     After an interrupt the tasks at hand are told to come to an end: their next report raises `KeyboardInterrupt`
     there, and what they hand back within `patience` seconds is yielded. Then `KeyboardInterrupt` is raised. However
@@ -180,7 +182,7 @@ def _start_method() -> str:
 
 
 class _Worker:
-    """A process, seen from the one that started it; the deadline counts from when the task has begun there."""
+    """A process, seen from the one that started it; its time counts from when the task has begun there."""
 
     def __init__(self, work: Work, timeout: float | None, memory: int | None) -> None:
         context: Any = multiprocessing.get_context(_start_method())
@@ -192,7 +194,8 @@ class _Worker:
         self.task: Task | None = None
         self.is_over = False
         self._timeout, self._memory = timeout, memory
-        self._started = self._deadline = 0.0
+        self._started = 0.0
+        self._allowance: Allowance | None = None
 
     def give(self, task: Task) -> None:
         """Send a task."""
@@ -204,7 +207,8 @@ class _Worker:
 
     def _begin(self, delay: float) -> None:
         self._started = time.monotonic()
-        self._deadline = self._started + delay + (self._timeout or 0.0) + GRACE_SECONDS
+        if self._timeout is not None:
+            self._allowance = Allowance(int(self.process.pid or 0), delay + self._timeout + GRACE_SECONDS)
 
     def stop(self) -> None:
         """Have its next report raise `KeyboardInterrupt`."""
@@ -239,7 +243,7 @@ class _Worker:
 
     def overdue(self) -> Answer | None:
         """If the time limit has passed, end the process; the answer is that."""
-        if self.task is None or self._timeout is None or time.monotonic() <= self._deadline:
+        if self.task is None or self._allowance is None or not self._allowance.is_over():
             return None
         self.process.kill()
         self.process.join(_END_SECONDS)

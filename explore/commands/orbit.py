@@ -289,7 +289,7 @@ def _extrema(options: argparse.Namespace) -> int:
     from orbitproof.explore.search import tasks_of_extrema
 
     record = _record(options, read_families(options.from_family))
-    kept = {each.id: each for each in (read_candidates(options.output) if options.output.exists() else [])}
+    kept = {each.id: each for each in (read_candidates(options.output) if options.output.is_file() else [])}
     complete = True
     with Reporter(options.quiet) as report:
         tasks = tasks_of_extrema(record, options.id or _full_name(record), options.digits)
@@ -363,7 +363,7 @@ def _refined(options: argparse.Namespace, tasks: Sequence[OrbitTask], report: Re
     if options.output is None:
         raise InputError("--output: missing; give the candidates file to write")
     tasks = [replace(task, kind=kind_of(options, task.system)) for task in tasks]
-    kept = {each.id: each for each in (read_candidates(options.output) if options.output.exists() else [])}
+    kept = {each.id: each for each in (read_candidates(options.output) if options.output.is_file() else [])}
     done = {task.id: kept[task.id] for task in tasks if task.id in kept and _is_refined(task, kept[task.id])}
     waiting = [task for task in tasks if task.id not in done]
     if done:

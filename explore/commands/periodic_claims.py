@@ -72,7 +72,7 @@ def refuse_claims(system: System, files: Mapping[str, Path | None]) -> None:
 
 def kept_claims(options: argparse.Namespace) -> list[BoxClaim]:
     """What the output file holds already, with --append. Raises `InputError`."""
-    if options.append and options.output is not None and options.output.exists():
+    if options.append and options.output is not None and options.output.is_file():
         return read_claims(options.output)
     return []
 

@@ -98,7 +98,7 @@ def run(options: argparse.Namespace) -> int:
         count = len(place)
         raise InputError(f"--radii: {len(options.radii)} numbers; {system.name} needs {count}, for p_0, p_1, ..")
     label = label_of(system, options.mass, options.parameter) or system.name
-    kept = read_candidates(options.output) if options.append and options.output.exists() else []
+    kept = read_candidates(options.output) if options.append and options.output.is_file() else []
     name = options.id or f"{label}-{short_name(options.kind, options.k)}"
     if any(candidate.id == name for candidate in kept):
         raise InputError(f"--id {name}: is in {options.output} already; choose another name")

@@ -90,7 +90,7 @@ class _Task:
 
 def run_request(request: MassCurveRequest) -> int:
     """Do what is asked for; returns the exit code. Raises `InputError`."""
-    curves = {curve.libration: curve for curve in read_curves(request.output)} if request.output.exists() else {}
+    curves = {curve.libration: curve for curve in read_curves(request.output)} if request.output.is_file() else {}
     code = 0
     with Reporter(request.quiet) as report:
         try:

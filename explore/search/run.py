@@ -52,7 +52,7 @@ def search(request: Request) -> int:
     """Do what a checked command line asks for; returns the exit code. Raises `InputError`."""
     options = request.options
     kept: list[Candidate] = []
-    if request.command == "candidates" and options.append and options.output.exists():
+    if request.command == "candidates" and options.append and options.output.is_file():
         kept = read_candidates(options.output)
     lines: tuple[str, ...] = ()
     with Reporter(options.quiet) as report:

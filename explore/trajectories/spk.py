@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import tempfile
 from pathlib import Path
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from orbitproof.explore.trajectories.ephemeris import Ephemeris
 from orbitproof.explore.trajectories.interpolation import DEGREE, WINDOW, check_times
-from orbitproof.shared.formats import InputError
+from orbitproof.shared.formats import InputError, write_bytes
 
 SPACECRAFT = -100000
 """SPICE's number for the spacecraft if nobody gives another."""
@@ -67,7 +66,7 @@ def write_spk(path: Path, ephemeris: Ephemeris, *, body: int, centre: int, frame
 
     if len(ephemeris.times) < WINDOW:
         raise InputError(f"--points {len(ephemeris.times)}: an SPK file needs {WINDOW} states; give more")
-    with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+    with tempfile.TemporaryDirectory() as folder:
         draft = Path(folder) / "draft.bsp"
         try:
             _write(draft, ephemeris, body, centre, frame)
@@ -76,7 +75,8 @@ def write_spk(path: Path, ephemeris: Ephemeris, *, body: int, centre: int, frame
             raise InputError(
                 f"--spk {path}: SPICE refuses it: {failure.short or failure}; see its names of frames"
             ) from None
-        os.replace(draft, path)
+        content = draft.read_bytes()
+    write_bytes(path, content)
     return error
 
 

@@ -40,7 +40,7 @@ def argument_parser() -> argparse.ArgumentParser:
     parser.add_argument("-o", "--output", type=Path, action="append", required=True, metavar="FILE", help=words)
     parser.add_argument("--only", nargs="+", metavar="ID", help="these certificates (with * and ? as in file names)")
     parser.add_argument("--no-pictures", action="store_true", help="text, formulas and tables only")
-    words = f"give a check up after this time (default: {CHECK_SECONDS:g}; of curves {LONG_CHECK_SECONDS:g})"
+    words = f"give a check up after this processor time (default: {CHECK_SECONDS:g}; of curves {LONG_CHECK_SECONDS:g})"
     parser.number("--timeout", "SECONDS", words, positive_seconds, None)
     parser.memory_option("each check")
     parser.add_argument("--quiet", action="store_true", help="no progress on stderr")

@@ -60,17 +60,15 @@ from orbitproof.shared.formats.candidates import (
 from orbitproof.shared.formats.catalogue import FIELDS, HEADER, MASS_RATIO, CatalogueRows, read_catalogue_rows
 from orbitproof.shared.formats.catalogue_table import FORMS, CatalogueTable, decimal_text, table_form
 from orbitproof.shared.formats.documents import (
-    check_writable,
     json_text,
     read_document,
     stated_format,
     validate_document,
-    write_bytes,
     write_document,
-    write_text,
 )
 from orbitproof.shared.formats.periodic_curve import system_without_symmetry
 from orbitproof.shared.formats.pieces import periodic_piece_from_json, piece_from_json
 from orbitproof.shared.formats.selection import select_ids
 from orbitproof.shared.formats.systems import define_system, load_system, under_reversor
 from orbitproof.shared.formats.web import read_web, web_from_json
+from orbitproof.shared.output import check_writable, write_bytes, write_text

@@ -25,9 +25,10 @@ from orbitproof.shared.claims import (
 from orbitproof.shared.codec import from_json, to_json
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats.candidates import find_system, read_system
-from orbitproof.shared.formats.documents import json_text, read_document, validate_document, write_text
+from orbitproof.shared.formats.documents import json_text, read_document, validate_document
 from orbitproof.shared.formats.periodic_curve import periodic_atlas_from_json
 from orbitproof.shared.formats.pieces import check_length, piece_from_json
+from orbitproof.shared.output import write_text
 from orbitproof.shared.systems import (
     BRANCH_SYSTEMS,
     CR3BP,

@@ -18,7 +18,8 @@ from typing import Any
 
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats.catalogue import FIELDS, HEADER, MASS_RATIO
-from orbitproof.shared.formats.documents import validate_document, write_text
+from orbitproof.shared.formats.documents import validate_document
+from orbitproof.shared.output import write_bytes, write_text
 
 FORMS = (".json", ".csv", ".parquet")
 """By the extension of the file."""
@@ -114,14 +115,9 @@ class CatalogueTable:
             **{name: str(value) for name, value in self.system_details.items()},
         }
         table = arrow.table({**columns, **self.more}).replace_schema_metadata(about)
-        unfinished = path.with_name(path.name + ".part")
-        try:
-            parquet.write_table(table, unfinished)
-            unfinished.replace(path)
-        except OSError as error:
-            raise InputError(f"{path}: cannot be written ({error.strerror}); give another path") from None
-        finally:
-            unfinished.unlink(missing_ok=True)
+        stream = io.BytesIO()
+        parquet.write_table(table, stream)
+        write_bytes(path, stream.getvalue())
 
 
 def table_form(path: Path) -> str:

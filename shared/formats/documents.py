@@ -8,9 +8,7 @@ field and the remedy.
 from __future__ import annotations
 
 import json
-import os
 import re
-import tempfile
 from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import cache, partial
 from importlib import resources
@@ -21,6 +19,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from orbitproof.shared.errors import LONGEST_QUOTED, InputError, short
 from orbitproof.shared.numbers import format_exact
+from orbitproof.shared.output import write_text
 from orbitproof.shared.systems import (
     ID,
     ID_IN_WORDS,
@@ -373,38 +372,3 @@ def json_text(
         return "{\n" + ",\n".join(f"{outer} {member}" for member in members) + f"\n{outer}}}"
     # No text in JSON holds a line break.
     return json.dumps(value, indent=1, allow_nan=False).replace("\n", f"\n{outer}")
-
-
-def check_writable(path: Path) -> None:
-    """Raise `InputError` if a file at `path` could not be written; call it before a long run."""
-    if path.name == "-":
-        raise InputError(f"{path}: files are written whole, to a path and not to standard output; give a path")
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder; give the path of a file to write")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: folder {path.parent} does not exist; create it or choose another path")
-    if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
-        raise InputError(f"{path}: cannot be written (permission denied); choose another path")
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a text file whole or not at all; raises `InputError`."""
-    write_bytes(path, text.encode("utf-8"))
-
-
-def write_bytes(path: Path, data: bytes) -> None:
-    """Write a file atomically: a temporary file in the same folder, then a rename. Raises `InputError`."""
-    check_writable(path)
-    temporary: str | None = None
-    try:
-        descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-        with os.fdopen(descriptor, "wb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except OSError as error:
-        if temporary is not None and os.path.exists(temporary):
-            os.unlink(temporary)
-        raise InputError(f"{path}: cannot be written ({error.strerror}); free space or choose another path") from None

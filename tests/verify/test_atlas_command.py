@@ -29,7 +29,7 @@ from orbitproof.shared.systems import AROUND
 from orbitproof.verify.atlas import make_atlas_certificate, read_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.certificate import Limits, certify, digest, write_certificates
 from orbitproof.verify.oracle import steps_about
-from orbitproof.verify.run import branches
+from orbitproof.verify.run import piece_order
 from orbitproof.verify.run.branch_command import _parser, main
 from orbitproof.verify.run.branch_tasks import RunLimits, attempts_of
 from orbitproof.verify.run.branches import AtlasRun
@@ -223,7 +223,7 @@ def test_pieces_whose_orbits_take_the_most_steps_are_proved_first(monkeypatch: p
     assert steps_about(CURVE.system, points[:1], 2 * settings["precision"], settings["order"])[0] > found[0]
     assert steps_about(AROUND["L1"], points, settings["precision"], settings["order"]) == [0] * 3
     for numbers, order in (([3, 9, 5], ["p001", "p002", "p000"]), ([0, 0, 0], ["p000", "p001", "p002"])):
-        monkeypatch.setattr(branches, "steps_about", lambda *_, numbers=numbers: numbers)
+        monkeypatch.setattr(piece_order, "steps_about", lambda *_, numbers=numbers: numbers)
         run, tasks = AtlasRun(CURVE, RunLimits({})), []
         while (task := run._next()) is not None:
             tasks.append(task.name)

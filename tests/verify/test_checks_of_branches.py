@@ -43,8 +43,7 @@ from orbitproof.verify.certificate import not_proved as unproved
 from orbitproof.verify.curve import Bifurcation, IntervalResult, Place
 from orbitproof.verify.evidence import Reason, ball_to_json
 from orbitproof.verify.functions import StoredFunction
-from orbitproof.verify.run.branch_tasks import task_again
-from orbitproof.verify.run.branches import reusable
+from orbitproof.verify.run.branch_tasks import reusable, task_again
 from orbitproof.verify.stability import StabilityFunctions, StabilityResult
 from orbitproof.verify.surface import ProvedPart, SurfaceResult
 

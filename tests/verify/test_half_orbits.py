@@ -35,7 +35,7 @@ from orbitproof.verify.curve import Chain, CurveTheorem, PieceLimits, ProvedCurv
 from orbitproof.verify.evidence import Proved as PieceProved
 from orbitproof.verify.functions import bounded
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.run.branches import reusable
+from orbitproof.verify.run.branch_tasks import reusable
 from orbitproof.verify.second_proof import Proved, second_proof
 from orbitproof.verify.stability import TubeOfOrbits, orbit_functions
 from orbitproof.verify.words.curve import curve_in_words

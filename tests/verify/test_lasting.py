@@ -49,7 +49,8 @@ from orbitproof.verify.lasting import (
 from orbitproof.verify.lasting.fates import _may_end, _twist_on
 from orbitproof.verify.lasting.stored import may_be_stable
 from orbitproof.verify.newton import Jet
-from orbitproof.verify.run.branches import limits_of, reusable
+from orbitproof.verify.run.branch_tasks import reusable
+from orbitproof.verify.run.branches import limits_of
 from orbitproof.verify.stability import Matter, Resonance, StabilityFunctions, conclude_list
 from orbitproof.verify.twist import rotation_of, twist_of
 from orbitproof.verify.words.lasting import lasting_in_words

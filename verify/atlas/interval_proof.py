@@ -87,12 +87,12 @@ class _OutOfTimeError(Exception):
 
 def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:
     """What a process does: prove a piece on an interval; the JSON of the result."""
-    began = time.monotonic()
+    began = time.process_time()
     timeout = argument["timeout"]
 
     def stepped(steps: float) -> None:
         report(min(steps / argument["expected_steps"], _MOST_SHOWN), f"step {steps:.0f}")
-        if timeout is not None and time.monotonic() - began > timeout:
+        if timeout is not None and time.process_time() - began > timeout:
             raise _OutOfTimeError
 
     try:
@@ -106,7 +106,7 @@ def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]
     except Exception as error:
         # A defect costs one interval, not the run; it is retried by the next run.
         condition, message = "process", " ".join(f"broke off: {type(error).__name__}: {error}".split())
-    return dict(to_json(not_proved(argument, condition, message, time.monotonic() - began)))
+    return dict(to_json(not_proved(argument, condition, message, time.process_time() - began)))
 
 
 def _proved(
@@ -147,7 +147,7 @@ def _proved(
         tube, half = about_closer_polynomial(tube, half)
     stability = stability_of_piece(tube, stepped, half)
     twist = twist_of_piece(tube, stepped, half, stability) if argument.get("lasting") else None
-    computation = replace(found.computation, seconds=round(time.monotonic() - began, 3))
+    computation = replace(found.computation, seconds=round(time.process_time() - began, 3))
     return LastingResult(**{**vars(found.stored), "computation": computation, "stability": stability, "twist": twist})
 
 

@@ -67,7 +67,7 @@ class Limits:
         max_precision: bits that are never exceeded.
         digits: certain digits to aim for, of the parameter or of the numbers of an orbit; a proof with fewer stands all
             the same.
-        timeout: seconds, or `None`; looked at between integration steps.
+        timeout: seconds of processor time, or `None`; looked at between integration steps.
         level: "coordinates" for candidates as they are, "integral" for the level of the first integral as
             parameter where there is such a form, "auto" for the better conditioned of both, then the other.
         other_boxes: so many boxes that failures ask for are tried where a claim is not proved on its own.

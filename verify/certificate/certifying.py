@@ -83,11 +83,11 @@ def certify(
     An exception of any kind, a defect of this program included, gives "not proved" with that reason.
     """
     limits = Limits() if limits is None else limits
-    start = time.monotonic()
+    start = time.process_time()
     try:
         return _certify(candidate, limits, start, progress, integrate)
     except Exception as error:
-        return not_proved(candidate, broken_off("verification", error), time.monotonic() - start)
+        return not_proved(candidate, broken_off("verification", error), time.process_time() - start)
 
 
 def not_proved(candidate: BoxClaim, reason: Reason, seconds: float) -> Certificate:
@@ -124,7 +124,7 @@ def _certify(
             break
     form, best = tried[-1] if isinstance(tried[-1][1].outcome, Proved) else tried[0]
     coordinates = None if best.enclosures is None else best.enclosures.coordinates
-    seconds = round(time.monotonic() - start, 3)
+    seconds = round(time.process_time() - start, 3)
     computation = Computation(best.precision, best.order, best.steps, attempts, seconds, coordinates)
     return make_certificate(candidate, best.outcome, computation, best.enclosures, form)
 
@@ -165,7 +165,7 @@ def _escalate(
     previous: Verdict | None = None
 
     def report(fraction: float) -> None:
-        if deadline is not None and time.monotonic() > deadline:
+        if deadline is not None and time.process_time() > deadline:
             raise _OutOfTime
         if progress is not None:
             progress(fraction, f"{precision} bits" if attempts == 1 else f"{precision} bits, attempt {attempts}")

@@ -134,7 +134,7 @@ class Computation:
         order: time order of its Taylor expansions.
         steps: its integration steps.
         attempts: how many there were.
-        seconds: what all of it took.
+        seconds: of processor time, for all of it.
         coordinates: in which the orbits were followed, if the certificate says so.
         given_radii: half-widths of the box that was given, if the claim is not proved on it, and the candidate in the
             statement, on another one, is.

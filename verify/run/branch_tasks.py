@@ -8,11 +8,15 @@ from dataclasses import dataclass
 from orbitproof.shared.formats import AnyAtlas, AnyPiece, Atlas, InputError, PeriodicAtlas
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import LIFTED
-from orbitproof.verify.atlas import ProvedBefore, Result, Settings, kind_of
+from orbitproof.verify.atlas import AtlasCertificate, ProvedBefore, Result, Settings, condition_of, kind_of
+from orbitproof.verify.atlas.certificate import results_for
 from orbitproof.verify.atlas.interval_proof import not_proved, question
 from orbitproof.verify.atlas.results import result_from_json
-from orbitproof.verify.curve import Interval
+from orbitproof.verify.curve import NOT_PROVED, Interval
+from orbitproof.verify.evidence import Reason
+from orbitproof.verify.lasting import LastingResult
 from orbitproof.verify.run import Answer, Failure, Task
+from orbitproof.verify.run.splitting import UNFINISHED, made_with
 
 MOST_SPLITS, LARGEST_ORDER = 20, 99
 
@@ -23,7 +27,7 @@ class RunLimits:
 
     Attributes:
         integrator: settings of `PieceLimits` or `SurfaceLimits` for the first attempt, by name, if not the default.
-        timeout: seconds for an interval, or `None`.
+        timeout: seconds of processor time for an interval, or `None`.
         max_splits: how often an interval is halved at most.
         stability: whether the stability of the orbits on proved intervals is enclosed as well.
         order: up to which k all resonances are wanted then.
@@ -141,3 +145,39 @@ def result_of(answer: Answer, piece: AnyPiece) -> Result:
         return found
     except (InputError, LookupError, TypeError, ValueError) as error:
         return not_proved(answer.task.argument, "process", f"no result: {error}", answer.seconds)
+
+
+def in_vain(result: Result) -> Result:
+    """A closer look that leaves open what the wider one decides, and is not to count in its place."""
+    reason = Reason("stability", "it leaves open what a wider interval decides", "nothing is missing")
+    return Result(result.piece, result.interval, NOT_PROVED, result.computation, reason)
+
+
+def reusable(
+    certificate: AtlasCertificate,
+    atlas: AnyAtlas,
+    attempts: Sequence[Settings],
+    stability: bool = False,
+    lasting: bool = False,
+) -> list[Result]:
+    """The results of an earlier run that count for an atlas, with these settings of the integrator for attempts.
+
+    If `stability` or `lasting` is asked for, they must have looked at it. What failed for want of time or memory,
+    or with other settings, is tried again.
+    """
+    return [
+        result
+        for result in results_for(certificate, atlas)
+        if (_has(result, stability, lasting) if result.is_proved else _is_final(result, attempts))
+    ]
+
+
+def _has(result: Result, stability: bool, lasting: bool) -> bool:
+    known = result if isinstance(result, LastingResult) else None
+    return (not stability or (known and known.stability) is not None) and (
+        not lasting or (known and known.twist) is not None
+    )
+
+
+def _is_final(result: Result, attempts: Sequence[Settings]) -> bool:
+    return condition_of(result) not in UNFINISHED and any(made_with(result, settings) for settings in attempts)

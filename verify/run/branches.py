@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from fractions import Fraction
 from pathlib import Path
 
 from orbitproof.shared.formats import (
@@ -22,21 +21,19 @@ from orbitproof.verify.atlas import (
     AtlasCertificate,
     Lines,
     Result,
-    Settings,
     conclusion_of,
     condition_of,
+    covers,
     kind_of,
     make_atlas_certificate,
     read_atlas_certificate,
     write_atlas_certificate,
 )
-from orbitproof.verify.atlas.certificate import results_for
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import SINGULAR, Interval, is_born_at_doubling
 from orbitproof.verify.evidence import exact_interval_text
 from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, exceptions_to_sharpen, is_known_of, twist_open_on
-from orbitproof.verify.oracle import steps_about
 from orbitproof.verify.run import Answer, Display, Engine, Task, Work, Workplace
 from orbitproof.verify.run.branch_checks import checked_side_by_side, watching
 from orbitproof.verify.run.branch_tasks import (
@@ -45,10 +42,13 @@ from orbitproof.verify.run.branch_tasks import (
     all_attempts_of,
     attempts_of,
     for_slopes_of,
+    in_vain,
     result_of,
+    reusable,
     task_of,
 )
-from orbitproof.verify.run.splitting import NOT_FOR_SPLITTING, Plan, full_interval, made_with, plan, with_closer_looks
+from orbitproof.verify.run.piece_order import longest_first
+from orbitproof.verify.run.splitting import UNFINISHED, Plan, full_interval, made_with, plan, with_closer_looks
 from orbitproof.verify.stability import open_on
 
 _STEPS_AT_FIRST = 16
@@ -74,23 +74,24 @@ class AtlasRun:
         self._attempts = attempts_of(atlas, limits)
         self._all_attempts = all_attempts_of(atlas, limits)
         self._results: dict[str, list[Result]] = {piece.id: [] for piece in atlas.pieces}
-        for result in earlier:
-            self._results[result.piece].append(result)
         self._pieces = {piece.id: piece for piece in atlas.pieces}
         # The result is kept with what is found of it, so that its identity is not given to another one.
         self._lacking: dict[int, tuple[Result, str]] = {}
         self._to_sharpen: dict[int, tuple[Result, Sequence[Interval]]] = {}
         self._begun: set[tuple[str, Interval, int]] = set()
         self._told: set[str] = set()
-        self._plans = {piece.id: self._plan(piece) for piece in atlas.pieces}
-        self._order = _longest_first(atlas, self._attempts[0])
+        self._plans: dict[str, Plan] = {}
+        for piece in atlas.pieces:
+            self._add(piece.id, [result for result in earlier if result.piece == piece.id])
+        self._order = longest_first(atlas, self._attempts[0])
         self.kept = frozenset(self._plans) - frozenset(self.pending)
         """Ids of the pieces that an earlier run had settled."""
 
     @property
     def results(self) -> list[Result]:
-        """All results, by pieces."""
-        return [result for results in self._results.values() for result in results]
+        """All results, by pieces, of each in the order of its intervals, of these as they came."""
+        ordered = [sorted(results, key=lambda each: each.interval) for results in self._results.values()]
+        return [result for results in ordered for result in results]
 
     @property
     def pending(self) -> list[str]:
@@ -114,12 +115,23 @@ class AtlasRun:
         def finished(answer: Answer) -> None:
             name = answer.task.name
             result = result_of(answer, self._pieces[name])
-            self._results[name].append(result)
-            self._plans[name] = self._plan(self._pieces[name])
+            self._add(name, [result])
             saved(self.results)
             self._tell(display, name, result)
 
         engine.run(work, self._next, progress, finished)
+
+    def _add(self, piece: str, found: Sequence[Result]) -> None:
+        """Take results of a piece, in whatever order they come."""
+        self._results[piece] += [self._as_it_counts(result) for result in found]
+        self._plans[piece] = self._plan(self._pieces[piece])
+
+    def _as_it_counts(self, result: Result) -> Result:
+        """Of several results over the same s that of the shortest interval counts (18.5), so it has to decide more."""
+        return in_vain(result) if self._is_look(result) and result.is_proved and self._lacks(result) else result
+
+    def _is_look(self, result: Result) -> bool:
+        return self.limits.lasting and made_with(result, self._all_attempts[-1])
 
     def _plan(self, piece: AnyPiece) -> Plan:
         results, lasting = self._results[piece.id], self.limits.lasting
@@ -155,6 +167,21 @@ class AtlasRun:
                 lacks = twist_open_on(piece, result)
             self._lacking[id(result)] = (result, lacks)
         return self._lacking[id(result)][1]
+
+    def left_out(self, name: str) -> str:
+        """What of a proved piece was not looked at to the end because a task came to no end; empty for nothing."""
+        results = self._results[name]
+        proved = [result for result in results if result.is_proved]
+        enough = [result.interval for result in proved if not self._lacks(result)]
+        looks = [result.interval for result in proved if self._is_look(result)]
+        lost = [
+            result.interval
+            for result in results
+            if condition_of(result) in UNFINISHED
+            and not (result.interval in looks if self._is_look(result) else covers(enough, result.interval))
+        ]
+        places = ", ".join(exact_interval_text(*interval) for interval in lost)
+        return f"not looked at to the end, for want of time or memory: s in {places}" if lost else ""
 
     def _next(self) -> Task | None:
         """An interval that nobody works on, of the first such piece; so halves come before the pieces after it."""
@@ -208,73 +235,19 @@ class AtlasRun:
                 if result.reason.condition == SINGULAR:
                     message += f"; {result.reason.remedy}"
             verdict = f"proved{inside}" if state.is_proved else f"not proved{place}: {message}"
+            verdict += f"; {left}" if (left := self.left_out(name)) else ""
             display.finish(name, f"{verdict}, {seconds:.1f} s")
             return
         if result.reason is not None:
             start, end = result.interval
             again = [attempt for interval, attempt in state.missing if interval == (start, end)]
             how = "more precision" if again[:1] < [len(self._attempts)] else "second derivatives"
-            word = f"again with {how}" if again else "split"
+            word = f"again with {how}" if again else "a closer look" if self._is_look(result) else "split"
             place = self._place(name, (start, end))
             display.message(
                 f"{name}: {word}, not proved for s in {exact_interval_text(start, end)}{place}: {result.reason.message}"
             )
         display.advance(name, self._share(name, 0.0), "next interval")
-
-
-def _longest_first(atlas: AnyAtlas, settings: Settings) -> list[str]:
-    """Ids of the pieces, those first whose orbits take the most steps: what one process does last is short then.
-
-    By an estimate; where there is none, as along the curve.
-    """
-    names = [piece.id for piece in atlas.pieces]
-    pieces = atlas.curve_pieces() if isinstance(atlas, Atlas) else ()
-    if not isinstance(atlas, Atlas) or not pieces:
-        return names
-    parameters = {name: float(value) for name, value in atlas.parameters.items()}
-    try:
-        middles = [map(float, piece.point(Fraction(0))) for piece in pieces]
-        points = [
-            {**parameters, **dict(zip(atlas.system.centre_coordinates, middle, strict=True))} for middle in middles
-        ]
-    except ValueError:
-        # A piece with other numbers of coordinates is refused when it is proved.
-        return names
-    found = steps_about(atlas.system, points, settings["precision"], settings["order"])
-    steps = dict(zip((piece.id for piece in pieces), found, strict=True))
-    return sorted(names, key=lambda name: -steps.get(name, 0))
-
-
-def reusable(
-    certificate: AtlasCertificate,
-    atlas: AnyAtlas,
-    attempts: Sequence[Settings],
-    stability: bool = False,
-    lasting: bool = False,
-) -> list[Result]:
-    """The results of an earlier run that count for an atlas, with these settings of the integrator for attempts.
-
-    If `stability` or `lasting` is asked for, they must have looked at it. What failed for want of time or memory,
-    or with other settings, is tried again.
-    """
-    return [
-        result
-        for result in results_for(certificate, atlas)
-        if (_has(result, stability, lasting) if result.is_proved else _is_final(result, attempts))
-    ]
-
-
-def _has(result: Result, stability: bool, lasting: bool) -> bool:
-    known = result if isinstance(result, LastingResult) else None
-    return (not stability or (known and known.stability) is not None) and (
-        not lasting or (known and known.twist) is not None
-    )
-
-
-def _is_final(result: Result, attempts: Sequence[Settings]) -> bool:
-    return condition_of(result) not in (*NOT_FOR_SPLITTING, "time") and any(
-        made_with(result, settings) for settings in attempts
-    )
 
 
 def limits_of(
@@ -339,7 +312,7 @@ def started(atlas: AnyAtlas, limits: RunLimits, output: Path | None = None, fres
     if output is None:
         return AtlasRun(atlas, limits)
     check_writable(output)
-    if not output.exists() or fresh:
+    if not output.is_file() or fresh:
         return AtlasRun(atlas, limits, (), output)
     try:
         before = read_atlas_certificate(output)

@@ -47,8 +47,8 @@ class ArgumentParser(argparse.ArgumentParser):
             "--scheduler", metavar="ADDRESS", help="use the cluster of this dask scheduler in place of --jobs"
         )
         words = (
-            f"give {one} up after this time; it has {GRACE_SECONDS:g} s more to end by itself; with --recheck, "
-            f"each check as well (default: {usual:g}, with --integrate {INTEGRATION_SECONDS:g})"
+            f"give {one} up after this processor time; it has {GRACE_SECONDS:g} s more to end by itself; with "
+            f"--recheck, each check as well (default: {usual:g}, with --integrate {INTEGRATION_SECONDS:g})"
         )
         self.number(timeout, "SECONDS", words, positive_seconds, None)
         self.add_argument("--fresh", action="store_true", help="prove again what an earlier run proved")

@@ -26,11 +26,11 @@ def certify_on_some_box(
     A certificate is about the box in its statement. If that is not the box of the claim, the certificate says which
     half-widths were given. If none is proved, it is that of the claim as it was given.
     """
-    start = time.monotonic()
+    start = time.process_time()
     first = found = certify(claim, limits, progress)
     tried, last = {claim.radii}, claim
     while not found.proved and len(tried) <= limits.other_boxes:
-        left = None if limits.timeout is None else limits.timeout - (time.monotonic() - start)
+        left = None if limits.timeout is None else limits.timeout - (time.process_time() - start)
         radii = _next_box(last, found)
         if radii is None or radii in tried or (left is not None and left <= 0):
             break
@@ -39,7 +39,7 @@ def certify_on_some_box(
         found = certify(last, replace(limits, timeout=left), progress)
     if not found.proved or found is first:
         return first
-    return _made(found, claim, time.monotonic() - start)
+    return _made(found, claim, time.process_time() - start)
 
 
 def _next_box(claim: BoxClaim, failed: Certificate) -> tuple[Fraction, ...] | None:

@@ -38,7 +38,7 @@ def add_checking_options(parser: ArgumentParser, recheck: str, integrate: str, j
     parser.add_argument("--recheck", action="store_true", help=recheck)
     parser.add_argument("--integrate", action="store_true", help=f"with --recheck: {integrate}")
     parser.number("--jobs", "N", f"{jobs} side by side (default: 1)", whole_number(1), 1)
-    words = f"give a check up after this time (default: {LONG_CHECK_SECONDS:g})"
+    words = f"give a check up after this processor time (default: {LONG_CHECK_SECONDS:g})"
     parser.number("--timeout", "SECONDS", words, positive_seconds, None)
     parser.memory_option("each check")
     parser.add_argument("--quiet", action="store_true", help="no progress on stderr")

@@ -121,7 +121,7 @@ class RowRun:
         self.certificates: dict[str, Certificate] = {}
         if output is not None:
             check_writable(output)
-            if output.exists() and not replace:
+            if output.is_file() and not replace:
                 self.certificates = _earlier(output, everything)
         earlier = {} if again else self.certificates
         self.kept = frozenset(c.id for c in selected if c.id in earlier and is_answered(earlier[c.id], c))

@@ -78,7 +78,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("-o", "--output", type=Path, help="file of second proofs; rows are saved as they finish")
     parser.add_argument("--only", nargs="+", metavar="ID", help="these only (with * and ? as in file names)")
     parser.number("--jobs", "N", "rows side by side, each in a process of its own (default: 1)", whole_number(1), 1)
-    parser.number("--row-timeout", "SECONDS", "give a row up after this time", positive_seconds, None)
+    parser.number("--row-timeout", "SECONDS", "give a row up after this processor time", positive_seconds, None)
     parser.memory_option("each row")
     parser.add_argument("--fresh", action="store_true", help="prove again what an earlier run proved")
     parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
@@ -277,7 +277,7 @@ def _first_problem(certificates: Sequence[tuple[str, Row]]) -> str:
 def _earlier(path: Path) -> dict[str, Row]:
     """The rows of an earlier run. Raises `InputError` if the file holds anything else."""
     check_writable(path)
-    if not path.exists():
+    if not path.is_file():
         return {}
     try:
         content = json.loads(path.read_text("utf-8"))

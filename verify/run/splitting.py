@@ -8,7 +8,7 @@ intervals themselves.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -21,6 +21,9 @@ _OVERLAP = Fraction(1, 64)
 
 NOT_FOR_SPLITTING = ("process",)
 """Conditions that a shorter interval does not mend; except of second derivatives, without which halves are tried."""
+
+UNFINISHED = (*NOT_FOR_SPLITTING, "time")
+"""Conditions of tasks that came to no end: the next run tries them again."""
 
 FOR_SPLITTING = ("time", "collision", "section", "crossing count", "stability")
 """Conditions that more precision does not mend: the interval takes too long, or its orbits differ too much."""
@@ -46,7 +49,8 @@ class Plan:
 
     Attributes:
         proved: the intervals of the tree of halves that are covered by proved ones.
-        missing: what is to be tried next, from left to right: intervals, and which of the attempts.
+        missing: what is to be tried next, from left to right: intervals, and which of the attempts. Beyond the first
+            interval that failed nothing is.
         failed: intervals that were not proved and may not be split again.
     """
 
@@ -61,8 +65,8 @@ class Plan:
 
     @property
     def is_settled(self) -> bool:
-        """Whether nothing more is to be tried: all is proved, or one part cannot be."""
-        return not self.missing or bool(self.failed)
+        """Whether nothing more is to be tried: all is proved, or one part cannot be, and all before it is."""
+        return not self.missing
 
 
 def full_interval(piece: AnyPiece) -> Interval:
@@ -89,6 +93,8 @@ def plan(
     """What is left to do for a piece, given the results of its intervals.
 
     Each interval is tried with one of the `attempts` after the other, and then halved, at most `max_splits` times.
+    What is done about an interval depends on the results for it and for those that it is a part of, and on no others:
+    in whatever order results come, and however often a run is interrupted, the same is tried in the end.
 
     Args:
         for_slopes: settings with which an interval is tried first if the derivative across the curve may be singular on
@@ -101,12 +107,13 @@ def plan(
     against: dict[Interval, list[tuple[Result, str]]] = {}
     for result in results:
         condition = lacks(result) if result.is_proved else condition_of(result)
+        asked = _asked(piece, result.interval)
         if result.is_proved:
-            proved.append(result.interval)
+            proved.append(asked)
         if result.is_proved and not condition:
-            enough.append(result.interval)
+            enough.append(asked)
         else:
-            against.setdefault(_asked(piece, result.interval), []).append((result, condition))
+            against.setdefault(asked, []).append((result, condition))
     done: list[Interval] = []
     missing: list[tuple[Interval, int]] = []
     failed: list[Interval] = []
@@ -114,37 +121,54 @@ def plan(
     def is_across(result: Result) -> bool:
         return for_slopes is not None and made_with(result, for_slopes)
 
-    def walk(interval: Interval, splits: int, in_vain: bool = False) -> None:
-        if covers(enough, interval):
+    def walk(interval: Interval, splits: int, in_vain: bool = False, is_proved: bool = False) -> None:
+        """`in_vain`: whether second derivatives were on what it is a part of; `is_proved`: whether that is proved."""
+        if _whole(enough, interval):
             done.append(interval)
             return
-        only_lacks = covers(proved, interval)
+        is_proved = is_proved or interval in proved
         tried = against.get(interval, [])
         conditions = [condition for _, condition in tried]
         across = [(result, condition) for result, condition in tried if is_across(result)]
         lost = any(condition in NOT_FOR_SPLITTING and not is_across(result) for result, condition in tried)
         if lost or SINGULAR in conditions:
-            (done if only_lacks else failed).append(interval)
+            end(interval, is_proved)
             return
         mended_by_halves = [*FOR_SPLITTING]
         if splits < max_splits:
             mended_by_halves += (*FIRST_FOR_SPLITTING, *(FIRST_FOR_ONE_SPLIT if splits <= halved else ()))
         if for_slopes is not None and UNCLEAR_SLOPE in conditions and not (across or in_vain):
-            missing.append((interval, len(attempts)))
+            try_next(interval, len(attempts))
             return
         in_vain = in_vain or any(not r.is_proved and condition not in FOR_SPLITTING for r, condition in across)
         wide = splits < min(halved, max_splits) or any(condition in mended_by_halves for condition in conditions)
         untried = [n for n, settings in enumerate(attempts) if not any(made_with(r, settings) for r, _ in tried)]
         if untried and not wide:
-            missing.append((interval, untried[0]))
-        elif splits >= (min(max_splits, halved + _SPLITS_FOR_LIST) if only_lacks else max_splits):
-            (done if only_lacks else failed).append(interval)
+            try_next(interval, untried[0])
+        elif splits >= (min(max_splits, halved + _SPLITS_FOR_LIST) if is_proved else max_splits):
+            end(interval, is_proved)
         else:
             for half in halves(interval):
-                walk(half, splits + 1, in_vain)
+                walk(half, splits + 1, in_vain, is_proved)
+
+    def try_next(interval: Interval, attempt: int) -> None:
+        if not failed:
+            missing.append((interval, attempt))
+
+    def end(interval: Interval, is_proved: bool) -> None:
+        """What nothing more is tried about; its parts are proved if another run, with other settings, has done so."""
+        (done if is_proved or _whole(proved, interval) else failed).append(interval)
 
     walk(full_interval(piece), 0)
     return Plan(tuple(done), tuple(missing), tuple(failed))
+
+
+def _whole(intervals: Collection[Interval], wanted: Interval) -> bool:
+    """Whether an interval is among these, or both of its halves are, or the halves of one that is not."""
+    if wanted in intervals:
+        return True
+    inside = [(start, end) for start, end in intervals if wanted[0] <= start and end <= wanted[1]]
+    return covers(inside, wanted) and all(_whole(inside, half) for half in halves(wanted))
 
 
 def with_closer_looks(
@@ -155,19 +179,26 @@ def with_closer_looks(
 ) -> Plan:
     """A plan with short intervals about places that are known roughly, each tried once, with the last of the attempts.
 
+    As those of a plan, they depend on the result alone that knows the places.
+
     Args:
         wanted: such intervals of a proved result.
     """
-    looked_at = [result.interval for result in results if made_with(result, attempts[-1])]
+    looks = [result.interval for result in results if made_with(result, attempts[-1])]
     missing = list(state.missing)
     for result in results:
+        # A look that did not show enough is followed by a closer one, if that is closer indeed.
+        near = [result.interval] if result.interval in looks else []
         for start, end in wanted(result) if result.is_proved else ():
-            # A look that did not show enough is followed by a closer one, if that is closer indeed.
             longest = (end - start) * _CLOSER
-            near = [(first, last) for first, last in looked_at if first < end and start < last]
-            if end - start >= _SHORTEST and not any(last - first < longest for first, last in near):
-                looked_at.append((start, end))
-                missing.append(((start, end), len(attempts) - 1))
+            if end - start < _SHORTEST or any(
+                first < end and start < last and last - first < longest for first, last in near
+            ):
+                continue
+            near.append((start, end))
+            task = ((start, end), len(attempts) - 1)
+            if (start, end) not in looks and task not in missing:
+                missing.append(task)
     return replace(state, missing=tuple(missing))
 
 

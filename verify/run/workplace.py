@@ -28,7 +28,7 @@ class CheckLimits:
     """What the check of one certificate may take; it has a process of its own, which is ended there.
 
     Attributes:
-        timeout: seconds, or `None`: `INTEGRATION_SECONDS` for an integration, and `usual` without one.
+        timeout: seconds of processor time, or `None`: `INTEGRATION_SECONDS` for an integration, else `usual`.
         memory: bytes beyond what the process begins with.
         usual: seconds for a check that does not integrate.
     """
@@ -79,7 +79,7 @@ class Workplace:
     Attributes:
         jobs: processes side by side on this machine.
         scheduler: address of a dask scheduler, whose cluster does the proofs in their place; or `None`.
-        timeout: seconds for one task or one check; `None` for what is usual.
+        timeout: seconds of processor time for one task or one check; `None` for what is usual.
         memory: bytes of each check beyond what its process begins with.
         quiet: whether nothing is shown on standard error.
     """
