@@ -9,6 +9,7 @@ from orbitproof.explore.commands.arguments import parser
 from orbitproof.explore.search import check
 from orbitproof.shared.formats import InputError, refused
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
+from orbitproof.shared.output import what_is_written
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -29,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except InputError as error:
         return refused(error, f"orbitproof explore {options.command}")
     except KeyboardInterrupt:
-        print(f"orbitproof explore {options.command}: interrupted, nothing was written", file=sys.stderr)
+        print(f"orbitproof explore {options.command}: interrupted, {what_is_written()}", file=sys.stderr)
         return INTERRUPTED
 
 

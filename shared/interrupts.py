@@ -13,7 +13,7 @@ from types import FrameType
 
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.extras import missing_extra
-from orbitproof.shared.output import special_files_last
+from orbitproof.shared.output import files_of_a_command
 from orbitproof.shared.streams import StreamError, closed_stream, is_unread, watched_streams
 
 ENDING_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
@@ -23,6 +23,7 @@ INTERRUPTED = 130
 """The exit code of every command after an interrupt, whatever it has done by then; what shells give for Ctrl-C."""
 
 _WATCH_SECONDS = 0.5
+_AGAIN_SECONDS = 0.05
 _ENDS_WITH = "ORBITPROOF_ENDS_WITH"
 
 
@@ -50,15 +51,18 @@ def run_command(main: Callable[[], int]) -> int:
     closed = closed_stream()
     if closed:
         return _refused(f"{closed} is closed; give it a file, or {os.devnull}")
-    with ending_by_signals() as is_ending, watched_streams():
+    code = INTERRUPTED
+    # An interrupt may come at the very end too.
+    with suppress(KeyboardInterrupt), ending_by_signals() as is_ending, watched_streams():
         code = _code(main)
-    return INTERRUPTED if is_ending() and code in (0, 1) else code
+        code = INTERRUPTED if is_ending() and code in (0, 1) else code
+    return code
 
 
 def _code(main: Callable[[], int]) -> int:
     try:
         try:
-            with special_files_last():
+            with not_swallowed(), files_of_a_command():
                 code = main()
         except SystemExit as end:
             code = end.code if isinstance(end.code, int) else 2
@@ -125,6 +129,32 @@ def ending_by_signals() -> Iterator[Callable[[], bool]]:
     finally:
         for number in ours:
             signal.signal(number, before[number])
+
+
+@contextmanager
+def not_swallowed() -> Iterator[None]:
+    """While the body runs, an interrupt that comes where Python only tells of it, as in a finalizer, comes again."""
+    if not hasattr(signal, "setitimer"):
+        yield
+        return
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    def tell(found: sys.UnraisableHookArgs) -> None:
+        if issubclass(found.exc_type, KeyboardInterrupt):
+            signal.setitimer(signal.ITIMER_REAL, _AGAIN_SECONDS)
+        else:
+            hook(found)
+
+    hook, handler = sys.unraisablehook, signal.signal(signal.SIGALRM, interrupt)
+    sys.unraisablehook = tell
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, handler)
+        sys.unraisablehook = hook
 
 
 def bound_to_this() -> dict[str, str]:

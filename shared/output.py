@@ -15,6 +15,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from orbitproof.shared.errors import InputError
@@ -23,8 +24,16 @@ _READER_SECONDS = 10.0
 """So long a reader of a FIFO is waited for."""
 _LOOK_SECONDS = 0.05
 
-_waiting: ContextVar[dict[Path, bytes] | None] = ContextVar("waiting", default=None)
-"""What is to be written at the end of a command to what is no regular file."""
+
+@dataclass
+class _Files:
+    """Of one command: what was written, and what is to be written at its end to what is no regular file."""
+
+    written: dict[Path, None] = field(default_factory=dict)
+    waiting: dict[Path, bytes] = field(default_factory=dict)
+
+
+_files: ContextVar[_Files | None] = ContextVar("files", default=None)
 
 
 def check_writable(path: Path) -> None:
@@ -68,30 +77,40 @@ def write_bytes(path: Path, data: bytes) -> None:
     or a device the data are written, at the end of a command.
     """
     check_writable(path)
-    waiting = _waiting.get()
+    files = _files.get()
     try:
         if _is_regular(path):
             _replace(Path(os.path.realpath(path)), data)
-        elif waiting is None:
+        elif files is None:
             _write_into(path, data)
         else:
-            waiting[path] = data
+            files.waiting[path] = data
+        if files is not None:
+            files.written[path] = None
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({_why(error)}); free space or choose another path") from None
 
 
+def what_is_written() -> str:
+    """What the command that runs has written so far, in words."""
+    files = _files.get()
+    written = ", ".join(map(str, files.written)) if files is not None else ""
+    return f"written before: {written}" if written else "nothing was written"
+
+
 @contextmanager
-def special_files_last() -> Iterator[None]:
+def files_of_a_command() -> Iterator[None]:
     """While the body runs, what goes to FIFOs and devices is kept back; at its end the last of it is written.
 
     Raises `InputError`.
     """
-    token = _waiting.set(found := {})
+    files = _Files()
+    token = _files.set(files)
     try:
         yield
     finally:
-        _waiting.reset(token)
-        for path, data in found.items():
+        _files.reset(token)
+        for path, data in files.waiting.items():
             write_bytes(path, data)
 
 

@@ -78,7 +78,7 @@ def _family(source: Source, options: argparse.Namespace, report: Reporter) -> tu
     report.stage("tracing")
     parameters, limits = given_parameters(source.system, source.mass, options.parameter), _limits(source, options)
     family = trace_family(source.system, source.family, parameters, limits, progress=report.update)
-    if _begins_beyond(family, limits):
+    if family.outcome != "interrupted" and _begins_beyond(family, limits):
         family = trace_family(
             source.system, source.family, parameters, _limits_from_above(source, limits), progress=report.update
         )

@@ -73,11 +73,12 @@ def search(request: Request) -> int:
 
 def _search(request: Request, tasks: list[TraceTask], kept: list[Candidate], report: Reporter) -> tuple[int, list[Row]]:
     """Trace, detect, refine and write; the exit code and the lines of the result table."""
-    results, unlocated = _trace_all(tasks, request.options.jobs, report), False
-    if request.options.branches and not _interrupted(tasks, results):
+    (results, interrupted), unlocated = _trace_all(tasks, request.options.jobs, report), False
+    if request.options.branches and not interrupted:
         branches = branches_of(results)
-        results += _trace_all(branches.tasks, request.options.jobs, report) if branches.tasks else []
-        tasks = [*tasks, *branches.tasks]
+        if branches.tasks:
+            more, interrupted = _trace_all(branches.tasks, request.options.jobs, report)
+            results += more
         for line in shared_branches(results):
             report.message(line)
         for line in branches.failures:
@@ -89,7 +90,7 @@ def _search(request: Request, tasks: list[TraceTask], kept: list[Candidate], rep
         write_outputs(traced, request.family_output, report)
         if request.options.from_catalogue is None:
             write_traced(traced, *_catalogue_paths(request), report)
-    if _interrupted(tasks, results):
+    if interrupted:
         written = request.family_output is not None and traced
         where = f"resume with --from-family {request.family_output}" if written else "nothing is written"
         report.error(f"interrupted while tracing; {where}")
@@ -103,10 +104,6 @@ def _search(request: Request, tasks: list[TraceTask], kept: list[Candidate], rep
 def _catalogue_paths(request: Request) -> tuple[Path | None, Path | None]:
     """Where orbits go in the catalogue's forms, CSV and JSON, if anywhere."""
     return getattr(request.options, "csv", None), getattr(request.options, "catalogue", None)
-
-
-def _interrupted(tasks: list[TraceTask], results: list[Traced]) -> bool:
-    return len(results) < len(tasks) or any(result.interrupted for result in results)
 
 
 def _catalogue_tasks(request: Request, start: CatalogueStart) -> list[TraceTask]:
@@ -195,10 +192,11 @@ def _limits(options: Any, system: ReversibleSystem, velocity_max: float | None, 
     )
 
 
-def _trace_all(tasks: Sequence[TraceTask], jobs: int, report: Reporter) -> list[Traced]:
-    """The results in the order of the tasks; fewer of them after an interrupt."""
+def _trace_all(tasks: Sequence[TraceTask], jobs: int, report: Reporter) -> tuple[list[Traced], bool]:
+    """The results in the order of the tasks, and whether there was an interrupt; fewer of them then."""
     report.stage(", ".join(task.title for task in tasks) if len(tasks) < 3 else f"{len(tasks)} families")
     results: dict[int, Traced] = {}
+    interrupted = False
     try:
         for index, result in trace_tasks(tasks, jobs, report.update):
             results[index] = result
@@ -212,8 +210,9 @@ def _trace_all(tasks: Sequence[TraceTask], jobs: int, report: Reporter) -> list[
                 found = len(result.item.detection.resonances)
                 report.message(f"{result.item.title}: {found} resonances, {seconds:.1f} s{_density(result.item)}")
     except KeyboardInterrupt:
-        pass
-    return [results[index] for index in sorted(results)]
+        interrupted = True
+    found = [results[index] for index in sorted(results)]
+    return found, interrupted or any(result.interrupted for result in found)
 
 
 def _density(item: TracedFamily) -> str:
@@ -274,8 +273,9 @@ def _refine_all(
                 report.error(f"{result.task.id}: not refined: {result.failure}")
                 code = 1
                 continue
-            new[missing[position]] = result.candidate
-            write_candidates(options.output, merged(kept, [new[i] for i in sorted(new)]))
+            found = new | {missing[position]: result.candidate}
+            write_candidates(options.output, merged(kept, [found[i] for i in sorted(found)]))
+            new = found
             report.message(f"{result.task.id}: refined to {options.digits} digits in {result.seconds:.1f} s")
     except KeyboardInterrupt:
         resume = "; the same command with --append goes on from there" if done or new else ""
@@ -283,7 +283,8 @@ def _refine_all(
         code = INTERRUPTED
     done |= new
     if not done:
-        report.error(f"no candidates found; nothing is written to {options.output}")
+        if code != INTERRUPTED:
+            report.error(f"no candidates found; nothing is written to {options.output}")
         return code or 1, []
     total = len(merged(kept, list(new.values())))
     report.message(f"{counted(len(new), 'candidate')} written to {options.output} ({total} in the file)")

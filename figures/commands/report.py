@@ -9,6 +9,7 @@ from pathlib import Path
 
 from orbitproof.shared.formats import InputError, as_options, refused
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
+from orbitproof.shared.output import what_is_written
 from orbitproof.shared.systems import shown
 from orbitproof.verify.run import CHECK_SECONDS, GIBIBYTE, LONG_CHECK_SECONDS, ArgumentParser, positive_seconds
 
@@ -55,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except InputError as error:
         return refused(error)
     except KeyboardInterrupt:
-        print("interrupted: nothing was written", file=sys.stderr)
+        print(f"interrupted: {what_is_written()}", file=sys.stderr)
         return INTERRUPTED
 
 

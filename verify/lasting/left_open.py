@@ -22,8 +22,8 @@ _SHARP, _ISOLATED = Fraction(1, 2**42), Fraction(1, 2**6)
 _SHORT = Fraction(1, 2**5)
 """Of tau: where a twist is undecided on no more than that, a closer look decides."""
 _AROUND = 4
-"""A closer look goes so many times as far as an exception is uncertain: beyond it the first one excludes another, and with
-few powers of sigma little is known on a longer interval."""
+"""A closer look goes so many times as far as an exception is uncertain: beyond it the first one excludes another, and
+with few powers of sigma little is known on a longer interval."""
 _LEAST = Fraction(1, 2**16)
 """Of tau: and no less far than that."""
 

@@ -117,7 +117,7 @@ def _run(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:
 
 def _ended(options: argparse.Namespace, run: AtlasRun) -> int:
     total = len(run.atlas.pieces)
-    return interrupted(total - len(run.pending), total, "pieces finished", options.output)
+    return interrupted(total - len(run.pending), total, "pieces finished", options.output if run.results else None)
 
 
 def _recheck(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:

@@ -61,8 +61,12 @@ class ArgumentParser(argparse.ArgumentParser):
 
 
 def interrupted(done: int, total: int, things: str, output: Path | None = None) -> int:
-    """Say how far a run has come that was ended; the exit code for it. `output` is the file from which it goes on."""
-    saved = "" if output is None else f", saved in {output}; the same command goes on from there"
+    """Say how far a run has come that was ended; the exit code for it.
+
+    `output` is the file from which it goes on, if anything is in it.
+    """
+    is_kept = output is not None and output.is_file()
+    saved = f", saved in {output}; the same command goes on from there" if is_kept else ""
     print(f"interrupted: {done} of {total} {things}{saved}", file=sys.stderr)
     return INTERRUPTED
 

@@ -131,7 +131,8 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
     if unsaved is not None:
         raise unsaved
     if ended:
-        return interrupted(len(run.done), len(selected), "candidates finished", options.output)
+        saved = options.output if run.certificates else None
+        return interrupted(len(run.done), len(selected), "candidates finished", saved)
     return 0 if all(run.done[candidate.id].proved for candidate in selected) else 1
 
 

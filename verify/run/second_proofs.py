@@ -241,7 +241,7 @@ def _run(options: argparse.Namespace) -> int:
     print("\n".join(_table(list(certificates), proofs.rows)), flush=True)
     if ended:
         done = sum(name in proofs.rows for name in certificates)
-        return interrupted(done, len(certificates), "rows finished", options.output)
+        return interrupted(done, len(certificates), "rows finished", options.output if proofs.rows else None)
     return 0 if all(proofs.rows[name]["verdict"] == "agrees" for name in certificates) else 1
 
 
