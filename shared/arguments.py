@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from string import Formatter
 
-from orbitproof.shared.errors import InputError
+from orbitproof.shared.errors import InputError, printable
 
 
 class ArgumentError(InputError):
@@ -27,14 +30,14 @@ class ArgumentError(InputError):
 
     def __str__(self) -> str:
         words, *values = self.args
-        return Formatter().vformat(words, values, _Names(_Argument))
+        return printable(Formatter().vformat(words, values, _Names(_Argument)))
 
     @property
     def on_command_line(self) -> str:
         """The line as a command says it."""
         words, *values = self.args
         said = [as_command_says(value) if isinstance(value, InputError) else value for value in values]
-        return Formatter().vformat(words, said, _Names(_Option))
+        return printable(Formatter().vformat(words, said, _Names(_Option)))
 
 
 class _Names(dict[str, str]):
@@ -80,6 +83,21 @@ _SETTING = re.compile(r"`([a-z]+(?:_[a-z]+)*)`")
 def as_command_says(error: InputError) -> str:
     """The line of an error, with options for arguments."""
     return error.on_command_line if isinstance(error, ArgumentError) else str(error)
+
+
+class _FileError(ArgumentError):
+    """One that names its file."""
+
+
+@contextmanager
+def about(path: Path | None) -> Iterator[None]:
+    """While the body runs, errors of what was read from a file name it. `None`: it was read from none."""
+    try:
+        yield
+    except InputError as error:
+        if path is None or isinstance(error, _FileError) or str(path) in as_command_says(error):
+            raise
+        raise _FileError("{0}: {1}", path, error) from None
 
 
 def refused(error: InputError, before: str = "error") -> int:

@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, TextIO
 
+from orbitproof.shared.errors import printable
+
 
 class StreamError(Exception):
     """A standard stream that cannot be written, and why, in one line. No `OSError`, which some libraries pass over."""
@@ -47,18 +49,24 @@ def watched_streams() -> Iterator[None]:
 
 
 class _Watched:
-    """A stream as it is, but for how its failures are told."""
+    """A stream as it is, but for how its failures are told, and for characters that a terminal would obey.
+
+    Attributes:
+        rich_proxied_file: the stream itself, to which rich draws.
+    """
 
     def __init__(self, stream: TextIO, name: str) -> None:
-        self._stream, self._name = stream, name
+        self._stream = self.rich_proxied_file = stream
+        self._name = name
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)
 
     def write(self, text: str) -> int:
-        """As of every stream."""
+        """As of every stream; what comes from a file does nothing to a terminal."""
         with self._watched():
-            return self._stream.write(text)
+            self._stream.write(printable(text, "\n\t"))
+        return len(text)
 
     def flush(self) -> None:
         """As of every stream."""

@@ -9,6 +9,8 @@ from types import TracebackType
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from orbitproof.shared.errors import printable
+
 _REFRESH_SECONDS = 0.1
 
 
@@ -26,7 +28,7 @@ class Reporter:
         self._task: TaskID | None = None
         self._drawn = 0.0
         self._progress = Progress(
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
             BarColumn(bar_width=30),
             TextColumn("{task.percentage:>3.0f}%"),
             TimeElapsedColumn(),
@@ -65,7 +67,7 @@ class Reporter:
         """Show how far the stage is: `fraction` 0 to 1, or `None` where nobody knows."""
         if self._task is None:
             return
-        description = f"{self._stage}: {detail}" if detail else self._stage
+        description = printable(f"{self._stage}: {detail}" if detail else self._stage)
         if fraction is None:
             self._progress.update(self._task, description=description)
         else:
@@ -82,6 +84,6 @@ class Reporter:
     def error(self, text: str) -> None:
         """A line that is written even with `quiet`."""
         if self._live:
-            self._console.print(text, markup=False)
+            self._console.print(printable(text), markup=False)
         else:
             print(text, file=sys.stderr, flush=True)

@@ -1,6 +1,6 @@
 """JSON formats: claims and other documents, read, checked against their schema, and written."""
 
-from orbitproof.shared.arguments import ArgumentError, as_options, refused
+from orbitproof.shared.arguments import ArgumentError, about, as_options, refused
 from orbitproof.shared.claims import (
     ACROSS_KINDS,
     COORDINATE,

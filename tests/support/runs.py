@@ -56,9 +56,9 @@ def started(
                 os.killpg(run.pid, signal.SIGKILL)
 
 
-def wait_until(condition: Callable[[], Any]) -> Any:
-    """What `condition` gives once it is true; fails if that takes too long."""
-    deadline = time.monotonic() + _PATIENCE_SECONDS
+def wait_until(condition: Callable[[], Any], patience: float = _PATIENCE_SECONDS) -> Any:
+    """What `condition` gives once it is true; fails if that takes so many seconds."""
+    deadline = time.monotonic() + patience
     while not (result := condition()):
         assert time.monotonic() < deadline, "waited in vain"
         time.sleep(0.05)

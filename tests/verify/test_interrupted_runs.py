@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import signal
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
@@ -19,15 +20,19 @@ from hypothesis import strategies as st
 from support import atlas_work, lasting_work
 from support.atlas_runs import CURVE, ROOT
 from support.chain_cases import symmetric_loop
+from support.runs import SEES_PROCESSES, wait_until
+from support.runs import started as process
 from support.stability_cases import atlas as falkner_skan
 from support.stored import values
 
 from orbitproof.shared import format_exact, parse_exact
-from orbitproof.shared.formats import read_atlas
+from orbitproof.shared.formats import read_atlas, write_atlas
+from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.processes import Answer, Progress, Source
 from orbitproof.verify.atlas import Result, read_atlas_certificate
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.run import Display, Engine, Work, Workplace, branches, piece_order
+from orbitproof.verify.run.branch_tables import piece_table
 from orbitproof.verify.run.branch_tasks import RunLimits
 from orbitproof.verify.run.branches import AtlasRun, conclude_run, limits_of, prove_pieces, started
 from orbitproof.verify.run.processes import Finished
@@ -154,6 +159,34 @@ def test_a_closer_look_that_leaves_open_what_a_wider_interval_decides_does_not_c
     assert [entry["piece"] for entry in known if entry["kind"] == "twistless"] == ["p014", "p015"]
 
 
+@pytest.mark.usefixtures("quick")
+def test_what_is_left_out_for_want_of_time_is_told_and_tried_by_the_next_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def in_haste(argument: Any, report: Any) -> Any:
+        if argument["integrator"]["width"] == lasting_work.LOOK and argument["piece"]["id"] == "p015":
+            return {
+                **atlas_work.failing(argument, report),
+                "reason": {"condition": "time", "message": "", "remedy": ""},
+            }
+        return lasting(argument, report)
+
+    atlas, path = falkner_skan(), tmp_path / "curve.json"
+    limits = limits_of(atlas, 4, lasting=True)
+    made(path, atlas, limits, in_haste)
+    run = started(atlas, limits, path)
+    # Of a file that is read what came to no end is tried again.
+    assert run.pending == ["p015"]
+    run = AtlasRun(atlas, limits)
+    run.run(Disturbed(random.Random(0), 1, 10**9), Display({"p014": 1.0, "p015": 1.0}, False), lambda _: None, in_haste)
+    line = "p015: proved in 2 intervals; not looked at to the end, for want of time or memory: s in [-0.7243"
+    assert line in capsys.readouterr().err
+    assert piece_table(run).splitlines()[-1].startswith("p015: not looked at to the end, for want of time")
+    assert run.left_out("p014") == ""
+    undisturbed = made(tmp_path / "a.json", atlas, limits, lasting)
+    assert made(path, atlas, limits, lasting) == undisturbed
+
+
 def test_an_interrupted_run_for_a_list_ends_as_an_undisturbed_one(tmp_path: Path) -> None:
     def listing(argument: Any, report: Any) -> Any:
         return {key: value for key, value in lasting(argument, report).items() if key != "twist"}
@@ -214,6 +247,34 @@ def test_an_interrupted_run_over_a_surface_ends_as_an_undisturbed_one() -> None:
     assert sum(json.loads(text)["verdict"] == "proved" for text in undisturbed) > 4
     for seed in range(4):
         assert results_of(atlas, work, random.Random(seed)) == undisturbed
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not SEES_PROCESSES, reason="looks for processes in /proc")
+def test_an_integration_that_is_interrupted_ends_as_an_undisturbed_one(tmp_path: Path) -> None:
+    """By signals to the command as a user gives it, after its first, second and third result."""
+    source, files = tmp_path / "atlas.json", [tmp_path / name for name in ("a.json", "b.json")]
+    write_atlas(source, falkner_skan())
+    words = ["-m", "orbitproof.verify", "atlas", str(source), "--complete", "4", "--lasting", "--max-splits", "2"]
+    for path, signals in zip(files, ((), ("SIGTERM", "SIGINT", "SIGHUP")), strict=True):
+        for number, sent in enumerate(signals, 1):
+            with process([*words, "-o", str(path), "--jobs", "2"]) as run:
+                wait_until(lambda path=path, number=number: path.exists() and count_of(path) >= number, 1800.0)
+                run.send_signal(getattr(signal, sent))
+                assert run.wait(60) == INTERRUPTED
+        with process([*words, "-o", str(path), "--jobs", "2"]) as run:
+            run.communicate(timeout=3600)
+            assert run.returncode in (0, 1)
+    first, second = (json.loads(path.read_text()) for path in files)
+    for document in (first, second):
+        del document["digest"], document["computation"]["seconds"]
+        for result in document["results"]:
+            del result["computation"]["seconds"]
+    assert first == second
+
+
+def count_of(path: Path) -> int:
+    return len(json.loads(path.read_text())["results"])
 
 
 # Plans

@@ -4,6 +4,7 @@ from orbitproof.verify.atlas.catalogue import (
     WITHIN,
     CatalogueCertificate,
     certified_rows,
+    check_title,
     read_catalogue_certificate,
     recheck_catalogue,
     write_catalogue_certificate,
@@ -29,7 +30,7 @@ from orbitproof.verify.atlas.index import (
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.places import Placed, check_of_conclusion, places_on, recheck_place
 from orbitproof.verify.atlas.recheck import Means, ProvedBefore, atlas_of, order_of, recheck_atlas
-from orbitproof.verify.atlas.rests_on import Key, Resting, claiming_indices, key_of, resting
+from orbitproof.verify.atlas.rests_on import Key, Resting, RestingError, claiming_indices, key_of, resting
 from orbitproof.verify.atlas.results import Result, Settings, condition_of, covers, results_from_json
 from orbitproof.verify.atlas.web import (
     StoredArc,

@@ -163,9 +163,7 @@ def certified_rows(curve: AtlasCertificate, catalogue: CatalogueRows, within: Fr
 
     Raises `InputError` if the curve is none of the catalogue's system, or not proved, or the family has no title.
     """
-    if not fits(TITLE, catalogue.title):
-        words = "give letters, digits and signs such as . , ' ( ) + - * / ^ =, and no sentences"
-        raise InputError(f"the catalogue's family, {catalogue.title[:60]!r}: is no title; {words}")
+    check_title(catalogue)
     orbits = orbits_of(curve)
     mass = orbits.atlas.parameters.get("mu")
     if mass != catalogue.mass_ratio:
@@ -174,6 +172,13 @@ def certified_rows(curve: AtlasCertificate, catalogue: CatalogueRows, within: Fr
         _row(orbits, CertifiedRow(number, given), None, within) for number, given in enumerate(catalogue.rows, start=1)
     )
     return _document(curve, catalogue.title, within, rows)
+
+
+def check_title(catalogue: CatalogueRows) -> None:
+    """Raises `InputError` if the family of a catalogue has no title."""
+    if not fits(TITLE, catalogue.title):
+        words = "give letters, digits and signs such as . , ' ( ) + - * / ^ =, and no sentences"
+        raise InputError(f"the catalogue's family, {catalogue.title[:60]!r}: is no title; {words}")
 
 
 def orbits_of(curve: AtlasCertificate) -> OrbitsOfCurve:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Literal
 
 from orbitproof.shared.claims.web import LIBRATION_POINTS, Web
+from orbitproof.shared.errors import printable
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
@@ -18,6 +19,22 @@ Resting = AtlasCertificate | Certificate | IndexCertificate
 Part = Literal["arc", "vertex", "index"]
 Key = tuple[Part, str]
 """What a certificate is for a web, and its id; that of an index has the id of its curve."""
+
+
+class RestingError(InputError):
+    """What is wrong with one of the certificates that a web rests on.
+
+    Attributes:
+        key: of the certificate.
+    """
+
+    def __init__(self, key: Key, why: str) -> None:
+        super().__init__(key, why)
+        self.key = key
+
+    def __str__(self) -> str:
+        key, why = self.args
+        return printable(f"the certificate {called(key)}: {why}")
 
 
 def key_of(entry: Resting) -> Key:
@@ -58,17 +75,15 @@ def resting(web: Web, given: Sequence[Resting]) -> tuple[Resting, ...]:
     for entry in given:
         key = key_of(entry)
         if entry.id in LIBRATION_POINTS:
-            raise InputError(
-                f"the certificate {shown(entry.id)}: has the name of a libration point; give it another id"
-            )
+            raise RestingError(key, "has the name of a libration point; give it another id")
         if key in found:
-            raise InputError(f"the certificate {called(key)}: appears twice; give each once")
+            raise RestingError(key, "appears twice; give each once")
         if key in wanted:
             # Where it lies on a curve is found again.
             found[key] = entry.without_place() if isinstance(entry, Certificate) else entry
         elif key[0] != "index" and entry.id in web.certificates:
             is_one, of = ("a curve", "a vertex") if key[0] == "arc" else ("one orbit", "an arc")
-            raise InputError(f"the certificate {shown(entry.id)}: is about {is_one}; the web claims that it is {of}")
+            raise RestingError(key, f"is about {is_one}; the web claims that it is {of}")
     for key in wanted:
         if key not in found:
             what = f"claims the index of {shown(key[1])}" if key[0] == "index" else f"names {shown(key[1])}"

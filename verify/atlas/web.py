@@ -12,16 +12,15 @@ from flint import arb
 
 from orbitproof.shared.claims.fields import Crossings, Id, Identifier, PieceId, Title
 from orbitproof.shared.claims.web import How, Web, WebArc
-from orbitproof.shared.formats import Atlas, InputError, web_from_json
+from orbitproof.shared.formats import Atlas, web_from_json
 from orbitproof.shared.stored import rules
-from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
 from orbitproof.verify.atlas.certified import certified_point
 from orbitproof.verify.atlas.conclusion import follow, partner
 from orbitproof.verify.atlas.index import IndexCertificate
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.listed import ListedInterval
-from orbitproof.verify.atlas.rests_on import Key, Part, Resting, called, digest_of, key_of, keys_of
+from orbitproof.verify.atlas.rests_on import Key, Part, Resting, RestingError, called, digest_of, key_of, keys_of
 from orbitproof.verify.atlas.sealed import Sealed, has_form, in_all_data, read_sealed, sealed, write_sealed
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,
@@ -263,9 +262,7 @@ def _arc(
     """What a certificate proves of a curve, and where on it the vertices lie that it is claimed to meet."""
     atlas = certificate.atlas
     if not isinstance(atlas, Atlas) or not kind_of(atlas).holds_points:
-        raise InputError(
-            f"the certificate {shown(certificate.id)}: is about no curve of symmetric orbits; leave it out"
-        )
+        raise RestingError(key_of(certificate), "is about no curve of symmetric orbits; leave it out")
     if problem := _problem(certificate, checks, "the certificate"):
         return Arc(atlas, None, problem)
     wanted = [vertices[meeting.vertex] for meeting in claimed.meets if meeting.vertex in vertices]

@@ -13,7 +13,7 @@ _HEADERS = ("piece", "kind", "verdict", "intervals", "coordinates", "steps", "ti
 
 
 def piece_table(run: AtlasRun) -> str:
-    """One row for each piece; "kept" are those that an earlier run had settled."""
+    """One row for each piece, "kept" if an earlier run had settled it, and what was left out for want of time."""
     rows = [_HEADERS]
     for piece in run.atlas.pieces:
         results = run.results_of(piece.id)
@@ -33,7 +33,8 @@ def piece_table(run: AtlasRun) -> str:
     number = sum(result.is_proved for result in run.results)
     count = sum(run.plan_of(piece.id).is_proved for piece in run.atlas.pieces)
     rows.append((f"{count} of {len(run.atlas.pieces)}", "", "proved", str(number), "", "", f"{total:.1f} s"))
-    return "\n".join(aligned(rows))
+    left_out = [f"{piece.id}: {left}" for piece in run.atlas.pieces if (left := run.left_out(piece.id))]
+    return "\n".join([*aligned(rows), *left_out])
 
 
 def conclusion_text(certificate: Mapping[str, Any]) -> str:

@@ -170,7 +170,7 @@ class AtlasRun:
 
     def left_out(self, name: str) -> str:
         """What of a proved piece was not looked at to the end because a task came to no end; empty for nothing."""
-        results = self._results[name]
+        results = self._results[name] if self._plans[name].is_proved else ()
         proved = [result for result in results if result.is_proved]
         enough = [result.interval for result in proved if not self._lacks(result)]
         looks = [result.interval for result in proved if self._is_look(result)]

@@ -13,6 +13,7 @@ from typing import Any
 from orbitproof.shared.formats import (
     CatalogueRows,
     InputError,
+    about,
     check_writable,
     read_catalogue_rows,
     table_form,
@@ -26,6 +27,7 @@ from orbitproof.verify.atlas import (
     CatalogueCertificate,
     certified_rows,
     certified_table,
+    check_title,
     read_atlas_certificate,
     read_catalogue_certificate,
     recheck_catalogue,
@@ -41,7 +43,7 @@ from orbitproof.verify.run import (
     whole_number,
 )
 from orbitproof.verify.run.branch_checks import examined
-from orbitproof.verify.run.proof_command import about, add_checking_options, by_curve, limits_of, prove_or_check
+from orbitproof.verify.run.proof_command import add_checking_options, by_curve, limits_of, prove_or_check
 
 _EXAMPLES = """\
 examples:
@@ -111,13 +113,19 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
     if options.table is not None:
         table_form(options.table)
     curve = read_atlas_certificate(options.curve)
-    rows = read_catalogue_rows(options.file) if options.rows is None else rows_of_curve(curve, options.rows)
+    with about(options.file):
+        rows = None if options.rows is not None else read_catalogue_rows(options.file)
+        if rows is not None:
+            check_title(rows)
     with about(options.curve):
+        rows = rows_of_curve(curve, options.rows) if rows is None else rows
         certificate = certify_rows(rows, curve, options.within, workplace)
     if options.output is not None:
         write_catalogue_certificate(options.output, certificate.document)
     if options.table is not None:
-        certified_table(rows, certificate.document).write(options.table)
+        with about(options.file):
+            table = certified_table(rows, certificate.document)
+        table.write(options.table)
     print(_summary(certificate.document), flush=True)
     return 0 if certificate.is_proved else 1
 

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from orbitproof.shared.formats import InputError, check_writable
+from orbitproof.shared.formats import InputError, about, check_writable
 from orbitproof.shared.interrupts import run_command
 from orbitproof.verify.atlas import (
     AtlasCertificate,
@@ -26,7 +26,7 @@ from orbitproof.verify.run import (
     Workplace,
 )
 from orbitproof.verify.run.branch_checks import examined, index_apart
-from orbitproof.verify.run.proof_command import about, add_checking_options, by_curve, limits_of, prove_or_check, told
+from orbitproof.verify.run.proof_command import add_checking_options, by_curve, limits_of, prove_or_check, told
 
 _EXAMPLES = """\
 examples:
@@ -65,9 +65,8 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
         raise InputError("FILE: is taken with --recheck only; the curve is given with --curve")
     if options.output is not None:
         check_writable(options.output)
-    curve = _indexed_curve(options)
     with about(options.curve):
-        certificate = certify_the_index(curve, workplace)
+        certificate = certify_the_index(_indexed_curve(options), workplace)
     if options.output is not None:
         write_index_certificate(options.output, certificate.document)
     return told(certificate)

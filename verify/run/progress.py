@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from orbitproof.shared.errors import printable
 from orbitproof.shared.systems import ID, fits, shown
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ class Display:
         if self._quiet:
             return
         if self._bar is not None:
-            self._bar.console.print(text, markup=False)
+            self._bar.console.print(printable(text), markup=False)
         else:
             print(text, file=sys.stderr, flush=True)
 

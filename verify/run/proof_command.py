@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from orbitproof.shared.formats import InputError, as_options, refused
@@ -20,17 +18,6 @@ from orbitproof.verify.run.options import ArgumentParser, positive_seconds, whol
 from orbitproof.verify.run.progress import Display
 from orbitproof.verify.run.row_tables import recheck_table
 from orbitproof.verify.run.workplace import LONG_CHECK_SECONDS, CheckLimits, Workplace, apart
-
-
-@contextmanager
-def about(*paths: Path) -> Iterator[None]:
-    """`InputError` from what is done with files names them, where it does not name any."""
-    try:
-        yield
-    except InputError as error:
-        if any(str(path) in str(error) for path in paths):
-            raise
-        raise InputError(f"{', '.join(map(str, paths))}: {error}") from None
 
 
 def add_checking_options(parser: ArgumentParser, recheck: str, integrate: str, jobs: str) -> None:
@@ -97,7 +84,7 @@ def by_curve(
         display.finish("curve", "stands")
         found = apart(work, curve.id, (curve, *arguments), limits_of(workplace))
         if isinstance(found, Failure):
-            raise InputError(f"{failed}: {found.message}")
+            raise found.error if isinstance(found.error, InputError) else InputError(f"{failed}: {found.message}")
         display.finish(name, str(found["verdict"]))
     return found
 

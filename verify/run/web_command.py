@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
-from contextlib import closing
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 from orbitproof.shared.claims.web import Web
-from orbitproof.shared.formats import InputError, check_writable, read_web, stated_format
+from orbitproof.shared.formats import InputError, about, check_writable, read_web, stated_format
 from orbitproof.shared.interrupts import run_command
 from orbitproof.verify.atlas import (
     AtlasCertificate,
     IndexCertificate,
     Key,
     Resting,
+    RestingError,
     WebCertificate,
     certified_web,
     claiming_indices,
@@ -37,7 +38,7 @@ from orbitproof.verify.run import (
 )
 from orbitproof.verify.run.branch_checks import index_apart
 from orbitproof.verify.run.checking_again import checked_again
-from orbitproof.verify.run.proof_command import about, add_checking_options, limits_of, prove_or_check, told
+from orbitproof.verify.run.proof_command import add_checking_options, limits_of, prove_or_check, told
 
 _EXAMPLES = """\
 examples:
@@ -78,8 +79,9 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
     if options.output is not None:
         check_writable(options.output)
     web, given = read_web(options.file), _read(options.certificates)
-    with about(options.file, *options.certificates):
-        certificate = certify_the_web(claiming_indices(web, given) if options.indices else web, given, workplace)
+    with _about(options, given):
+        entries = [entry for _, entry in given]
+        certificate = certify_the_web(claiming_indices(web, entries) if options.indices else web, entries, workplace)
     if options.output is not None:
         write_web_certificate(options.output, certificate.document)
     return told(certificate)
@@ -88,24 +90,35 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
 def _recheck(options: argparse.Namespace, workplace: Workplace) -> Recheck:
     if options.indices:
         raise InputError("--indices: is about a web that is not proved yet; --recheck takes the claim as it was made")
-    certificate = read_web_certificate(options.file)
-    given = _read(options.certificates)
-    with about(options.file, *options.certificates):
-        return check_web_again(certificate, given, options.integrate, workplace)
+    certificate, given = read_web_certificate(options.file), _read(options.certificates)
+    with _about(options, given):
+        return check_web_again(certificate, [entry for _, entry in given], options.integrate, workplace)
 
 
-def _read(paths: Sequence[Path]) -> list[Resting]:
-    """The certificates in files of all kinds."""
-    found: list[Resting] = []
+def _read(paths: Sequence[Path]) -> list[tuple[Path, Resting]]:
+    """The certificates in files of all kinds, each with its file."""
+    found: list[tuple[Path, Resting]] = []
     for path in paths:
         stated = stated_format(path, "give the path of a file with certificates")
         if stated == "atlas-certificate":
-            found.append(read_atlas_certificate(path))
+            found.append((path, read_atlas_certificate(path)))
         elif stated == "index-certificate":
-            found.append(read_index_certificate(path))
+            found.append((path, read_index_certificate(path)))
         else:
-            found += read_certificates(path).values()
+            found += [(path, entry) for entry in read_certificates(path).values()]
     return found
+
+
+@contextmanager
+def _about(options: argparse.Namespace, given: Sequence[tuple[Path, Resting]]) -> Iterator[None]:
+    """While the body runs, what is wrong with a certificate names its file, and what is wrong with the web that."""
+    with about(options.file):
+        try:
+            yield
+        except RestingError as error:
+            # Of two of one name the later one is one too many.
+            with about({key_of(entry): path for path, entry in given}[error.key]):
+                raise
 
 
 def certify_the_web(web: Web, given: Sequence[Resting], workplace: Workplace) -> WebCertificate:
@@ -117,7 +130,8 @@ def certify_the_web(web: Web, given: Sequence[Resting], workplace: Workplace) ->
     checks = _checks(certificates, False, workplace)
     found = apart(certified_web, web.id, (web, certificates, checks), limits_of(workplace))
     if isinstance(found, Failure):
-        raise InputError(f"the web was not put together: {found.message}")
+        error = InputError(f"the web was not put together: {found.message}")
+        raise found.error if isinstance(found.error, InputError) else error
     return WebCertificate(found)
 
 

@@ -44,7 +44,8 @@ def read(certificate: Mapping[str, Any], path: str, convert: Callable[[Any], Any
             value = value[name]
         return convert(value)
     except (LookupError, TypeError, ValueError, AttributeError) as error:
-        raise BadCertificate(f"{path}: {error!r}") from None
+        why = f"{error}" if type(error) is ValueError else "it, or a part of it, is missing or has another form"
+        raise BadCertificate(f"{path}: {why}") from None
 
 
 def exact(value: Any) -> Any:
