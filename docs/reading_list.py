@@ -88,6 +88,7 @@ DOORS = {
     ),
     "one orbit, or two resonances that meet": ("shared.claims.special_claims",),
     "systems with further reversing symmetries": ("shared.systems.further_reversors",),
+    "input that is refused": ("shared.printing",),
     "distances from a body": ("verify.distances.distances",),
     "half orbits that meet the section more than once": ("verify.poincare.half_orbit",),
     "orbits that are followed in regularised coordinates": ("verify.poincare.regularised",),

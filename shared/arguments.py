@@ -9,7 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from string import Formatter
 
-from orbitproof.shared.errors import InputError, printable
+from orbitproof.shared.errors import InputError
+from orbitproof.shared.printing import printable
 
 
 class ArgumentError(InputError):

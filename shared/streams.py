@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, TextIO
 
-from orbitproof.shared.errors import printable
+from orbitproof.shared.printing import printable
 
 
 class StreamError(Exception):

@@ -9,7 +9,7 @@ from types import TracebackType
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from orbitproof.shared.errors import printable
+from orbitproof.shared.printing import printable
 
 _REFRESH_SECONDS = 0.1
 

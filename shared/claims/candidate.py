@@ -181,10 +181,7 @@ class Candidate:
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """Names of the 1 + n coordinates of the centre; the parameter before them where two resonances meet.
-
-        No two are the same: the level of the first integral is `LEVEL_NAME`, whatever people call it (`titles`).
-        """
+        """Names of the coordinates of the centre, no two alike (1.6); where two resonances meet a parameter is first."""
         if self.resonances_meet:
             return (self.varying, *self.system.centre_coordinates)
         return self.system.centre_coordinates if self.level_sign is None else self.system.level_coordinates

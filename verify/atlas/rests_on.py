@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Literal
 
 from orbitproof.shared.claims.web import LIBRATION_POINTS, Web
-from orbitproof.shared.errors import printable
 from orbitproof.shared.formats import InputError
+from orbitproof.shared.printing import printable
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
 from orbitproof.verify.atlas.index import IndexCertificate

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from orbitproof.shared.errors import printable
+from orbitproof.shared.printing import printable
 from orbitproof.shared.systems import ID, fits, shown
 
 if TYPE_CHECKING:
