@@ -181,7 +181,7 @@ class Candidate:
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """Names of the coordinates of the centre, no two alike (1.6); where two resonances meet a parameter is first."""
+        """Names of the coordinates of the centre, no two alike (1.6); a parameter first where two resonances meet."""
         if self.resonances_meet:
             return (self.varying, *self.system.centre_coordinates)
         return self.system.centre_coordinates if self.level_sign is None else self.system.level_coordinates

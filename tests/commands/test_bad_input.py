@@ -337,7 +337,6 @@ DATA = Path(__file__).parents[1] / "data"
 NAMED: dict[str, tuple[Main, str, str, str]] = {
     "certificates to verify": (verify_main, "FILE", "figures-certificates.json", "orbitproof verify --recheck FILE"),
     "candidates to recheck": (verify_main, "--recheck FILE", "figures-candidates.json", "orbitproof verify FILE"),
-    "an atlas to verify": (verify_main, "FILE", "atlas-falkner-skan.json", "orbitproof verify atlas FILE"),
     "candidates to verify atlas": (verify_main, "atlas FILE", "figures-candidates.json", "orbitproof verify FILE"),
     "an atlas to recheck": (
         verify_main, "atlas --recheck FILE", "atlas-falkner-skan.json", "orbitproof verify atlas FILE",
