@@ -132,7 +132,7 @@ class System:
     def __post_init__(self) -> None:
         names = (*self.state, *self.parameters)
         for name in names:
-            if not name.isidentifier():
+            if not name.rstrip("'").isidentifier():
                 raise ValueError(f"{self.name}: {name!r} is no name of a coordinate or parameter")
             if names.count(name) > 1:
                 raise ValueError(f"{self.name}: two of its coordinates and parameters are called {name!r}")

@@ -107,7 +107,7 @@ def test_the_other_point_of_an_orbit_is_read_by_names_and_not_in_the_order_of_a_
     for names in (["x", "z", "vy"], ["vy", "x", "z"]):
         other = {name: circle_point(0.7)[name] for name in names}
         orbit = OrbitResults(far.point, other, arb(1), arb(2), Stability((), (), "not decided"))
-        (found,) = concluded(symmetric_loop(), replace(far, results=orbit)).bifurcations
+        (found,) = concluded(symmetric_loop(), replace(far, results=orbit, kind="orbit")).bifurcations
         assert found.place is not None
         assert found.place.other_point
 

@@ -284,8 +284,11 @@ def differences(stored: Any, again: Any, place: str, keys: tuple[str, ...] = ())
         return
     if stored == again and type(stored) is type(again):
         return
-    in_words = keys[-2:] in WORDS and isinstance(stored, str) and isinstance(again, str)
-    yield Finding(place, f"stored is {_shown(stored)}, evaluated again it is {_shown(again)}", in_words)
+    if keys[-2:] in WORDS and isinstance(stored, str) and isinstance(again, str):
+        # Foreign words are not printed, not even as a quotation.
+        yield Finding(place, "is worded otherwise than what is stored says", True)
+        return
+    yield Finding(place, f"stored is {_shown(stored)}, evaluated again it is {_shown(again)}")
 
 
 def is_ball(value: Any) -> bool:

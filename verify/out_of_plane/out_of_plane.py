@@ -14,7 +14,8 @@ from orbitproof.verify.functions import StoredFunction, error_of, known_part, re
 from orbitproof.verify.out_of_plane.variations import VariationFunctions
 from orbitproof.verify.poincare import HalfOrbits, WideOracle
 
-_VARIATIONS = ("w_1", "w_1'", "w_2", "w_2'")
+_VARIATIONS = ("first'", "first_rate'", "second'", "second_rate'")
+"""With primes no coordinate of a file is called so (1.6)."""
 _START = (1, 0, 0, 1)
 
 
