@@ -212,7 +212,7 @@ def test_a_changed_surface_is_told_in_its_own_words_and_refused_with_its_digest_
         document["statement"]["theorem"] = document["statement"]["in_full"] = theorem
         document["conclusion"]["statement"] = theorem
 
-    path.write_text(json.dumps(forged(surface, widen)))
+    path.write_text(json.dumps(forged_elsewhere(surface, widen)))
     assert main(words(path, "-o", tmp_path / "report.md", "--quiet", "--no-pictures")) == 0
     assert "analytic" not in (tmp_path / "report.md").read_text()
     kept = copy.deepcopy(surface)
@@ -234,7 +234,7 @@ def test_a_complete_list_of_resonances_is_told_as_it_is_certified(tmp_path: Path
     document = json.loads(certificate.read_text())
     theorem = document["statement"]["theorem"].replace("beta in [347.21", "beta in [347.22")
     assert theorem != document["statement"]["theorem"]
-    foreign = forged(document, lambda entry: entry["statement"].update(theorem=theorem, in_full=theorem))
+    foreign = forged_elsewhere(document, lambda entry: entry["statement"].update(theorem=theorem, in_full=theorem))
     certificate.write_text(json.dumps(foreign))
     assert main(words(certificate, "-o", tmp_path / "false.html", "--quiet", "--no-pictures")) == 0
     assert "beta in [347.22" not in Page((tmp_path / "false.html").read_text("utf-8")).text
@@ -250,7 +250,7 @@ def test_a_system_that_is_not_known_here_is_told_from_its_program_with_a_note(
     def renamed(entry: dict[str, Any]) -> None:
         entry["statement"]["candidate"]["system"] = "somebody-elses"
 
-    write_certificates(tmp_path / "rows.json", [Certificate.from_json(forged(rows[0].to_json(), renamed))])
+    write_certificates(tmp_path / "rows.json", [Certificate.from_json(forged_elsewhere(rows[0].to_json(), renamed))])
     target = tmp_path / "report.html"
     assert main(words(tmp_path / "rows.json", "-o", target, "--quiet")) == 0
     page = Page(target.read_text("utf-8"))
