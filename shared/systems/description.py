@@ -51,7 +51,8 @@ _INTERNED: dict[str, System] = {}
 def describe(system: System) -> str | dict[str, Any]:
     """The description of a system as JSON; for one that every installation knows, its name.
 
-    The vector field, the first integral and the squared distance are programs as text.
+    The vector field, the first integral and the squared distance are programs as text. Raises `DescriptionError` for
+    what has no description, and where another system has the same one.
     """
     if BRANCH_SYSTEMS.get(system.name) is system:
         return system.name
@@ -59,10 +60,11 @@ def describe(system: System) -> str | dict[str, Any]:
         plain = _plain_entry(system)
         _INTERNED.setdefault(_text(plain), system)
         return plain
-    if system.original is not None:
-        original = describe(system.original)
-        chosen: dict[str, Any] = {**(original if isinstance(original, dict) else {"name": original})}
-        chosen["reversor"] = system.reversor
+    original, reversor = system.original, system.reversor
+    # A changed copy of such a system has the same original, and is described in full.
+    if original is not None and original.reversors.get(str(reversor)) and original.under(str(reversor)) is system:
+        named = describe(original)
+        chosen: dict[str, Any] = {**(named if isinstance(named, dict) else {"name": named}), "reversor": reversor}
         _INTERNED.setdefault(_text(chosen), system)
         return chosen
     if system.derived_parameters or system.normalised:
@@ -85,7 +87,10 @@ def describe(system: System) -> str | dict[str, Any]:
         "distance_name": system.distance_name,
     }
     entry |= {key: value for key, value in optional.items() if value is not None}
-    _INTERNED.setdefault(_text(entry), system)
+    known = _INTERNED.setdefault(_text(entry), system)
+    across = system.stiffness_across_program
+    if across is not None and (not isinstance(known, ReversibleSystem) or known.stiffness_across_program != across):
+        raise DescriptionError("stiffness_across: is no part of a description, and differs; give it another name")
     return entry
 
 

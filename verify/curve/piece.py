@@ -232,7 +232,7 @@ class _Proof:
             start, end = self.asked
             evidence.require(-1 <= start < end <= 1, f"[{start}, {end}] is no interval within [-1, 1]")
             evidence.require(
-                set(self.system.fixed_parameters) <= set(self.parameters), f"{self.system.name} has other parameters"
+                set(self.system.fixed_parameters) == set(self.parameters), f"{self.system.name} has other parameters"
             )
             require_piece(evidence, self.system, self.piece, self.symmetry)
 
