@@ -141,7 +141,7 @@ def _claimed(claim: Any, title: str, verdict: str, results: Mapping[str, Any] | 
 def _said(claim: Candidate, results: Mapping[str, Any]) -> Said:
     """What a claim and the results of its certificate say of its orbit."""
     equation, period, level = claim.equation, results.get("period"), results.get("level")
-    if level is None and results.get("parameter_name") == claim.system.first_integral_name:
+    if level is None and claim.system.first_integral is not None:
         level = results.get("parameter")
     period, level = (None if ball is None else _middle(ball) for ball in (period, level))
     if equation is not None and equation.quantity == HALF_PERIOD:
