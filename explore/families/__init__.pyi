@@ -12,9 +12,6 @@ from .detection import folds as folds
 from .detection import kind_of as kind_of
 from .detection import symmetry_breakings as symmetry_breakings
 from .first_orbits import first_family as first_family
-from .hemispheres import branch_of as branch_of
-from .hemispheres import mirrored as mirrored
-from .hemispheres import on_side as on_side
 from .limits import Limits as Limits
 from .limits import limited_names as limited_names
 from .named import FamilyFailure as FamilyFailure

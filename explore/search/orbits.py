@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from orbitproof.explore.catalogues import ROW, Catalogue, correct_catalogue
+from orbitproof.explore.catalogues import ROW, Catalogue
 from orbitproof.explore.families import Family, family_of
 from orbitproof.explore.flow import flow_batch
 from orbitproof.explore.numerics import bracketed_zero
@@ -89,16 +89,11 @@ def tasks_of_extrema(record: FamilyRecord, id: str, digits: int) -> list[OrbitTa
 
 
 def tasks_of_catalogue(
-    catalogue: Catalogue, rows: Sequence[int], equation: Equation | None, digits: int, accept: bool = False
+    catalogue: Catalogue, rows: Sequence[int], equation: Equation | None, digits: int
 ) -> tuple[list[OrbitTask], list[str]]:
-    """Orbits near rows of a catalogue, counted from 1, to be refined; and why others are not.
-
-    Those do not start on Fix(R), or say what is not so of the orbit next to them, unless `accept` takes that one.
-    """
+    """Orbits near rows of a catalogue, counted from 1, to be refined; and which rows do not start on Fix(R)."""
     tasks, failures = [], []
     chosen = np.array(rows) - 1
-    corrected = correct_catalogue(catalogue.chosen(chosen), accept=accept)
-    is_held = equation is not None and equation.quantity == COORDINATE
     half = flow_batch(
         CR3BP,
         catalogue.states[chosen],
@@ -106,15 +101,10 @@ def tasks_of_catalogue(
         np.full((len(rows), 1), float(catalogue.mass_ratio)),
     )
     odd = [index for index, sign in enumerate(CR3BP.reversing_symmetry) if sign == -1]
-    for index, (row, crossings) in enumerate(zip(rows, half.crossings, strict=True)):
-        state, why = catalogue.states[row - 1], corrected.reasons[index]
+    for row, crossings in zip(rows, half.crossings, strict=True):
+        state = catalogue.states[row - 1]
         if np.max(np.abs(state[odd])) > _OFF_SYMMETRY:
             failures.append(f"row {row} does not start in the plane of symmetry")
-            continue
-        # With a coordinate held Newton's method may come to the row's orbit where it did not before.
-        is_lost = bool(corrected.failures[index]) or corrected.fallen(index) is not None
-        if why and not accept and not (is_held and is_lost):
-            failures.append(f"row {row}: {why}")
             continue
         tasks.append(
             OrbitTask(

@@ -294,7 +294,7 @@ def test_steps_and_tolerances_are_options(tmp_path: Path) -> None:
         (["--system", "cr3bp", "--mass", "0.1", "--family", "L1-halo-1"], "--family L1-halo-1"),
         (["--system", "cr3bp", "--mass", "0.1", "--family", "L4-vertical"], "--family L4-vertical"),
         (["--from-catalogue", "c.json", "--mass", "0.1"], "--mass"),
-        (["--from-catalogue", "c.json", "--branch", "north"], "--branch"),
+        (["--from-catalogue", "c.json", "--mirror"], "--mirror"),
         (["--from-catalogue", "missing.json"], "missing.json"),
         (["--from-catalogue", "c.json", "--catalogue-orbit", "0"], "--catalogue-orbit"),
     ],
