@@ -32,5 +32,5 @@ from .sections import given_values as given_values
 from .sections import own_system as own_system
 from .sections import section_of as section_of
 from .sections import symmetry_of as symmetry_of
-from .told_apart import told_apart as told_apart
-from .told_apart import varied as varied
+from .telling_apart import told_apart as told_apart
+from .telling_apart import varied as varied

@@ -192,7 +192,7 @@ def test_a_file_is_taken_or_refused_by_its_name(
         output, errors = capsys.readouterr()
         if code not in (0, 1, 2) or "Traceback" in errors + output:
             wrong.append(f"{path.name}: {code}: {errors}")
-        elif code == 2 and (errors.count("\n") != 1 or not (path.name in errors or "give that certificate" in errors)):
+        elif code == 2 and (errors.count("\n") != 1 or not (path.name in errors or "give its file" in errors)):
             wrong.append(f"{path.name}: refused in these words: {errors}")
         elif code == 1 and not errors + output:
             wrong.append(f"{path.name}: nothing is said")

@@ -535,7 +535,7 @@ def test_a_point_of_the_level_has_the_functions_of_its_coordinates() -> None:
         id="level", system=system, parameters={"w": one}, kind="period_tupling", k=2, level_sign=-1,
         centre=(one, one), frame=((one, Fraction(0)), (Fraction(0), one)), kernel_frame=((one,),), radii=(one, one),
     )  # fmt: skip
-    point = point_on_fixed_set(candidate, {"energy": arb(1), "vy": arb("0.3")})
+    point = point_on_fixed_set(candidate, {candidate.coordinates[0]: arb(1), "vy": arb("0.3")})
     expected = -mpmath.sqrt(2 * (2 - mpmath.mpf("0.3") ** 2 / 2 - mpmath.sin(mpmath.mpf("0.3"))))
     assert abs(float(point["vx"].mid()) - float(expected)) < 1e-14
 

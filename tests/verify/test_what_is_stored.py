@@ -272,7 +272,7 @@ def test_stability_is_enclosed_as_the_piece_was_proved_and_on_the_interval_that_
 
     monkeypatch.setattr(interval_proof, "prove_piece", prove)
     monkeypatch.setattr(interval_proof, "stability_of_piece", stability)
-    monkeypatch.setattr(interval_proof, "time", SimpleNamespace(monotonic=count(100, 0.25).__next__))
+    monkeypatch.setattr(interval_proof, "time", SimpleNamespace(process_time=count(100, 0.25).__next__))
     argument = asked_of("atlas-lyapunov.json", (Fraction(0), QUARTER), symmetry="S", crossings=3)
     answer = interval_proof.prove_task(argument, lambda fraction, label: None)
     (tube,) = tubes
