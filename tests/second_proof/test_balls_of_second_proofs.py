@@ -6,6 +6,7 @@ import random
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from importlib import import_module
 from types import SimpleNamespace
 from typing import Any
@@ -177,6 +178,26 @@ def test_conditions_of_a_bifurcation(k: int, n: int) -> None:
     assert not broken_inclusions(found, given, chance, 3, arb(2) ** -5, of_degree(2, 3))
 
 
+@pytest.mark.parametrize("k", [2, 3])
+def test_a_family_stays_in_the_box_over_all_of_its_parameter(k: int) -> None:
+    """p_1 = -slope p_0 with |p_0| < 2^-12 and |p_1| < 2^-16."""
+    chance = random.Random(k)
+    variables = (0, 1)
+    integral = row(chance, variables, 3, {0: 1.3, 1: 0.02})
+    last = row(chance, variables, 3, {0: 0.0, 1: 0.0})
+    last |= {(0, 1): arb(1.5), (): arb(0), (0, 0): arb(0), (1, 1): arb(0.0 if k == 2 else 0.04)}
+    for slope, stays in ((2.0**-6, True), (2.0**-3, False), (-(2.0**-6), True), (-(2.0**-3), False)):
+        first = row(chance, variables, 3, {0: slope, 1: 1.0}) | {(): arb(0)}
+        # The last iterate of the family is the family: p_1 + slope p_0 is a factor.
+        moved = last | {(0, 0): arb(1.5 * slope)}
+        found = concluded(k, 1, [*[first] * (k - 1), moved, integral])
+        assert isinstance(found, Refused) is not stays, slope
+
+
+def _first_of(function: Any, second: Any, first: Any) -> Any:
+    return function(first, second)
+
+
 def rows_of(attempt: Any) -> tuple[list[Row], list[arb], int]:
     """Jets of E on the box of the zero, as coefficients, and the zero."""
     newton, zero, _, rows = attempt.enclosed()
@@ -205,7 +226,11 @@ def test_coefficients_of_bifurcations(kind: str, legs_of: int) -> None:
         )  # fmt: skip
 
     assert not broken_inclusions(lambda vector: found(rows, vector), (vector,), chance)
-    assert not broken_inclusions(lambda rows: found(rows, vector), (rows,), chance, 8)
+    of_rows = partial(_first_of, found, vector)
+    by_parameter = (attempt.varied,)
+    assert not broken_inclusions(of_rows, (rows,), chance, 2, where=lambda path: path[-1] == by_parameter)
+    for degree in (1, 2) if kind == "periodic-fold" else (1, 2, 3):
+        assert not broken_inclusions(of_rows, (rows,), chance, 3, where=lambda path, d=degree: len(path[-1]) == d)
 
 
 def test_coefficients_of_tori() -> None:
@@ -223,7 +248,11 @@ def test_coefficients_of_tori() -> None:
         )  # fmt: skip
 
     assert not broken_inclusions(lambda zero: found(rows, zero), (zero,), chance)
-    assert not broken_inclusions(lambda rows: found(rows, zero), (rows,), chance, 8)
+    of_rows = partial(_first_of, found, zero)
+    by_parameter = (attempt.varied,)
+    assert not broken_inclusions(of_rows, (rows,), chance, 2, where=lambda path: path[-1] == by_parameter)
+    for degree in (1, 2, 3):
+        assert not broken_inclusions(of_rows, (rows,), chance, 3, where=lambda path, d=degree: len(path[-1]) == d)
 
 
 @pytest.mark.parametrize("size", [2, 3])
