@@ -15,7 +15,10 @@ _SIGNS = {"<=>": r"\Leftrightarrow", "=>": r"\Rightarrow", "<=": r"\le", ">=": r
           "+-": r"\pm", "..": r"\dots", "...": r"\dots", "{": r"\{", "}": r"\}", "*": r"\,", "²": "^{2}",
           "³": "^{3}", "#": r"\#", "%": r"\%", "&": r"\&", "~": r"\sim"}  # fmt: skip
 _TOKEN = re.compile(
-    r"(?P<gap>\s{2,})|(?P<space>\s)|(?P<number>[0-9]+(?:\.[0-9]+)?)|(?P<word>[^\W\d_]+[0-9]*)"
+    r"(?P<gap>\s{2,})|(?P<space>\s)|(?P<number>[0-9]+(?:\.[0-9]+)?)"
+    # A name that has no form as a letter with one index.
+    r"|(?P<name>\b(?:_\w*|(?:v[^\W\d_]+|[^\W\d_]+[0-9]+)_\w*|[^\W\d_]+(?:_[^\W_]*){2,}|[^\W\d_]+_(?![\w(+-])))"
+    r"|(?P<word>[^\W\d_]+[0-9]*)"
     r"|(?P<prime>'+)|(?P<raise>[_^])|(?P<sign><=>|=>|<=|>=|!=|->|\+-|\.\.\.|\.\.|.)"
 )
 
@@ -73,6 +76,9 @@ def _plain(kind: str | None, text: str) -> str:
             return text
         case "word":
             return _word(text)
+        case "name":
+            escaped = text.replace("_", r"\_")
+            return rf"\text{{ {escaped} }}"
     return f"{_SIGNS[text]} " if text in _SIGNS else text
 
 
@@ -88,7 +94,7 @@ def _word(text: str) -> str:
     elif stem == "eps":
         name = r"\varepsilon "
     elif stem[0] == "v" and (len(stem) == 2 or stem[1:] in GREEK):
-        name = f"v_{{{_word(stem[1:]).strip()}}}"
+        return f"v_{{{_word(text[1:]).strip()}}}"
     else:
         name = rf"\text{{ {stem} }}"
     return f"{name}_{{{index}}}" if index else name
