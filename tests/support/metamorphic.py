@@ -23,7 +23,8 @@ from orbitproof.shared.formats import (
     PeriodicBifurcation,
     PeriodicOrbit,
 )
-from orbitproof.shared.systems import Defined, FixedLevel, ParameterRange, ReversibleSystem, System
+from orbitproof.shared.systems import Defined, FixedLevel, ParameterRange, ReversibleSystem, System, record
+from orbitproof.shared.systems.described_functions import program_function
 from orbitproof.verify import enclose
 
 ONE, ZERO = Fraction(1), Fraction(0)
@@ -88,8 +89,13 @@ def _parameters(system: System, change: Change) -> tuple[str, ...]:
     return tuple(names if change.shuffle is None else reversed(names))
 
 
-def _told(system: System, change: Change, function: Any, of_state: bool = False) -> Callable[..., Sequence[Any]]:
-    """A function of state and parameters as one of the new ones; `of_state`: the vector field."""
+def _told(
+    system: System, change: Change, function: Any, factor: Fraction = ONE, of_state: bool = False
+) -> Callable[..., Sequence[Any]]:
+    """A function of state and parameters, times a factor, as one of the new ones; `of_state`: the vector field.
+
+    As a file has it: recorded.
+    """
     state, parameters = order_of(system, change), _parameters(system, change)
     steps = [system.program.instructions[output] for output in system.program.outputs]
     # Written as 0, as somebody would, and not as a multiple of it.
@@ -102,7 +108,7 @@ def _told(system: System, change: Change, function: Any, of_state: bool = False)
         before = {name: _times(value, 1 / change.factor(name)) for name, value in known.items()}
         found = function([before[name] for name in system.state], [before[name] for name in system.parameters])
         if not of_state:
-            return tuple(found)
+            return tuple(_times(value, factor) for value in found)
         rates = dict(zip(system.state, found, strict=True)) | dict.fromkeys(still, 0)
         if change.beside is not None:
             first, second = change.beside
@@ -111,7 +117,8 @@ def _told(system: System, change: Change, function: Any, of_state: bool = False)
             rates[second] = -BESIDE_RATE * known[first] if turns else -BESIDE_RATE * known[second]
         return tuple(_times(rates[name], change.factor(name) / change.time) for name in state)
 
-    return told
+    names = (tuple(map(change.name, each)) for each in (state, parameters))
+    return program_function(record(told, *names), len(state))
 
 
 def _times(value: Any, factor: Fraction) -> Any:
@@ -131,7 +138,7 @@ def changed_system(system: AnySystem, change: Change) -> AnySystem:
         tuple(map(change.name, state)),
         {change.name(key): _scaled_range(ranges[key], change.factor(key)) for key in _parameters(system, change)},
         _told(system, change, system.vector_field, of_state=True),
-        first_integral=None if integral is None else _level_of(system, change, integral),
+        first_integral=None if integral is None else _told(system, change, integral, change.level),
         first_integral_name=None if integral is None else change.integral or name,
         defined=tuple(
             Defined(change.name(each.name), each.function, _told(system, change, each.argument))
@@ -150,8 +157,8 @@ def changed_system(system: AnySystem, change: Change) -> AnySystem:
     def optional(key: str | None) -> str | None:
         return None if key is None else change.name(key)
 
-    def of_level(function: Any, factor: Fraction = ONE) -> Any:
-        return None if function is None else _scaled_function(_told(system, change, function), factor)
+    def function_of(function: Any, factor: Fraction = ONE) -> Any:
+        return None if function is None else _told(system, change, function, factor)
 
     return ReversibleSystem(  # type: ignore[return-value]
         **{key: getattr(told, key) for key in System.__dataclass_fields__},
@@ -162,6 +169,7 @@ def changed_system(system: AnySystem, change: Change) -> AnySystem:
             change.name(key): replace(
                 each,
                 signs=signs(each.signs, (1, -1)),
+                title=change.name(key),
                 section=optional(each.section),
                 level_coordinate=optional(each.level_coordinate),
             )
@@ -171,18 +179,10 @@ def changed_system(system: AnySystem, change: Change) -> AnySystem:
         level_coordinate=optional(system.level_coordinate),
         normalised={change.name(key): value * change.factor(key) for key, value in system.normalised.items()},
         fixed_level=_fixed_level(system, change),
-        squared_distance=of_level(system.squared_distance),
+        squared_distance=function_of(system.squared_distance),
         distance_name=system.distance_name,
-        stiffness_across=of_level(system.stiffness_across, change.time**-2),
+        stiffness_across=function_of(system.stiffness_across, change.time**-2),
     )
-
-
-def _scaled_function(function: Callable[..., Sequence[Any]], factor: Fraction) -> Callable[..., Sequence[Any]]:
-    return lambda values, numbers: tuple(_times(value, factor) for value in function(values, numbers))
-
-
-def _level_of(system: System, change: Change, integral: Any) -> Callable[..., Sequence[Any]]:
-    return _scaled_function(_told(system, change, integral), change.level)
 
 
 def _scaled_range(interval: ParameterRange, factor: Fraction) -> ParameterRange:
