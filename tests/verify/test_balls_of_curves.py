@@ -6,6 +6,7 @@ import random
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -23,7 +24,7 @@ from orbitproof.shared.systems import (
     ParameterRange,
     ReversibleSystem,
 )
-from orbitproof.verify.curve import PieceLimits, birth_piece, doubled_family, doubling_birth, lifted_family
+from orbitproof.verify.curve import PieceLimits, birth_piece, doubled_family, doubling_birth, lifted_family, other_point
 from orbitproof.verify.curve import lyapunov_family as planar
 from orbitproof.verify.curve import vertical_family as vertical
 from orbitproof.verify.curve.bifurcations_on_it import CertifiedPoint
@@ -32,7 +33,7 @@ from orbitproof.verify.curve.followed import Crossing
 from orbitproof.verify.curve.libration_point import derived_parameter
 from orbitproof.verify.curve.other_point import enclose_crossings, meets_section_once
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
-from orbitproof.verify.evidence import Checklist, NotEstablishedError, enclose
+from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotEstablishedError, enclose
 from orbitproof.verify.oracle import ORACLE
 
 BITS = 160
@@ -207,6 +208,34 @@ def test_levels_and_directions_in_other_units_are_those_of_their_states() -> Non
     for name, own in (("vx", "vxi"), ("vz", "vzeta")):
         left = state[f"d{own}"] * rates["eta"] - rates[own] * state["deta"]
         assert direction[name].overlaps(left / rates["eta"])
+
+
+@pytest.mark.parametrize("place", range(3))
+def test_a_crossing_of_which_one_coordinate_is_not_known_is_not_enclosed(
+    place: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    system = planar_system(lambda s, p: (s[1], -p[0] * s[0], 0 * s[2]), ("y", "vy", "u"), (-1, 1, -1), "w")
+    point, of_element, asked = {"vy": arb(1), "w": arb(2)}, other_point._ball, list(range(6))
+
+    def unknown(element: Any) -> arb:
+        return arb("nan") if asked.pop(0) == 3 + place else of_element(element)
+
+    assert enclose_crossings(ORACLE, system, {}, point, 2) is not None
+    monkeypatch.setattr(other_point, "_ball", unknown)
+    assert enclose_crossings(ORACLE, system, {}, point, 2) is None
+    assert not asked
+
+
+def test_a_function_that_changes_its_sign_at_a_pole_has_no_zero_there() -> None:
+    """1/x increases from 0 to 0 by way of infinity; x + x^3 has its zero there."""
+    for equation, is_found in ((lambda x, _: (1 / x[0],), False), (lambda x, _: (x[0] + x[0] ** 3,), True)):
+        definition = SimpleNamespace(equation=equation, interval=lambda given: (Fraction(-3), Fraction(5)))
+        system: Any = SimpleNamespace(fixed_parameters=(), derived_parameters={"y": definition})
+        if is_found:
+            assert derived_parameter(system, "y", {}, 40).ball.contains(0)
+        else:
+            with pytest.raises(IntegrationFailure):
+                derived_parameter(system, "y", {}, 40)
 
 
 def test_a_derived_parameter_that_is_known_badly_is_known_on_both_sides() -> None:

@@ -32,6 +32,7 @@ from orbitproof.verify.evidence import Checklist, NotEstablishedError, enclose
 from orbitproof.verify.functions import BoundedFunction
 from orbitproof.verify.reversor_breaking import is_shifted_by
 from orbitproof.verify.stability import point_over
+from orbitproof.verify.stability.between_orbits import _is_within
 from orbitproof.verify.stability.complete_list import Finder
 from orbitproof.verify.stability.extrema import extrema_on
 from orbitproof.verify.stability.kinds import Kind
@@ -252,3 +253,12 @@ def test_every_extremum_of_every_function_that_may_be_meant_is_listed_or_open(co
             for place, value in true:
                 held = [here for here, known_value in listed if here.overlaps(place) and known_value.overlaps(value)]
                 assert len(held) == 1 or any(enclose(a) <= place <= enclose(b) for a, b in undecided)
+
+
+def test_an_orbit_counts_on_a_segment_from_where_that_is_surely_entered() -> None:
+    segment: Any = SimpleNamespace(start=Fraction(-1, 2), entered=Fraction(-1, 4), end=Fraction(1, 2))
+    for middle, radius, wanted in (
+        ("0", "0.24", True), ("-0.3", "0.01", False), ("-0.25", "0.01", False), ("0.5", "0.01", False),
+        ("0.6", "0", False),
+    ):  # fmt: skip
+        assert _is_within(arb(middle, radius), segment) == wanted

@@ -17,8 +17,10 @@ from orbitproof.verify.bifurcation.conditions import check_enclosures
 from orbitproof.verify.double_resonance import ResonanceEnclosures
 from orbitproof.verify.double_resonance import proved_double_resonance as double
 from orbitproof.verify.evidence import Checklist, DerivativeTable, NotEstablishedError, indices_up_to
+from orbitproof.verify.newton import Jet
 from orbitproof.verify.orbit import OrbitEnclosures, proved_orbit
 from orbitproof.verify.reversor_breaking import BreakingEnclosures, check_half_return
+from orbitproof.verify.twist import proved_stable_orbit as room
 
 Check = Callable[[Any], Any]
 RADII = (Fraction(1, 8),) * 3
@@ -132,3 +134,23 @@ def test_each_derivative_of_each_function_has_to_be_there(make: Callable[[int], 
             assert refused(check, replace(found, back=(found.back[0],)))
             assert refused(check, replace(found, back=tuple(row[: 2 - (k == i)] for k, row in enumerate(found.back))))
         assert refused(check, replace(found, first_integral=None))
+
+
+@pytest.mark.parametrize("bad", [(0, (1, 0)), (0, (0, 3)), (1, (1, 0)), (1, (2, 1))])
+def test_each_derivative_of_the_full_return_of_a_stable_orbit_is_finite(
+    bad: tuple[int, tuple[int, int]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    jets = [Jet(2, 3, {index: arb(1) for index in indices_up_to(2, 3)}) for _ in range(2)]
+    half = SimpleNamespace(is_complete=lambda n, has_integral: True)
+    claimed: Any = SimpleNamespace(system=SimpleNamespace(first_integral=1))
+    found: Any = SimpleNamespace(half_return=half)
+    monkeypatch.setattr(room, "half_return_jets", lambda *rest: None)
+    monkeypatch.setattr(room, "full_return_jets", lambda *rest: tuple(jets))
+    assert room._check_return(Checklist(), claimed, found) == tuple(jets)
+    component, index = bad
+    jets[component] = Jet(2, 3, {**jets[component].coefficients, index: arb("nan")})
+    with pytest.raises(NotEstablishedError):
+        room._check_return(Checklist(), claimed, found)
+    half.is_complete = lambda n, has_integral: False
+    with pytest.raises(NotEstablishedError):
+        room._check_return(Checklist(), claimed, found)

@@ -624,6 +624,11 @@ def test_how_far_what_reversibility_makes_zero_is_enclosed_with_zero_is_told() -
     text = with_lasting(atlas(), found)["statement"]
     assert "is at most 0.50 of the bound of what is not, and, on 1 of them, this bound at most 0.51 of" in text
     assert "on 1 the bound is larger" in text
+    # Of bounds that say something the larger one is told.
+    found[1]["twist"]["defect"] = stored([Fraction(1, 16)], 0.25)
+    told = said(found)["reversibility"]
+    assert told["sharp"] == 2
+    assert float(ball_from_json(told["bound"]).mid()) == pytest.approx(0.5)
     true = said(results())["reversibility"]
     assert (true["intervals"], true["sharp"]) == (2, 2)
     assert float(ball_from_json(true["known_part"]).mid()) < 1e-3
