@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import random
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from math import prod
@@ -497,14 +498,18 @@ def test_a_level_has_one_coordinate_in_its_interval() -> None:
         "first_integral": "(vx**2 + vy**2 + x**2 + c*y**2)/2 + a*x**2*y - y**3/3", "family_parameter": "a",
         "level_coordinate": "y", "fixed_level": {"value": "1/12", "between": ["-1", "-1/10"]},
     })  # fmt: skip
-    equation = LevelEquation.of(system)
     chance = random.Random(10)
-    arguments = [arb(0.3), arb(0.1), arb(0.7), arb(-0.4), arb(1.1), arb(0.9)]
-    assert not broken_inclusions(equation.at, (arguments, arb(-0.4)), chance)
-    slope = equation.slope(arguments)
-    assert slope is not None
-    for w in (arb(-1), arb(-0.5), arb("-0.1")):
-        assert slope.overlaps(equation.at(arguments, w)[1])
+    # On the second interval, and on the third, the derivative is enclosed on parts, on each by other balls.
+    for c, low, high in ((arb(1.1), "-1", "-1/10"), (arb(3), "1/10", "9/10"), (arb(-3), "-9/10", "-1/10")):
+        ends = Fraction(low), Fraction(high)
+        equation = LevelEquation.of(replace(system, fixed_level=FixedLevel(Fraction(1, 12), between=ends)))
+        arguments = [arb(0.3), arb(0.1), arb(0.7), arb(-0.4), c, arb(0.9)]
+        assert not broken_inclusions(equation.at, (arguments, enclose(sum(ends) / 2)), chance)
+        slope = equation.slope(arguments)
+        assert slope is not None
+        assert excludes_zero(slope)
+        for w in (enclose(ends[0] + (ends[1] - ends[0]) * share / 8) for share in range(9)):
+            assert slope.contains(equation.at(arguments, w)[1].mid())
     level = FixedLevel(Fraction(2), between=(HALF, Fraction(2)))
     assert is_in(level, arb(1.25, 0.74))
     assert not is_in(level, arb(1.25, 0.76))

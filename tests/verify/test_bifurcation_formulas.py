@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction as F
@@ -240,6 +241,22 @@ def test_the_slope_of_the_reduced_function_follows_the_family() -> None:
         assert reduced.slope.contains(enclose(2 + 4 * p_1))
     point = reduced_function(arb(0), arb(0), curve, reduction)
     assert is_near(point.slope, F(2))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_slope_of_the_reduced_function_is_that_over_all_of_a_curved_family(seed: int) -> None:
+    """G = (p_1 - s p_0 - t p_0^2) (u p_0 + v p_1 + t v p_0^2): dg/dp_0 is u + 2 t v p_0, and G_01 does not vary."""
+    chance = random.Random(seed)
+    s, t, u, v = (F(chance.choice((-1, 1)) * chance.randint(2, 9), 3) for _ in range(4))
+    family: Function = lambda p, c: p[1] + p[0] * c(-s) + p[0] * p[0] * c(-t)  # noqa: E731
+
+    def product(p: Sequence[Any], c: Callable[[F], Any]) -> Any:
+        return family(p, c) * (p[0] * c(u) + p[1] * c(v) + p[0] * p[0] * c(t * v))
+
+    problem, curve, reduction = problem_of([family, product], (F(1, 64), F(1, 4)))
+    reduced = reduced_function(*problem.box, curve, reduction)
+    for p_0 in (F(-1, 64), F(0), F(1, 64)):
+        assert reduced.slope.contains(enclose(u + 2 * t * v * p_0))
 
 
 def test_the_doubly_symmetric_family_has_p_1_zero() -> None:

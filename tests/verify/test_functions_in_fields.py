@@ -361,6 +361,12 @@ def test_signs_that_lead_away_from_the_functions_are_no_symmetry() -> None:
     assert parities(forged.program, forged.reversing_symmetry) == [-sign for sign in forged.reversing_symmetry]
     with pytest.raises(NotEstablishedError, match="functions of others"):
         check_symmetries(Checklist(), forged)
+    # So does (x, vx) -> -(x, vx), sin -> sin, cos -> -cos commute with it.
+    signs = {"x": -1, "y": 1, "vx": -1, "vy": 1, "sin_x": 1, "cos_x": -1}
+    commuting = tuple(signs[name] for name in system.state)
+    assert parities(system.program, commuting) == list(commuting)
+    with pytest.raises(NotEstablishedError, match="symmetry S"):
+        check_symmetries(Checklist(), replace(system, symmetries={"S": commuting}), "S")
     check_symmetries(Checklist(), described(SWING), "S")
 
 

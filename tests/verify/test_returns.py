@@ -19,7 +19,7 @@ from support.wide_checks import OSCILLATOR, TWIST
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.systems import CR3BP, LEVEL_NAME
-from orbitproof.verify.algebra import Arithmetic, Grading
+from orbitproof.verify.algebra import Arithmetic, Grading, WideArithmetic
 from orbitproof.verify.bifurcation import enclose_first_integral
 from orbitproof.verify.evidence import Checklist, DerivativeTable, IntegrationFailure, NotEstablishedError
 from orbitproof.verify.flow import FlowStep, advance
@@ -163,6 +163,20 @@ def test_the_crossings_of_a_half_orbit_before_its_end_are_off_the_fixed_set(c: s
         return
     _, time = returns.half_orbit(2)
     assert contains(time, exact(2 * mpmath.pi / (1 + mpmath.mpf(1) / 16)))
+
+
+@pytest.mark.parametrize("zero", ["-1", "-5/8", "1/16", "7/8", "-9/8", "9/8"])
+def test_no_orbit_of_a_piece_is_on_the_fixed_set_at_a_crossing_before_the_end(zero: str) -> None:
+    """c = (s - zero)/16, d = 0: the orbit of s = zero is in Fix(R) at every crossing, if it is one of the piece."""
+    arithmetic = WideArithmetic(Grading((1,), 1), 60, 0, 24, width=12)
+    along = {"omega": [Fraction(3, 2)], "a": [Fraction(1, 2)], "c": [-Fraction(zero) / 16, Fraction(1, 16)]}
+    points = {name: arithmetic.polynomial({(0,): values}) for name, values in along.items()}
+    returns = HalfOrbits(TWIST, arithmetic, points, ORACLE)
+    if abs(Fraction(zero)) > 1:
+        assert len(returns.half_orbit(2)[0]) == len(TWIST.state)
+        return
+    with pytest.raises(IntegrationFailure, match=r"in Fix\(R\) at crossing 1 already"):
+        returns.half_orbit(2)
 
 
 @pytest.mark.parametrize("wrong", ["time", "u1"])

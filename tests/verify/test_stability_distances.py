@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import copy
+import random
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -27,7 +29,8 @@ from orbitproof.verify.distances import (
     is_distance_of_orbits,
     ranges_between,
 )
-from orbitproof.verify.distances.distances import PARTS, Cells
+from orbitproof.verify.distances.distances import _GRID as GRID
+from orbitproof.verify.distances.distances import PARTS, Cells, _Side
 from orbitproof.verify.evidence import sign
 from orbitproof.verify.functions import REACH, BoundedFunction
 from orbitproof.verify.stability import Segment
@@ -117,6 +120,30 @@ def test_bounds_hold_on_cells_and_are_about_as_narrow_as_the_values() -> None:
             true_sign = sign(arb(values.min() - 1e-3).union(arb(values.max() + 1e-3)))
             assert cells.signs[cell][part] in (0, true_sign)
             assert cells.signs[cell][part] == true_sign or abs(values).min() < 0.05
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_an_extreme_at_an_end_is_one_in_all_cells_by_its_curvature_or_by_its_value(seed: int) -> None:
+    """Lemma 20.1: from this end on some cells, one at least, are curved so, and the others, one at least, are away."""
+    chance = random.Random(seed)
+    cells, shown = 2 * GRID, list[bool]()
+    for sign_ in (1, -1) * 40:
+        rest = chance.randint(0, cells)
+        bad = [chance.choice((0, -sign_)) for _ in range(4)]
+        away = [chance.choice((sign_, sign_, bad[0])) if i < rest else sign_ for i in range(cells)]
+        # Often the first cell that need not be curved so is curved the other way.
+        curved = rest + chance.choice((-1, 0, 0, 1, cells))
+        bends = [sign_ if i < curved else chance.choice((sign_, *bad)) for i in range(cells)]
+        rows = range(GRID - 1, -1, -1) if seed % 2 else range(GRID)
+        curvatures = ([[bend] for bend in bends[:GRID]], [[bend] for bend in bends[GRID:]])
+        steps: Any = [SimpleNamespace(curvature=part[:: rows.step]) for part in curvatures]
+        side = _Side(Where.HERE, steps, rows, np.array(away, dtype=float)[:, None])
+        known = [
+            set(bends[:beside]) == {sign_} and set(away[beside:]) == {sign_} for beside in range(1, cells)
+        ]  # fmt: skip
+        shown.append(any(known))
+        assert side.has_extreme(0, sign_) == shown[-1]
+    assert {*shown} == {True, False}
 
 
 def test_what_is_not_finite_has_no_sign() -> None:
