@@ -261,8 +261,11 @@ test-slow: $(VENV)/dev.stamp
 campaign: $(VENV)/dev.stamp
 	@$(BOUND) $(BIN)/python tests/soundness/campaign.py --jobs $(JOBS) --output campaign.json
 
+# SLIPS: faults made by rule, drawn at random, beside those of the table.
+SLIPS := 200
+
 faults: $(VENV)/dev.stamp
-	@$(BIN)/python tests/faults/run.py --jobs $(JOBS) --slow --output faults.json
+	@$(BIN)/python tests/faults/run.py --jobs $(JOBS) --slow --slips $(SLIPS) --output faults.json
 
 reading-list: $(BIN)/python
 	@$(BIN)/python docs/reading_list.py $(CHAPTER)

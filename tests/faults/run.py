@@ -1,6 +1,8 @@
 """Faults made on purpose, one line each: ``python tests/faults/run.py --output faults.json``.
 
-The files beside this one are the table, one for each room of the trusted modules (`read`). Every fault is applied to a
+The files beside this one are the table, one for each room of the trusted modules (`read`): faults that change an idea.
+Beside them stand faults by rule (`slips`), drawn from all that can be made of the trusted modules: with ``--slips 200
+--seed 1`` two hundred, always the same until the modules change. Every fault is applied to a
 copy of the package, and the tests of its room run on the copy until one of them fails; those that `make test` runs, and
 with ``--slow`` those that `make test-slow` runs where no other has noticed the fault. Results are kept one by one, and
 the same command goes on; it tries a fault again when its patch or the modules beside it have changed, and one that no
@@ -15,12 +17,14 @@ import hashlib
 import json
 import multiprocessing
 import os
+import random
 import shutil
 import signal
 import sys
 import tempfile
 import time
 import tomllib
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
@@ -29,6 +33,7 @@ from pathlib import Path
 from typing import Any
 
 import child
+import slips
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -93,14 +98,57 @@ def _digest(texts: Iterable[str], files: Iterable[Path]) -> str:
 
 
 def read(folder: Path = HERE) -> list[Fault]:
-    """All faults of the table, by room."""
+    """All faults of the table, by room. A file of it has, by module, what is broken with section, old and new text.
+
+    Behind these may stand tests that run first, and last ``{ harmless = .. }``.
+    """
     faults = []
     for path in sorted(folder.glob("*.toml")):
         room = tomllib.loads(path.read_text(encoding="utf-8"))
-        for entry in room["faults"]:
-            rest = {"first": tuple(entry.pop("tests", ())), "harmless": entry.pop("harmless", None)}
-            faults.append(Fault(room=path.stem, tests=tuple(room["tests"]), **entry, **rest))
+        tests = tuple(room.pop("tests"))
+        for file, entries in room.items():
+            for breaks, (section, old, new, *rest) in entries.items():
+                harmless = rest.pop()["harmless"] if rest and isinstance(rest[-1], dict) else None
+                faults.append(Fault(path.stem, breaks, section, file, old, new, tuple(rest), tests, harmless))
     return faults
+
+
+def trusted_modules() -> list[str]:
+    """Those with which faults by rule are made: guesses, attempts and runs decide nothing."""
+    paths = (path.relative_to(ROOT).as_posix() for room in TRUSTED for path in sorted((ROOT / room).rglob("*.py")))
+    apart = ("verify/oracle/", "verify/attempt/", "verify/alone/", "verify/run/", "verify/scripting", "shared/printing")
+    return [path for path in paths if not path.startswith(apart) and not path.endswith("__init__.py")]
+
+
+def drawn(count: int, seed: int, table: Sequence[Fault]) -> list[Fault]:
+    """Faults by rule, drawn at random; the tests are those of the room that has most faults in the same folder."""
+    every = [slip for file in trusted_modules() for slip in slips.slips(ROOT, file)]
+    random.Random(seed).shuffle(every)
+    rooms: dict[str, Counter[str]] = {}
+    for fault in table:
+        rooms.setdefault(_folder(fault.file), Counter())[fault.room] += 1
+    tests = {fault.room: fault.tests for fault in table}
+    found: dict[str, Fault] = {}
+    for slip in every:
+        text = (ROOT / slip.file).read_text(encoding="utf-8")
+        if len(found) == count:
+            break
+        if not slips.changes(slip, text):
+            continue
+        [(room, _)] = rooms.get(_folder(slip.file), rooms["verify/certificate"]).most_common(1)
+        begin, end = slip.begin, slip.end
+        while text.count(text[begin:end]) > 1:
+            begin, end = max(begin - 1, 0), end + 1
+        new = text[begin : slip.begin] + slip.new + text[slip.end : end]
+        breaks = f"{slip.file}:{slip.line}: {slip.rule}: {slip.function}: {slip.says}"
+        first = tuple(dict.fromkeys(test for fault in table if fault.file == slip.file for test in fault.first))
+        section = ", ".join(slip.sections)
+        found[breaks] = Fault(room, breaks, section, slip.file, text[begin:end], new, first, tests[room], None)
+    return list(found.values())
+
+
+def _folder(file: str) -> str:
+    return "/".join(file.split("/")[: 2 if file.startswith("verify/") else 1])
 
 
 def copied(folder: Path) -> None:
@@ -274,8 +322,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--only", default="", metavar="TEXT", help="faults with this text in 'room: what it breaks'")
     parser.add_argument("--slow", action="store_true", help="the slow tests too, where no other has noticed the fault")
+    parser.add_argument("--slips", type=int, default=0, metavar="N", help="so many faults by rule beside the table")
+    parser.add_argument("--seed", type=int, default=1, help="which of them")
     options = parser.parse_args(arguments)
-    faults = [fault for fault in read() if options.only in fault.name]
+    table_of_faults = read()
+    made = drawn(options.slips, options.seed, table_of_faults)
+    faults = [fault for fault in (*table_of_faults, *made) if options.only in fault.name]
     results = run(faults, options.output, options.jobs, options.slow, lambda line: print(line, file=sys.stderr))
     print(table(faults, results))
     good = [

@@ -78,20 +78,46 @@ def test_every_room_has_faults_and_no_name_stands_for_two() -> None:
 
 ROOM = """
 tests = ["tests/shared/test_selection.py"]
-[[faults]]
-breaks = "What is not asked for is not selected"
-section = "1.1"
-file = "shared/formats/selection.py"
-old = "if only is None or"
-new = "if True or"
-[[faults]]
-breaks = "Nothing"
-section = "1.1"
-file = "shared/formats/selection.py"
-old = "known = list(names)"
-new = "known = [*names]"
-harmless = "it is the same list"
+["shared/formats/selection.py"]
+"What is not asked for is not selected" = ["1.1", 'if only is None or', 'if True or']
+"Nothing" = ["1.1", 'known = list(names)', 'known = [*names]', { harmless = "it is the same list" }]
 """
+
+
+def test_faults_by_rule_are_other_programs_and_say_what_they_break() -> None:
+    made = faults.drawn(60, 7, TABLE)
+    assert len(made) == 60
+    assert made == faults.drawn(60, 7, TABLE)
+    assert len({fault.breaks.split(": ")[1] for fault in made}) >= 8
+    for fault in made:
+        text = text_of(fault.file)
+        assert ast.dump(ast.parse(fault.applied(text))) != ast.dump(ast.parse(text))
+        assert fault.tests
+
+
+@pytest.mark.parametrize(
+    ("line", "slip"),
+    [
+        ("if a < b: f()", "if a <= b: f()"),
+        ("if a < b: f()", "if True: f()"),
+        ("if a < b: f()", "if a < b: pass"),
+        ("x = a - b", "x = b"),
+        ("x = -a", "x = a"),
+        ("x = a and b", "x = a"),
+        ("x = a[1]", "x = a[2]"),
+        ("x = any(a)", "x = all(a)"),
+        ("x = f(a, b)", "x = f(b, a)"),
+        ("x = f(a, k=1)", "x = f(a, )"),
+        ("x = [a, b, c]", "x = [a, c]"),
+        ("x = a if b else c", "x = c"),
+        ("x = [f(y) for y in z]", "x = [f(y) for y in list(z)[:-1]]"),
+        ("evidence.require(f(a), m)", "evidence.require(True, m)"),
+    ],
+)
+def test_each_rule_makes_its_slip(line: str, slip: str, tmp_path: Path) -> None:
+    (tmp_path / "module.py").write_text(line)
+    made = {each.applied(line).replace("(", "").replace(")", "") for each in faults.slips.slips(tmp_path, "module.py")}
+    assert slip.replace("(", "").replace(")", "") in made
 
 
 def test_runner_finds_a_fault_goes_on_and_tells_what_survives(tmp_path: Path) -> None:
