@@ -88,6 +88,31 @@ def test_values_of_functions_along_a_curve(seed: int) -> None:
         assert not broken_inclusions(lambda c, segment=segment: segment.at(c).value(arb(1) / 8), (tau,), chance)
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_stability_parameters_bend_and_turn_as_their_sum_and_product_say(seed: int) -> None:
+    """Two even polynomials a < b of tau: their second derivatives, and where a' b' = 0, divided by tau^2."""
+    chance = random.Random(seed)
+    low, high = (arb_poly([arb(start), 0, ball(chance, -1, 1), 0, ball(chance, -1, 1)]) for start in (-1, 4))
+    trace, second = (BoundedFunction(function, arb(0)) for function in (low + high, low * high))
+    segment = segment_of(chance, 2, characteristic=(trace, second))
+    stationary = _Stationary(trace, second)
+    for tau in (arb(share) / 16 for share in (-8, -3, 2, 7)):
+        slopes = [function.derivative()(tau) for function in (low, high)]
+        bends = [function.derivative().derivative()(tau) for function in (low, high)]
+        for found, known in zip(_bends(segment, tau), bends, strict=True):
+            assert found.overlaps(known)
+            assert found.rad() < 1e-30
+        # The resultant of the characteristic polynomial and its derivative by tau.
+        turning = -((high(tau) - low(tau)) ** 2) * slopes[0] * slopes[1]
+        assert stationary.value(tau).overlaps(turning)
+        assert stationary.value(tau).rad() < 1e-30
+        assert stationary.over_square(hull(arb(0), tau)).contains((turning / tau**2).mid())
+        near = tau / 2**20
+        quotient = stationary.value(near) / near**2
+        assert quotient.overlaps(stationary.over_square(hull(arb(0), near)))
+        assert stationary.over_square(hull(arb(0), near)).rad() < 1e-3
+
+
 def edges(function: Any, low: Fraction, high: Fraction) -> list[arb]:
     """Its values at both ends of an interval, and a little inside."""
     places = [low, high, low + (high - low) / 1024, high - (high - low) / 1024, (low + high) / 2]

@@ -88,7 +88,8 @@ def test_the_value_is_true_wherever_the_orbits_lie_around_it(seed: int) -> None:
     curve, source = Curve(seed), random.Random(seed + 100)
     offsets = sorted(Fraction(source.randint(-(10**6), 10**6), 10**12) for _ in range(7))
     for entry in curve.narrowed([curve.orbit(curve.place + offset) for offset in offsets]):
-        if entry.s.contains(ball(curve.place)):
+        if entry.certificates or entry.s.contains(ball(curve.place)):
+            assert entry.s.contains(ball(curve.place))
             assert entry.value.contains(ball(curve.value))
 
 
@@ -107,6 +108,16 @@ def test_orbits_that_are_not_on_this_piece_or_nowhere_say_nothing() -> None:
     assert curve.narrowed([replace(entry, kind="doubling") for entry in orbits]) == curve.extrema
     beyond = [replace(entry, place=Place("p", arb(2), False)) for entry in orbits]
     assert curve.narrowed(beyond) == curve.extrema
+
+
+def test_orbits_before_the_curve_enters_a_piece_say_nothing() -> None:
+    curve = Curve(2)
+    curve.segment = replace(curve.segment, entered=curve.place + 2 * APART)
+    curve.extrema = []
+    assert curve.narrowed(curve.beside()) == []
+    curve.segment = replace(curve.segment, entered=curve.place - 2 * APART)
+    with pytest.raises(EmptyIntersectionError, match="the list does not have"):
+        curve.narrowed(curve.beside())
 
 
 def test_orbits_with_complex_or_missing_stability_parameters_say_nothing() -> None:

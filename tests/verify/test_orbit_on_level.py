@@ -17,10 +17,13 @@ from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Candidate,
 from orbitproof.shared.systems import FixedLevel, ReversibleSystem
 from orbitproof.verify.certificate import Certificate, Limits, certify, recheck
 from orbitproof.verify.evidence import IntegrationFailure
-from orbitproof.verify.poincare import on_sheet
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.orbit import enclose_orbit
+from orbitproof.verify.poincare import IntegratorSettings, on_sheet
 
 DATA = Path(__file__).parents[1] / "data"
 LIMITS = Limits(max_precision=256)
+BITS = 160
 GUESS = (1.9, -0.2446)
 
 
@@ -86,6 +89,21 @@ WRONG: dict[str, ReversibleSystem] = {
 @pytest.mark.parametrize("case", WRONG)
 def test_it_is_no_orbit_of(case: str) -> None:
     assert not certify(replace(claimed(), system=WRONG[case]), LIMITS).proved
+
+
+def test_distances_are_those_of_points_on_both_sheets() -> None:
+    """Of 5 + u2: more than 5 at the point of the claim, less at the other one, as the level has it there."""
+    measured = replace(system(), squared_distance=lambda x, _: (5 + x[2],), distance_name="something")
+    found = enclose_orbit(replace(claimed(), system=measured), IntegratorSettings(BITS), ORACLE)
+    assert found.distance is not None
+    at = (0,) * len(claimed().radii)
+    for table, point, sign in (
+        (found.distance.start, certificate().point, 1),
+        (found.distance.end, certificate().orbit.other_point, -1),
+    ):
+        # On the level 0 of Fix(R) u2^2 = u^2 - 2 u^3/3.
+        u = point["u"]
+        assert table.box[at].overlaps(5 + sign * (u * u - 2 * u**3 / 3).sqrt())
 
 
 def test_a_coordinate_of_no_certain_sign_is_on_no_sheet() -> None:

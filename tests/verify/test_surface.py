@@ -296,11 +296,13 @@ def test_parts_that_are_asked_for_cover_the_interval(parts_at_will: Any, piece: 
         assert isinstance(outcome, Proved) or "leave a gap" in outcome.reason.message
 
 
+@pytest.mark.parametrize("zeta", [(ONE / 2**60,), (0 * ONE, ONE), (0 * ONE, 0 * ONE, -ONE / 2**60)])
 def test_a_centre_out_of_the_plane_is_named_before_anything_is_followed(
-    parts_at_will: Any, piece: SurfacePiece
+    zeta: tuple[Fraction, ...], parts_at_will: Any, piece: SurfacePiece
 ) -> None:
     parts_at_will(lambda start, end: True)
-    changed, word = FALSE["a centre out of the plane"]
-    outcome = prove_surface_piece(HILL, changed(piece), WHOLE, ORACLE, FAST).outcome
+    _, word = FALSE["a centre out of the plane"]
+    changed = replace(piece, centre=(piece.centre[0], zeta, piece.centre[2]))
+    outcome = prove_surface_piece(HILL, changed, WHOLE, ORACLE, FAST).outcome
     assert isinstance(outcome, NotProved)
     assert word in outcome.reason.message
