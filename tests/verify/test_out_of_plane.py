@@ -147,7 +147,7 @@ def test_variations_of_an_oscillator_are_those_of_another_one() -> None:
             for entry, value in zip(found.entries, expected, strict=True):
                 enclosed = entry.enclosed.value(arb(0))
                 assert enclosed.overlaps(value)
-                assert enclosed.rad() < 1e-15 + 100 * spread
+                assert enclosed.rad() < 1e-15 + 4096 * spread
 
 
 def test_the_stiffness_is_that_of_the_three_body_problem() -> None:
