@@ -1,7 +1,7 @@
 """Build the site: ``python docs/site/build.py FOLDER``.
 
-The documents are copied as they lie in the tree, so that their links to each other hold; the displayed formulas of the
-chapters are set, the reference is made from the code. Whatever Sphinx warns of, a broken link first, fails the build.
+The documents are copied as they lie in the tree, so that their links to each other hold; the reference is made from the
+code. Whatever Sphinx warns of, a broken link first, fails the build.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 sys.path.insert(0, str(HERE))
 
-from formulas import with_formulas  # noqa: E402
 from reference import PAGES  # noqa: E402
 
 WEBS = ROOT / "web-out"
@@ -45,10 +44,7 @@ def stage(folder: Path) -> None:
             continue
         target = folder / path.relative_to(ROOT)
         target.parent.mkdir(parents=True, exist_ok=True)
-        if path.suffix == ".md":
-            target.write_text(with_formulas(path.read_text("utf-8")), "utf-8")
-        else:
-            shutil.copy(path, target)
+        shutil.copy(path, target)
     for path in (HERE / "conf.py", *HERE.glob("*.md")):
         shutil.copy(path, folder)
     # Pages that a browser shows as they are, if they were made: beside the documents, which then link to them.

@@ -30,7 +30,8 @@ exclude_patterns = ["_build"]
 default_role = "code"
 nitpicky = False
 
-myst_enable_extensions = ["deflist"]
+myst_enable_extensions = ["deflist", "dollarmath"]
+myst_fence_as_directive = ["math"]
 myst_heading_anchors = 4
 nb_execution_mode = "off"
 

@@ -11,8 +11,6 @@ from importlib import import_module, resources
 from typing import Any
 from unittest.mock import patch
 
-from formulas import with_formulas
-
 from orbitproof.__main__ import _COMMANDS as COMMANDS
 from orbitproof.figures.report.formulas import to_latex
 from orbitproof.shared.systems import BRANCH_SYSTEMS
@@ -117,8 +115,8 @@ def systems_page() -> str:
         title, *lines = setting(system, {}, next(iter(system.symmetries), None))
         parts.append(f"## {title.removesuffix(':')} (`{name}`)\n")
         for line in lines:
-            parts.append(f"```{{math}}\n{to_latex(line)}\n```\n" if line.startswith("  ") else f"{line}\n")
-    return with_formulas("\n".join(parts))
+            parts.append(f"```math\n{to_latex(line)}\n```\n" if line.startswith("  ") else f"{line}\n")
+    return "\n".join(parts)
 
 
 MODULES = {

@@ -73,7 +73,7 @@ SEEDS = {
         "`explore/stability.py`",
     ),
     "a proof does not end": ("ill_formed", "verify/newton/README.md", "theorem. QED", "theorem."),
-    "a lemma has no proof": ("ill_formed", "verify/newton/README.md", "*Proof.* For y", "For y"),
+    "a lemma has no proof": ("ill_formed", "verify/newton/README.md", "*Proof.* For $y", "For $y"),
     "a paragraph turns into a list": (
         "ill_formed",
         "verify/newton/README.md",
@@ -81,6 +81,15 @@ SEEDS = {
         "## 7. Tools\n\nx\n- y\n",
     ),
     "a heading skips a level": ("ill_formed", "verify/newton/README.md", "\n## 7. Tools", "\n#### 7. Tools"),
+    "Markdown eats an underscore": (
+        "garbled_mathematics",
+        "verify/flow/README.md",
+        "$E \\le T$",
+        "$|e|_g \\le e_{a}$",
+    ),
+    "Markdown eats a star": ("garbled_mathematics", "verify/flow/README.md", "$E \\le T$", "$(a *b) *c* d$"),
+    "a formula is not marked": ("garbled_mathematics", "verify/flow/README.md", "$J_{ij}$", "J_ij"),
+    "a formula does not end": ("garbled_mathematics", "verify/flow/README.md", "$E \\le T$", "$E \\le T"),
     "a table has a row too short": ("ill_formed", "verify/flow/README.md", "| module | what it does |", "| module |"),
 }
 

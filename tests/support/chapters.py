@@ -16,6 +16,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
+from markdown_it import MarkdownIt
+from markdown_it.token import Token
+
 NUMBER = r"\d{1,2}(?:\.\d{1,2})?"
 _LIST = rf"{NUMBER}(?:(?:,? and |,? or | to |, |,\n){NUMBER}(?!\.?\d))*"
 _SECTIONS = re.compile(rf"\b[Ss]ections? ({_LIST})")
@@ -25,14 +28,17 @@ _FOREIGN = re.compile(r"\[WW[^\]]*\]|https?://\S+|`[^`\n]*`")
 _SECTION_HEADING = re.compile(rf"^(?:#{{2,3}} (?={NUMBER}\.? \S)|\*\*(?=\d+\.\d))({NUMBER})", re.MULTILINE)
 """A heading, or a paragraph that begins with its number in bold."""
 _RESULT_HEADING = re.compile(rf"^\*\*(Lemma|Proposition|Theorem) ({NUMBER})(?: \([^)]*\))?\.\*\*", re.MULTILINE)
-_FORMULA = re.compile(r"^ .*\s{2,}\((\d{1,2}\.\d)\)$", re.MULTILINE)
+_FORMULA = re.compile(r"^.*\\qquad \((\d{1,2}\.\d)\)(?: \\\\)?$", re.MULTILINE)
 _ARGUMENT = re.compile(r'(?<=[(,\s=])"([1-9]\d?\.\d{1,2})"(?=[,)])')
 """The section of a hypothesis, as it is handed to the checklist."""
 _LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 _COVER_ROW = re.compile(r"^\| [^|]+ \| \[[^\]]+\]\(\.\./([^)]+)/README\.md\) \| ([^|]*)\|", re.MULTILINE)
-_BROKEN_LINE = re.compile(r"^(?!    |[-|#>]|\d+\. ).+\n((?:[-+*>] |\d+[.)] |=+$|-+$).*)", re.MULTILINE)
+_BROKEN_LINE = re.compile(r"^(?!  |[-|#>]|\d+\. ).+\n((?:[-+*>] |\d+[.)] |=+$|-+$).*)", re.MULTILINE)
 """A line of a paragraph that Markdown takes for something else."""
+_INLINE = re.compile(r"\$([^$]+)\$")
+_UNMARKED = re.compile(r"(?<![\w.\-/])[A-Za-z]{1,2}_[\w{(]|\w\^[\w({-]")
 _ROOMS = ("shared", "verify")
+MARKDOWN = MarkdownIt("commonmark").enable("table")
 
 
 @dataclass(frozen=True)
@@ -255,6 +261,51 @@ def _unproved(prose: str) -> Iterator[str]:
         yield f"{claimed or 'the last proof'} does not end"
 
 
+def garbled_mathematics(root: Path) -> list[str]:
+    """Formulas between $ that Markdown changes, and letters with indices or exponents outside of formulas and code."""
+    made = root / "docs" / "theorems", root / "docs" / "site"
+    pages = [root / "README.md", *(page for page in (root / "docs").rglob("*.md") if page.parent not in made)]
+    return [
+        f"{page.relative_to(root)}: {problem}"
+        for page in [*sorted(pages), *list(chapters(root))[1:]]
+        for problem in _garbled(page.read_text("utf-8"))
+    ]
+
+
+def _garbled(text: str) -> Iterator[str]:
+    tokens = MARKDOWN.parse(text)
+    for before, token in zip([None, *tokens], tokens, strict=False):
+        if token.type != "inline" or (before is not None and before.type == "heading_open"):
+            continue
+        shown = "".join(_shown(child) for child in token.children or ())
+        written = _without_code(token)
+        if written.count("$") % 2:
+            yield f"a $ without another: {written[:60]!r}"
+        for formula in _INLINE.findall(written):
+            if formula not in shown:
+                yield f"Markdown changes ${formula}$"
+        yield from (f"not marked as a formula: {found[0]!r}" for found in _UNMARKED.finditer(_INLINE.sub("", shown)))
+
+
+def _without_code(token: Token) -> str:
+    return re.sub(r"(`+).+?\1", "", token.content, flags=re.DOTALL)
+
+
+def _shown(token: Token) -> str:
+    """What Markdown without mathematics makes of a piece of a paragraph; code, and what sets emphasis, is left out."""
+    if token.type == "softbreak":
+        return "\n"
+    return token.content if token.type in ("text", "html_inline") else "\0"
+
+
+def mathematics(text: str) -> tuple[list[str], list[str]]:
+    """The formulas of a document: between $ in its paragraphs, and fenced."""
+    tokens = MARKDOWN.parse(text)
+    paragraphs = (_without_code(token) for token in tokens if token.type == "inline")
+    inline = [formula for paragraph in paragraphs for formula in _INLINE.findall(paragraph)]
+    return inline, [token.content for token in tokens if token.type == "fence" and token.info == "math"]
+
+
 def _prose(text: str) -> str:
     return re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
 
@@ -324,5 +375,6 @@ CHECKS = (
     wrong_order,
     broken_links,
     ill_formed,
+    garbled_mathematics,
 )
 """All checks; each takes the root of the project and returns what it finds wrong."""
