@@ -9,6 +9,7 @@ from fractions import Fraction
 from functools import cache
 from itertools import pairwise
 from math import cos, pi
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,10 +20,12 @@ from support.closed_form_lists import ellipse, line, result, results
 from support.flow_checks import ball
 from support.stored import function_of, json_of_function, unconfirmed_of, values
 
+from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
-from orbitproof.verify.atlas.conclusion_as_json import shortened
+from orbitproof.verify.atlas.conclusion_as_json import _outward, shortened
+from orbitproof.verify.atlas.index import _listed
 from orbitproof.verify.curve import Chain, conclude
 from orbitproof.verify.distances import Extreme, Where
 from orbitproof.verify.distances.ranges import joined
@@ -40,6 +43,7 @@ from orbitproof.verify.functions import (
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.out_of_plane import KnownVariations, VariationFunctions, variations_across
 from orbitproof.verify.stability import (
+    Bound,
     CompleteList,
     CurveEnd,
     Gap,
@@ -369,6 +373,14 @@ def test_the_ends_of_a_gap_are_written_outward() -> None:
     assert 0 < shortened(third, 1) - third < Fraction(1, 2**59)
     assert shortened(-third, -1) < -third < shortened(-third, 1)
     assert shortened(Fraction(3, 8), 1) == shortened(Fraction(3, 8), -1) == Fraction(3, 8)
+    chain = proved("loop")[2]
+    known: Any = SimpleNamespace(curve=SimpleNamespace(chain=chain))
+    for low, high in ((-third, third), (third, 2 * third), (-2 * third, -third)):
+        first, last = map(parse_exact, _outward(low, high))
+        assert (first < low, last > high) == (True, True)
+        listed = _listed(known, Bound(1, low, high, (CurveEnd.END,)))
+        assert listed.interval == (first, last)
+        assert listed.piece == chain.stretches[1].tube.piece.id
 
 
 def test_functions_of_the_other_half_of_a_symmetric_piece_are_mirrored() -> None:

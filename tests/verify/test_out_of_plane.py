@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import json
 from collections.abc import Callable
-from dataclasses import replace
 from fractions import Fraction
 from math import cos, pi, sqrt
 from pathlib import Path
@@ -19,20 +18,17 @@ from support.conclusions import with_complete_list
 from support.flow_checks import ball
 from support.forgeries import checked, forged, honest
 from support.stored import ENTRIES, function_of, values, variations_of
-from support.wide_checks import OSCILLATOR
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR
-from orbitproof.verify.algebra import Grading, WideArithmetic
 from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.curve import Bifurcation, PieceLimits, Place, conclude, derived_parameter
 from orbitproof.verify.evidence import EmptyIntersectionError, Proved
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.out_of_plane import VariationFunctions, variations_across
 from orbitproof.verify.out_of_plane.out_of_plane import with_variations
 from orbitproof.verify.stability import TubeOfOrbits, list_across, orbit_functions
 from orbitproof.verify.stability.complete_list import complete_list
@@ -129,25 +125,6 @@ def test_at_the_libration_point_it_is_that_of_the_linear_frequencies() -> None:
     omega = sqrt((2 - c + sqrt(9 * c * c - 8 * c)) / 2)
     value = known.parameter.value(ball(Fraction(place_of(0.0)) / REACH))
     assert abs(float(value) - cos(2 * pi * sqrt(c) / omega)) < 1e-9
-
-
-def test_variations_of_an_oscillator_are_those_of_another_one() -> None:
-    """w'' = -g w until t = pi/nu, for all g near g_0: cos, sin and their rates."""
-    known = replace(OSCILLATOR, stiffness_across=lambda state, parameters: (parameters[0] * parameters[0] * 3,))
-    arithmetic = WideArithmetic(Grading((1,), 1), 120, 0, 30, width=4)
-    for spread in (Fraction(0), Fraction(1, 2**20)):
-        nu = arithmetic.constant(Fraction(2)).widened(spread)
-        start = {"nu": nu, "a": arithmetic.constant(Fraction(1, 3))}
-        found = variations_across(known, arithmetic, start, Fraction(1, 2), 1, ORACLE)
-        assert isinstance(found, VariationFunctions)
-        angle = arb(3).sqrt() * arb.pi()
-        for share in (-1, 1):
-            rate = arb(3).sqrt() * (2 + share * ball(spread))
-            expected = angle.cos(), angle.sin() / rate, -rate * angle.sin(), angle.cos()
-            for entry, value in zip(found.entries, expected, strict=True):
-                enclosed = entry.enclosed.value(arb(0))
-                assert enclosed.overlaps(value)
-                assert enclosed.rad() < 1e-15 + 4096 * spread
 
 
 def test_the_stiffness_is_that_of_the_three_body_problem() -> None:
