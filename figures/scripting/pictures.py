@@ -171,7 +171,9 @@ def draw_web(
     for entry in known.document["rests_on"]:
         certificate = given.get(entry["id"])
         if entry["kind"] == "arc" and (certificate is None or certificate.document["digest"] != entry["digest"]):
-            raise InputError(f"{web}: rests on the arc {entry['id']!r} ({entry['digest']}); give that certificate")
+            raise InputError(
+                f"{web}: rests on the arc {entry['id']!r} ({entry['digest']}), which is not given; give its file"
+            )
 
     from orbitproof.figures.certified import Curve
     from orbitproof.figures.files import save

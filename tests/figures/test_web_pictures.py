@@ -202,7 +202,7 @@ def test_what_is_not_proved_is_not_drawn(tmp_path: Path) -> None:
 
     write_web_certificate(files[0], changed)
     write_atlas_certificate(files[1], curve.document)
-    with pytest.raises(InputError, match="give that certificate"):
+    with pytest.raises(InputError, match="give its file"):
         draw_files(files[0], [files[1]], tmp_path)
 
 
