@@ -172,7 +172,7 @@ def correct(
             length = float(np.max(np.abs(step)))
             if not np.isfinite(length):
                 raise PeriodicFailure("Newton's method broke down")
-            taken = step * min(1.0, _LONGEST / length) * scale
+            taken = step * (_LONGEST / max(length, _LONGEST)) * scale
             x, time = x + taken[:-1], time + float(taken[-1])
             if not start / 3 < time < 3 * start:
                 raise PeriodicFailure("Newton's method leaves the neighbourhood of the guess")
