@@ -4,6 +4,8 @@ from .branches.scripting import refine_new_orbit as refine_new_orbit
 from .catalogues import Catalogue as Catalogue
 from .catalogues.scripting import catalogue as catalogue
 from .families import FamilyFailure as FamilyFailure
+from .names import Contradiction as Contradiction
+from .names import NoOrbit as NoOrbit
 from .periodic import PeriodicFailure as PeriodicFailure
 from .periodic.scripting import find_periodic as find_periodic
 from .periodic.scripting import follow_periodic as follow_periodic
@@ -18,7 +20,6 @@ from .scripting import resonances as resonances
 from .scripting import trace as trace
 from .scripting import trace_from as trace_from
 from .seeds import triangular_orbit as triangular_orbit
-from .trajectories import NoOrbit as NoOrbit
 from .trajectories import Units as Units
 from .values import Orbit as Orbit
 from .values import OrbitFamily as OrbitFamily

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 
 from orbitproof.explore.commands.arguments import parser
+from orbitproof.explore.names import Contradiction
 from orbitproof.explore.search import check
 from orbitproof.shared.formats import InputError, refused
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
@@ -27,6 +28,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from orbitproof.explore.search import search
 
         return search(request)
+    except Contradiction as failure:
+        print(f"orbitproof explore {options.command}: {failure}", file=sys.stderr)
+        return 1
     except InputError as error:
         return refused(error, f"orbitproof explore {options.command}")
     except KeyboardInterrupt:

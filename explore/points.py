@@ -6,9 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
+import numpy as np
+
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import kind_of
 from orbitproof.explore.names import exact_parameters, label_of, short_name
+from orbitproof.explore.orbits import Numbers, contradictions, fallen
 from orbitproof.explore.refinement import RefinementFailure, Task, refine_task
 from orbitproof.shared.formats import ACROSS_KINDS, DOUBLE_RESONANCE, KINDS, Candidate, InputError
 from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
@@ -26,6 +29,7 @@ def refine_at(
     digits: int = 50,
     radii: Sequence[Fraction | float] | None = None,
     id: str | None = None,
+    accept: bool = False,
     quiet: bool = False,
 ) -> Candidate:
     """A claim about the bifurcation point near a point that you have from elsewhere, good to five digits or so.
@@ -44,10 +48,11 @@ def refine_at(
         digits: decimal digits of the centre.
         radii: half-widths of the box along p_0, p_1, ..; by default such as suit the branch, for a proof.
         id: of the claim; by default system and k.
+        accept: whether a point is taken that is farther away than the digits of the one given explain.
         quiet: nothing on standard error.
 
     Raises `ValueError` for what is missing or unknown, `RefinementFailure`, one line, if Newton's method does not come
-    to a point.
+    to a point, or to another one.
     """
     varying = next((each for each in system.fixed_parameters if each in point), None)
     if kind != DOUBLE_RESONANCE:
@@ -98,7 +103,26 @@ def refine_at(
         result = refine_task(task, report.update)
     if result.candidate is None:
         raise RefinementFailure(f"{name}: not refined: {result.failure}")
+    why = None if accept else _another_point(result.candidate, {key: float(point[key]) for key in wanted})
+    if why is not None:
+        raise RefinementFailure(f"{name}: another point was found: {why}; give a closer one, or take it: --accept")
     return result.candidate if widths is None else replace(result.candidate, radii=widths)
+
+
+def _another_point(candidate: Candidate, given: Mapping[str, float]) -> str | None:
+    """Why the point of a claim is not the one that was given, with both numbers; `None` if it is."""
+    system = candidate.system
+    found = {**given, **{key: float(value) for key, value in zip(candidate.coordinates, candidate.centre, strict=True)}}
+    names = system.centre_coordinates
+    if candidate.symmetry is None:
+        why = fallen(system, candidate.parameters, [given[each] for each in names], [found[each] for each in names])
+        if why is not None:
+            return why
+    values = {**{key: float(value) for key, value in candidate.parameters.items()}, **found}
+    parameters = [values[each] for each in system.parameters]
+    states = [np.array([numbers.get(each, 0.0) for each in system.state]) for numbers in (given, found)]
+    lines = contradictions(system, parameters, Numbers(states[0], rounded=True), Numbers(states[1]))
+    return "; ".join(lines) or None
 
 
 def _fixes(system: ReversibleSystem, point: Sequence[float]) -> str | None:

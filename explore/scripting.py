@@ -25,13 +25,17 @@ from orbitproof.explore.families import (
     trace_task,
 )
 from orbitproof.explore.names import (
+    DEFAULT_BRANCH,
     FAMILY_NAMES,
     POINTS,
+    Branch,
     exact_parameters,
+    exchanged,
     families_to_give,
     family_name,
     is_family_name,
     label_of,
+    name_on,
 )
 from orbitproof.explore.refinement import RefinementFailure, refine_tasks
 from orbitproof.explore.search import Target, targets_of
@@ -87,7 +91,7 @@ def trace(
     beta: tuple[float, float] | None = None,
     jacobi_min: float | None = None,
     max_orbits: int = Limits.max_orbits,
-    mirrored: bool = False,
+    branch: Branch = DEFAULT_BRANCH,
     quiet: bool = False,
 ) -> OrbitFamily:
     """Follow a family of symmetric periodic orbits through its folds, up to the first limit that it reaches.
@@ -96,13 +100,14 @@ def trace(
         system: `shared.CR3BP` or `shared.FALKNER_SKAN`.
         name: one of `families_of(system)`, in any case; "L1-halo-2", "L1-halo-3", .. are later branches of the planar
             family.
-        mu: mass parameter of the CR3BP, in (0, 1): a `Fraction` or a decimal text is taken exactly, a float as the
+        mu: mass parameter of the CR3BP, in (0, 1/2]: a `Fraction` or a decimal text is taken exactly, a float as the
             double that it is.
         z_max, vy_max: largest absolute value of that coordinate of the first point on Fix(R).
         beta: smallest and largest parameter of the Falkner-Skan equation; (100, 1000) by default.
         jacobi_min: smallest Jacobi constant.
         max_orbits: largest number of orbits.
-        mirrored: the image of a halo family under (x, y, z) -> (x, y, -z).
+        branch: "north" or "south", of halo families and those that branch off from them: the sign of z where their
+            orbits are farthest from the smaller primary.
         quiet: nothing on standard error; else progress with the time that is left.
 
     Returns the family, which says why it ends (`reason`); what the continuation could not follow is "failed" there.
@@ -117,7 +122,7 @@ def trace(
     ValueError: name: 'L7-halo' is no family of cr3bp; there are L1-halo, L2-halo, L3-halo, L1-lyapunov, ...
     >>> explore.trace(CR3BP, "L1-halo")
     Traceback (most recent call last):
-    ValueError: mu: missing; give the mass parameter of cr3bp, in (0, 1), for example shared.EARTH_MOON
+    ValueError: mu: missing; give the mass parameter of cr3bp, in (0, 1/2], for example shared.EARTH_MOON
     """
     name = family_name(name)
     if not is_family_name(system.name, name):
@@ -139,11 +144,11 @@ def trace(
     label = next((key for key, value in MASS_PARAMETERS.items() if parameters.get("mu") == value), "")
     with Reporter(quiet) as report:
         report.stage(name)
-        family = trace_family(system, name, parameters, limits, mirrored=mirrored, progress=report.update)
+        family = trace_family(system, name, parameters, limits, branch=branch, progress=report.update)
     if family.outcome == "interrupted":
         raise KeyboardInterrupt
-    traced = TracedFamily(name, label, family)
-    return OrbitFamily(name, system, family.outcome, family.reason, traced, units_of(parameters.get("mu")))
+    traced = TracedFamily(name_on(name, branch), label, family)
+    return OrbitFamily(traced.name, system, family.outcome, family.reason, traced, units_of(parameters.get("mu")))
 
 
 def trace_from(
@@ -272,12 +277,14 @@ def _parameters(system: ReversibleSystem, mu: Fraction | float | str | None) -> 
         return {}
     if mu is None:
         raise ValueError(
-            f"mu: missing; give the mass parameter of {system.name}, in (0, 1), for example shared.EARTH_MOON"
+            f"mu: missing; give the mass parameter of {system.name}, in (0, 1/2], for example shared.EARTH_MOON"
         )
     try:
         value = MASS_PARAMETERS.get(mu) or parse_exact(mu) if isinstance(mu, str) else Fraction(mu)
     except (ValueError, OverflowError):
         raise ValueError(f"mu: {mu!r} is no number; names are {', '.join(MASS_PARAMETERS)}") from None
     if not 0 < value < 1:
-        raise ValueError(f"mu: {mu} lies outside (0, 1); give the smaller mass over the total mass")
+        raise ValueError(f"mu: {mu} lies outside (0, 1/2]; give the smaller mass over the total mass")
+    if (why := exchanged(value)) is not None:
+        raise ValueError(f"mu: {mu} is {why}")
     return {"mu": value}

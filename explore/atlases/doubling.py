@@ -17,6 +17,7 @@ from orbitproof.explore.atlases.graphs import pieces_of
 from orbitproof.explore.atlases.lyapunov import LibrationFailure
 from orbitproof.explore.families import Limits, detect, trace_family
 from orbitproof.explore.flow import FlowFailure, Vector, flow_of
+from orbitproof.explore.names import NORTH, SOUTH
 from orbitproof.shared.formats import Atlas, Claim, Covers
 from orbitproof.shared.systems import CR3BP, HILL_VARIED, ReversibleSystem
 
@@ -66,7 +67,9 @@ class DoublingFamily:
     def of(cls, point: str) -> DoublingFamily:
         """That of a libration point. Raises `LibrationFailure` and what tracing raises."""
         h = float(START) ** (1 / 3)
-        halo = trace_family(CR3BP, f"{point}-halo", {"mu": START}, Limits(min_distance=NEAREST * h))
+        # Those with z > 0 at the first point, the one at which the curve starts.
+        branch = NORTH if point == "L1" else SOUTH
+        halo = trace_family(CR3BP, f"{point}-halo", {"mu": START}, Limits(min_distance=NEAREST * h), branch=branch)
         found = detect(halo, [2]).resonances
         if not found:
             raise LibrationFailure(f"no period doubling was found on the halo family of {point}")

@@ -14,8 +14,16 @@ from orbitproof.explore.atlases.doubled import doubled_atlas
 from orbitproof.explore.atlases.lyapunov import LibrationFailure
 from orbitproof.explore.atlases.request import Source, check_names
 from orbitproof.explore.engines import Reporter
-from orbitproof.explore.families import Family, FamilyFailure, Limits, family_of, trace_family
-from orbitproof.explore.names import given_parameters, label_of
+from orbitproof.explore.families import (
+    Family,
+    FamilyFailure,
+    Limits,
+    branch_of,
+    family_of,
+    trace_family,
+    trace_reaching,
+)
+from orbitproof.explore.names import given_parameters, label_of, name_on, on_branch
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.explore.records import read_families
 from orbitproof.shared.formats import Atlas, InputError, Piece, write_atlas
@@ -32,7 +40,9 @@ def run_source(source: Source, options: argparse.Namespace) -> int:
             problem = family.problem
             if options.coordinates == "regularised" and problem.system.name not in REGULARISATIONS:
                 raise InputError(f"--coordinates regularised: {problem.system.name} has none; leave it out")
-            title = f"{name} orbits of the {problem.system.title}" + (f", mass parameter {label}" if label else "")
+            branch = branch_of(family)
+            orbits = f"{on_branch(name, branch)} orbits of the {problem.system.title}"
+            title = orbits + (f", mass parameter {label}" if label else "")
             request = AtlasRequest(
                 id=options.id or options.preset or f"{name}-{label or family.problem.system.name}",
                 title=source.title or title,
@@ -43,7 +53,12 @@ def run_source(source: Source, options: argparse.Namespace) -> int:
                 control=CoverControl(options.degree, options.decay, options.overlap),
                 coordinates=None if options.coordinates == "auto" else options.coordinates,
                 arc=options.arc,
-                provenance={"family": name, "degree": options.degree, "decay": options.decay},
+                provenance={
+                    "family": name,
+                    **({"branch": branch} if branch else {}),
+                    "degree": options.degree,
+                    "decay": options.decay,
+                },
             )
             report.stage("covering")
             atlas = (doubled_atlas if source.birth else build_atlas)(request, report.update)
@@ -77,15 +92,18 @@ def _family(source: Source, options: argparse.Namespace, report: Reporter) -> tu
     assert source.family is not None
     report.stage("tracing")
     parameters, limits = given_parameters(source.system, source.mass, options.parameter), _limits(source, options)
-    family = trace_family(source.system, source.family, parameters, limits, progress=report.update)
+    covers, named, place = source.covers, (source.system, source.family, parameters), None
+    if covers is not None:
+        place = covers.coordinate, float(max(covers.start, covers.end, key=abs))
+    family, branch = trace_reaching(*named, limits, options.branch, place, progress=report.update)
     if family.outcome != "interrupted" and _begins_beyond(family, limits):
-        family = trace_family(
-            source.system, source.family, parameters, _limits_from_above(source, limits), progress=report.update
-        )
+        above = _limits_from_above(source, limits)
+        family = trace_family(*named, above, branch=branch, progress=report.update)
     if family.outcome == "interrupted":
         raise KeyboardInterrupt
-    report.message(f"{source.family}: {counted(len(family.orbits), 'orbit')}, {family.reason}")
-    return family, source.family, label_of(source.system, source.mass, options.parameter)
+    name = name_on(source.family, branch)
+    report.message(f"{name}: {counted(len(family.orbits), 'orbit')}, {family.reason}")
+    return family, name, label_of(source.system, source.mass, options.parameter)
 
 
 def _limits(source: Source, options: argparse.Namespace) -> Limits:

@@ -25,3 +25,4 @@ from .orbits import correct_catalogue as correct_catalogue
 from .orbits import libration_places as libration_places
 from .start import CatalogueStart as CatalogueStart
 from .start import catalogue_start as catalogue_start
+from .start import without_contradictions as without_contradictions

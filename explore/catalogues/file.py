@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orbitproof.explore.catalogues.filters import between
-from orbitproof.shared.formats import FIELDS, CatalogueTable, read_catalogue_rows, write_text
+from orbitproof.explore.names import foreign_units, units_of_system
+from orbitproof.shared.formats import FIELDS, CatalogueTable, InputError, read_catalogue_rows, write_text
 
 Array = NDArray[np.float64]
 
@@ -132,7 +133,13 @@ def read_catalogue(path: Path) -> Catalogue:
     read = read_catalogue_rows(path)
     values = np.array([[float(number) for number in row] for row in read.rows])
     named = {name: value for name, value in vars(read).items() if name not in ("mass_ratio", "rows")}
-    return Catalogue(read.mass_ratio, values[:, :6], values[:, 6], values[:, 7], values[:, 8], **named)
+    catalogue = Catalogue(read.mass_ratio, values[:, :6], values[:, 6], values[:, 7], values[:, 8], **named)
+    length, time = catalogue.lunit, catalogue.tunit
+    if length is not None and time is not None:
+        why = foreign_units(length, time, units_of_system(catalogue.mass_ratio, catalogue.system))
+        if why is not None:
+            raise InputError(f"{path}: field system: {why}")
+    return catalogue
 
 
 def table_of(catalogue: Catalogue, points: Mapping[str, Iterable[float]] | None = None) -> CatalogueTable:

@@ -14,7 +14,7 @@ from orbitproof.explore.catalogues.file import Catalogue
 from orbitproof.explore.catalogues.without_symmetry import triangular_catalogue
 from orbitproof.explore.engines import Progress
 from orbitproof.explore.families import FamilyFailure, Limits, TracedFamily, family_of, trace_family
-from orbitproof.explore.names import WITHOUT_SYMMETRY, mirrored_name
+from orbitproof.explore.names import DEFAULT_BRANCH, WITHOUT_SYMMETRY, Branch, name_on
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.explore.periodic import PeriodicFailure
 from orbitproof.explore.records import FamilyRecord
@@ -28,7 +28,7 @@ class CatalogueTask:
     """A catalogue to make.
 
     Attributes:
-        system, name, parameters, limits, mirrored: as for `trace_family`; or one of `WITHOUT_SYMMETRY`.
+        system, name, parameters, limits, branch: as for `trace_family`; or one of `WITHOUT_SYMMETRY`.
         label: the mass parameter as the user named it.
         rows: how many, unless `step` says how far, in arclength of the family, one is from the next.
         record: the family, if it is traced already.
@@ -41,14 +41,18 @@ class CatalogueTask:
     limits: Limits
     rows: int
     step: float | None = None
-    mirrored: bool = False
+    branch: Branch = DEFAULT_BRANCH
     record: FamilyRecord | None = None
+
+    @property
+    def called(self) -> str:
+        """The name of the family in files."""
+        return self.name if self.record is not None else name_on(self.name, self.branch)
 
     @property
     def title(self) -> str:
         """For messages and files."""
-        name = mirrored_name(self.name) if self.mirrored else self.name
-        return f"{self.label} {name}" if self.label else name
+        return f"{self.label} {self.called}" if self.label else self.called
 
 
 @dataclass(frozen=True)
@@ -70,7 +74,7 @@ def catalogue_task(task: CatalogueTask, progress: Progress) -> MadeCatalogue:
             family = family_of(task.record)
         else:
             family = trace_family(
-                task.system, task.name, task.parameters, task.limits, mirrored=task.mirrored, progress=progress
+                task.system, task.name, task.parameters, task.limits, branch=task.branch, progress=progress
             )
         if family.outcome == "interrupted":
             raise KeyboardInterrupt

@@ -9,16 +9,30 @@ from functools import cached_property
 import numpy as np
 
 from orbitproof.explore.catalogues.file import Catalogue
-from orbitproof.explore.families import Family
+from orbitproof.explore.families import Family, branch_of
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
 from orbitproof.explore.names import resonance_of
 from orbitproof.explore.numerics import SHOOTING
-from orbitproof.explore.orbits import OrbitBatch, ShootingProblem, correct_batch, stability_index
+from orbitproof.explore.orbits import (
+    REMEDY,
+    Numbers,
+    OrbitBatch,
+    ShootingProblem,
+    branch_at,
+    contradictions,
+    correct_batch,
+    fallen,
+    stability_index,
+)
 from orbitproof.explore.seeds import LIBRATION_POINTS, libration_point, primaries
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, MASS_PARAMETERS, UNITS, ReversibleSystem
 
 ON_SYMMETRY = 1e-6
 """Largest magnitude of y, vx, vz at which a catalogue's initial state counts as lying on Fix(R)."""
+
+
+_OFF_PLANE = 0.01
+"""Relative height from which on an orbit is said to be a northern or a southern one."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +61,7 @@ class CorrectedCatalogue:
         guesses: shape (N, 4), x, z, vy on Fix(R) and the half period, as they follow from the catalogue.
         batch: the orbits; nothing is left out, what failed is marked.
         failures: N texts, "" for a corrected orbit.
+        contradictions: N texts, "" for an orbit of which is so what its row says.
     """
 
     catalogue: Catalogue
@@ -54,11 +69,18 @@ class CorrectedCatalogue:
     guesses: Matrix
     batch: OrbitBatch
     failures: tuple[str, ...]
+    contradictions: tuple[str, ...]
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why the orbits of rows are not taken, N texts; "" for one that is."""
+        pairs = zip(self.failures, self.contradictions, strict=True)
+        return tuple(f"not corrected: {failure}" if failure else told for failure, told in pairs)
 
     @cached_property
     def corrected(self) -> np.ndarray:
-        """Shape (N,), whether an orbit was."""
-        return np.array([not failure for failure in self.failures])
+        """Shape (N,), whether an orbit was, to that of its row."""
+        return np.array([not reason for reason in self.reasons])
 
     @cached_property
     def stability_indices(self) -> Vector:
@@ -85,6 +107,50 @@ class CorrectedCatalogue:
             period=np.abs(2 * batch.unknowns[:, -1] - catalogue.periods) + hidden,
             stability_index=np.abs(self.stability_indices - indices) / np.maximum(indices, 1.0),
         )
+
+    def fallen(self, index: int) -> str | None:
+        """Why the orbit found is in the fixed space of a symmetry and not that of its row; `None` if it is not."""
+        guess, found = self.guesses[index][:-1], self.batch.unknowns[index][:-1]
+        return fallen(self.problem.system, self.problem.parameters, guess.tolist(), found.tolist())
+
+    def contradiction(self, index: int) -> str:
+        """Why a row is not about the orbit that was found, with both numbers; "" if it is."""
+        batch, catalogue, problem = self.batch, self.catalogue, self.problem
+        assert batch.first_integrals is not None
+        guess, found = self.guesses[index], batch.unknowns[index]
+        if (why := self.fallen(index)) is not None:
+            return f"another orbit was found: {why}; {REMEDY}"
+        said = Numbers(
+            problem.initial_state(guess), float(catalogue.periods[index]), float(catalogue.jacobi_constants[index]),
+            float(catalogue.stability_indices[index]), rounded=True,
+        )  # fmt: skip
+        there = Numbers(
+            problem.initial_state(found), 2 * float(found[-1]), float(batch.first_integrals[index]),
+            float(self.stability_indices[index]),
+        )  # fmt: skip
+        lines = contradictions(problem.system, problem.parameter_values(found).tolist(), said, there)
+        lines += self._place_contradicts(index)
+        return f"another orbit was found: {'; '.join(lines)}; {REMEDY}" if lines else ""
+
+    def _place_contradicts(self, index: int) -> tuple[str, ...]:
+        """What a file of halo orbits says of its libration point and its side that is not so of an orbit of it."""
+        catalogue, mass = self.catalogue, float(self.catalogue.mass_ratio)
+        if catalogue.family != "halo" or self.problem.system is not CR3BP or self.problem.symmetry is not None:
+            return ()
+        ends = np.zeros((2, 3))
+        ends[:, [0, 2]] = self.batch.unknowns[index, :2], self.batch.second_points[index, :2]
+        _, smaller = primaries(mass)
+        distances = np.linalg.norm(ends - smaller, axis=1)
+        far = ends[int(np.argmax(distances))]
+        lines, beyond = [], bool(far[0] > smaller[0])
+        if catalogue.point in ("1", "2", "3") and beyond != (catalogue.point == "2"):
+            there = "L2" if beyond else "L1 or L3"
+            lines.append(f"libration point L{catalogue.point} was given, {there} found")
+        # Next to the plane both families begin, and a row may have passed their birth.
+        side = branch_at(ends, mass) if abs(far[2]) > _OFF_PLANE * float(distances.max()) else None
+        if catalogue.branch in ("N", "S") and side is not None and side[0].upper() != catalogue.branch:
+            lines.append(f"branch {catalogue.branch} was given, {side[0].upper()} found")
+        return tuple(lines)
 
     @property
     def result(self) -> Catalogue | None:
@@ -118,13 +184,14 @@ def correct_catalogue(
     catalogue: Catalogue,
     *,
     tolerance: float = SHOOTING.tolerance,
+    accept: bool = False,
     progress: Callable[[str, float], None] | None = None,
 ) -> CorrectedCatalogue:
     """Correct every orbit of a catalogue to a symmetric periodic orbit.
 
     The nearest orbit in the catalogue's system is taken, by steps of least norm. An orbit whose initial state is not on
     Fix(R) must be there a quarter of a period later (a vertical family whose orbits start at the x axis); otherwise it
-    is marked as failed.
+    is marked as failed. Rows whose numbers are not those of the orbit found are marked too, unless `accept` takes them.
     """
     system, size = system_of(catalogue), _size(catalogue)
     planar = bool(np.all(catalogue.states[:, (2, 5)] == 0))
@@ -144,7 +211,11 @@ def correct_catalogue(
         progress=progress,
     )
     together = tuple(own or other for own, other in zip(failures, batch.failures, strict=True))
-    return CorrectedCatalogue(catalogue, problem, guesses, batch, together)
+    corrected = CorrectedCatalogue(catalogue, problem, guesses, batch, together, ("",) * len(together))
+    if accept:
+        return corrected
+    told = (corrected.contradiction(index) if not why else "" for index, why in enumerate(together))
+    return replace(corrected, contradictions=tuple(told))
 
 
 def system_of(catalogue: Catalogue) -> ReversibleSystem:
@@ -198,7 +269,8 @@ def catalogue_of(family: Family, name: str, label: str) -> Catalogue:
     point, _, rest = name.partition("-")
     numbered = point in LIBRATION_POINTS
     resonance, units = resonance_of(name), UNITS.get(problem.parameters["mu"])
-    branch = _branch(family)
+    side = branch_of(family)
+    branch = "" if side is None else side[0].upper()
     if resonance is not None:
         branch = f"{resonance[0]}{resonance[1]}"
     elif name.startswith("lpo-"):
@@ -221,18 +293,6 @@ def system_name(label: str) -> str:
     """The name of a system as the catalogue writes it, Earth-Moon, from that of its mass parameter."""
     known = label in MASS_PARAMETERS
     return "-".join(part.capitalize() for part in label.removeprefix("jpl-").split("-")) if known else label
-
-
-def _branch(family: Family) -> str:
-    """N or S for a family outside the plane: the sign of z where its orbits are far from the smaller primary."""
-    if family.problem.symmetry is not None or family.problem.system is not CR3BP:
-        return ""
-    middle = family.orbits[len(family.orbits) // 2]
-    _, smaller = primaries(float(family.problem.parameters["mu"]))
-    ends = [family.problem.initial_state(middle.unknowns)[:3], np.zeros(3)]
-    ends[1][[0, 2]] = middle.second_point[:2]
-    far = max(ends, key=lambda place: float(np.linalg.norm(place - smaller)))
-    return "N" if far[2] > 0 else "S" if far[2] < 0 else ""
 
 
 def libration_places(mass_ratio: float) -> dict[str, Vector]:

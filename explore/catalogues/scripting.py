@@ -10,7 +10,9 @@ from orbitproof.explore.catalogues.making import CatalogueTask, catalogue_task
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import FamilyFailure, Limits
 from orbitproof.explore.names import (
+    DEFAULT_BRANCH,
     WITHOUT_SYMMETRY,
+    Branch,
     families_to_give,
     family_name,
     given_parameters,
@@ -30,7 +32,7 @@ def catalogue(
     step: float | None = None,
     max_orbits: int = Limits.max_orbits,
     min_distance: float | None = None,
-    mirrored: bool = False,
+    branch: Branch = DEFAULT_BRANCH,
     quiet: bool = False,
 ) -> Catalogue:
     """A dense catalogue of a family by name, or one from a file, in double precision.
@@ -41,7 +43,7 @@ def catalogue(
         rows: at equal steps along the family; what cannot be computed is left out.
         step: in place of that, the arclength of a step.
         max_orbits, min_distance: where the family ends: so many steps of the continuation, so close to a primary.
-        mirrored: the mirror image of a family outside the plane.
+        branch: "north" or "south", of halo families and those that branch off from them.
         quiet: nothing on standard error; else progress.
 
     The columns beside the nine of the JPL catalogue are in `more`: distances, altitude, whether an orbit hits the
@@ -68,7 +70,7 @@ def catalogue(
         (key for key, value in MASS_PARAMETERS.items() if value == parameters["mu"]), label_of(system, text, None)
     )
     limits = Limits(max_orbits, min_distance=min_distance)
-    task = CatalogueTask(system, name, label, parameters, limits, rows, step, mirrored)
+    task = CatalogueTask(system, name, label, parameters, limits, rows, step, branch)
     with Reporter(quiet) as report:
         report.stage(task.title)
         made = catalogue_task(task, report.update)

@@ -28,7 +28,7 @@ class CatalogueStart:
         name, label: of the family and of its mass parameter, for messages and files.
         seed: the chosen orbit, `None` if it could not be corrected.
         table: how far the corrected orbits are from the catalogue's numbers, as lines of text.
-        complete: whether every orbit was corrected.
+        complete: whether every orbit was corrected, to that of its row.
         corrected: the corrected orbits in the catalogue's form, `None` if there are none.
     """
 
@@ -40,9 +40,12 @@ class CatalogueStart:
     corrected: Catalogue | None
 
 
-def catalogue_start(path: Path, number: int | None, tolerance: float, report: Reporter) -> CatalogueStart:
+def catalogue_start(
+    path: Path, number: int | None, tolerance: float, report: Reporter, accept: bool = False
+) -> CatalogueStart:
     """Read a catalogue, correct its orbits and take orbit `number`, counted from 1, or the middle one.
 
+    What a row says that is not so of the orbit found is told, and such a row left out, unless `accept` takes it.
     Raises `InputError`.
     """
     catalogue = read_catalogue(path)
@@ -53,12 +56,12 @@ def catalogue_start(path: Path, number: int | None, tolerance: float, report: Re
             f"--catalogue-orbit {number}: {path} has {counted(len(catalogue), 'orbit')}; give a smaller number"
         )
     report.stage(f"correcting {counted(len(catalogue), 'orbit')} of {path}")
-    corrected = correct_catalogue(catalogue, tolerance=tolerance, progress=report.update)
-    failed = [(index, failure) for index, failure in enumerate(corrected.failures, start=1) if failure]
+    corrected = correct_catalogue(catalogue, tolerance=tolerance, accept=accept, progress=report.update)
+    failed = [(index, failure) for index, failure in enumerate(corrected.reasons, start=1) if failure]
     for index, failure in failed[:MOST_LINES]:
-        report.error(f"{path}: orbit {index}: not corrected: {failure}")
+        report.error(f"{path}: orbit {index}: {failure}")
     if len(failed) > MOST_LINES:
-        report.error(f"{path}: {len(failed) - MOST_LINES} more orbits are not corrected")
+        report.error(f"{path}: {len(failed) - MOST_LINES} more orbits are not taken")
     seed = None
     try:
         seed = _seed(corrected, number - 1)
@@ -72,9 +75,16 @@ def catalogue_start(path: Path, number: int | None, tolerance: float, report: Re
     )  # fmt: skip
 
 
+def without_contradictions(catalogue: Catalogue) -> tuple[Catalogue, list[str]]:
+    """The rows that no orbit found contradicts, and a line for each of the others."""
+    corrected = correct_catalogue(catalogue)
+    told = [f"orbit {index}: {why}" for index, why in enumerate(corrected.contradictions, start=1) if why]
+    return catalogue.chosen(np.flatnonzero([not why for why in corrected.contradictions])), told
+
+
 def _seed(corrected: CorrectedCatalogue, index: int) -> Family:
-    if corrected.failures[index]:
-        raise CorrectionFailure("it was not corrected")
+    if corrected.reasons[index]:
+        raise CorrectionFailure("no orbit of its row was found")
     seed = corrected.seed(index)
     if in_fixed_space(seed.problem, seed.orbits[0]):
         raise CorrectionFailure("it lies in the plane, where two families meet; choose another orbit")

@@ -49,7 +49,7 @@ _MASS_HELP = (
     "mass parameter of the CR3BP, the smaller mass over the total: a name ("
     + ", ".join(MASS_PARAMETERS)
     + "; the first two as in the paper, exact IEEE doubles, the others as in the periodic orbit catalogue) or a number "
-    "in (0, 1), taken exactly as written: decimal (0.01215 is the fraction 1215/100000, not the nearest double) or "
+    "in (0, 1/2], taken exactly as written: decimal (0.01215 is the fraction 1215/100000, not the nearest double) or "
     "hexadecimal (0x18e267d713713fp-59)"
 )
 
@@ -196,9 +196,8 @@ def _family_options(target: argparse.ArgumentParser) -> None:
         metavar="N",
         help="with --from-orbit: which, counted from 1; of a branch from its birth, -1, -2, .. on its other side",
     )
-    target.add_argument(
-        "--mirror", action="store_true", help="halo families: the mirror image, z < 0 at the first point"
-    )
+    common.add_accept(target)
+    common.add_branch(target)
     target.add_argument(
         "--branches",
         action="store_true",

@@ -15,6 +15,7 @@ from orbitproof.explore.names import (
     families_to_give,
     family_name,
     given_parameters,
+    has_branches,
     is_family_name,
     system_named,
     system_with,
@@ -73,7 +74,7 @@ ATLAS_PRESETS = {
         "L2-halo",
         ("vy", "0", "20.5"),
         ("vy",),
-        "L2 halo orbits of the Earth-Moon system up to vy = 20.5",
+        "Southern L2 halo orbits of the Earth-Moon system up to vy = 20.5",
     ),
     "l2-arc-sun-jupiter": AtlasPreset(
         "cr3bp",
@@ -81,7 +82,7 @@ ATLAS_PRESETS = {
         "L2-halo",
         ("vy", "0", "8"),
         ("vy",),
-        "L2 halo orbits of the Sun-Jupiter system up to vy = 8",
+        "Southern L2 halo orbits of the Sun-Jupiter system up to vy = 8",
     ),
     "l3-halo-earth-moon": AtlasPreset(
         "cr3bp",
@@ -89,7 +90,7 @@ ATLAS_PRESETS = {
         "L3-halo",
         ("x", "-1", "-0.02"),
         ("x",),
-        "L3 halo orbits of the Earth-Moon system from their birth to x = -0.02",
+        "Southern L3 halo orbits of the Earth-Moon system from their birth to x = -0.02",
         tube=1e-8,
         decay=1e-15,
     ),
@@ -99,7 +100,7 @@ ATLAS_PRESETS = {
         "L3-halo",
         ("x", "-1", "-0.02"),
         ("x",),
-        "L3 halo orbits of the Sun-Jupiter system from their birth to x = -0.02",
+        "Southern L3 halo orbits of the Sun-Jupiter system from their birth to x = -0.02",
         tube=1e-8,
         decay=1e-15,
     ),
@@ -134,7 +135,7 @@ ATLAS_PRESETS = {
             "L2-butterfly",
             ("x", low, high),
             ("x",),
-            f"L2 butterfly orbits of the {name} system from x = {low} to their birth at a period doubling",
+            f"Southern L2 butterfly orbits of the {name} system from x = {low} to their birth at a period doubling",
             True,
         )
         for mass, name, low, high in (
@@ -176,6 +177,7 @@ def add_parser(commands: Any) -> None:
     common.add_system(parser)
     parser.add_argument("--mass", metavar="MU", help="mass parameter of the CR3BP: a name or a number, taken exactly")
     parser.add_argument("--family", type=family_name, metavar="NAME", help="the family, as for explore family")
+    common.add_branch(parser)
     parser.add_argument(
         "--from-family",
         type=Path,
@@ -291,6 +293,7 @@ def _source(options: argparse.Namespace) -> Source:
         "--family": options.family,
         "--covers": options.covers,
         "--increasing": options.increasing or None,
+        "--branch": options.branch,
         "--from-family": options.from_family,
     }
     if options.preset is not None:
@@ -308,8 +311,9 @@ def _source(options: argparse.Namespace) -> Source:
     if options.from_family is not None:
         if options.birth:
             raise InputError("--birth: goes with a family that is traced here; leave out --from-family, or --birth")
-        if options.system is not None:
-            raise InputError("--system: --from-family says which; leave it out")
+        for option, given in (("--system", options.system), ("--branch", options.branch)):
+            if given is not None:
+                raise InputError(f"{option}: --from-family says which; leave it out")
         covers = None if options.covers is None else _covers(options.covers, None)
         increasing = tuple(options.increasing)
         return Source(None, options.family, options.mass, options.from_family, covers, increasing, None)
@@ -325,6 +329,8 @@ def _source(options: argparse.Namespace) -> Source:
         wrong = "missing" if family is None else f"{family}: unknown for {system.name}"
         to_give = families_to_give(system.name, family or "")
         raise InputError(f"--family {wrong}; give one of {to_give}".replace("--family missing", "--family: missing"))
+    if options.branch is not None and not has_branches(family):
+        raise InputError(f"--branch: {family} has no northern and southern orbits; leave it out")
     given_parameters(system, options.mass, options.parameter)
     covers = None if options.covers is None else _covers(options.covers, system)
     check_names(system, covers, tuple(options.increasing))

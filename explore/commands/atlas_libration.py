@@ -48,7 +48,7 @@ def add_parser(commands: Any) -> None:
         "--mass",
         required=True,
         metavar="MU",
-        help=f"mass parameter: a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1), taken exactly as written",
+        help=f"mass parameter: a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1/2], taken exactly as written",
     )
     parser.add_argument("--vertical", action="store_true", help="the vertical family instead of the planar one")
     parser.add_argument("--axial", action="store_true", help="the axial family, from birth to birth")

@@ -29,7 +29,6 @@ LOWEST = {"L1": Fraction(0), "L2": Fraction(0), "L3": Fraction(1, 10**5)}
 LIGHT, LIGHT_AMPLITUDE = (Fraction(95, 10**5), Fraction(1, 1000)), Fraction(3, 10**5)
 """L3 at masses below these two (the pieces on either side overlap between them): --z by default."""
 
-LARGEST_MASS = Fraction(1, 2)
 WIDEST_AMPLITUDE, WIDEST_SHARE, SHARE = 0.1, 0.5, 0.2
 WIDEST_TUBE, DOUBLED_TUBE = 1e-3, 1e-8
 _GRAIN = 10**4
@@ -110,8 +109,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--tube {options.tube:g}: above {WIDEST_TUBE:g}; the default is {DOUBLED_TUBE:g}")
     smallest = LOWEST[point] if options.mu_min is None else mass_parameter("--mu-min", options.mu_min, or_zero=True)
     largest = mass_parameter("--mu-max", options.mu_max)
-    if not smallest < largest <= LARGEST_MASS:
-        raise InputError("--mu-max: give a mass above --mu-min and at most 1/2, the smaller mass over the total")
+    if not smallest < largest:
+        raise InputError("--mu-max: give a mass above --mu-min")
     if point == "L3" and smallest < Fraction(1, 10**8):
         raise InputError("--mu-min: below 1e-8 the equations around L3 lose all their digits; give a larger mass")
     if options.z is not None and options.z > WIDEST_AMPLITUDE:

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands import common
 from orbitproof.explore.names import (
+    DEFAULT_BRANCH,
     FAMILY_NAMES,
     WITHOUT_SYMMETRY,
     families_to_give,
     family_name,
     given_parameters,
+    has_branches,
     label_of,
     system_named,
     system_with,
@@ -57,7 +59,7 @@ def add_parser(commands: Any) -> None:
         "--family", nargs="+", type=family_name, metavar="NAME", help="as for explore family, and L4-short, .."
     )
     parser.add_argument("--from-family", type=Path, metavar="FILE", help="all families of a family file")
-    parser.add_argument("--mirror", action="store_true", help="the mirror images of families outside the plane")
+    common.add_branch(parser)
     parser.add_argument(
         "--rows",
         type=common.count,
@@ -71,6 +73,7 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("--min-distance", type=common.positive, metavar="R", help="to a primary, where the family ends")
     parser.add_argument("--distances", action="store_true", help="of a FILE: compute distances, altitudes and hits")
+    common.add_accept(parser)
     rows = parser.add_argument_group(
         "rows between two limits, each a number, or with a unit: 6.5d, 12h, 3000km; or inf"
     )
@@ -100,6 +103,8 @@ def run(options: argparse.Namespace) -> int:
     if options.file is not None and options.scheduler is not None:
         raise InputError("--scheduler: a FILE is read here; leave it out")
     requests = None if options.family is None else _requests(options)
+    if options.branch is not None and not any(has_branches(name) for name in options.family or ()):
+        raise InputError("--branch: none of these families has northern and southern orbits; leave it out")
 
     # Only now: JAX takes a moment to load.
     from orbitproof.explore.catalogues import (
@@ -109,6 +114,7 @@ def run(options: argparse.Namespace) -> int:
         read_catalogue,
         symmetric_about_plane,
         with_distances,
+        without_contradictions,
     )
     from orbitproof.explore.engines import Job, Lost, Reporter, run_all
     from orbitproof.explore.families import Limits
@@ -118,11 +124,16 @@ def run(options: argparse.Namespace) -> int:
     limits = {name: tuple(pair) for name, pair in limits.items() if pair is not None}
     with Reporter(options.quiet) as report:
         if options.file is not None:
-            catalogue = read_catalogue(options.file)
+            catalogue, complete = read_catalogue(options.file), True
             if options.distances:
                 report.stage("distances")
+                if not options.accept:
+                    catalogue, told = without_contradictions(catalogue)
+                    for line in told:
+                        report.error(f"{options.file}: {line}")
+                    complete = not told
                 catalogue = with_distances(catalogue, 4, symmetric=symmetric_about_plane(catalogue))
-            return 0 if _write(chosen_rows(catalogue, limits), options.output, catalogue.title, report) else 1
+            return 0 if _write(chosen_rows(catalogue, limits), options.output, catalogue.title, report, complete) else 1
         bounds = Limits(options.max_orbits, min_distance=options.min_distance)
         if requests is None:
             records = [record for record in read_families(options.from_family) if record.system in THREE_BODY]
@@ -130,13 +141,14 @@ def run(options: argparse.Namespace) -> int:
                 raise InputError(f"{options.from_family}: holds no family of the CR3BP; give one")
             tasks = [
                 CatalogueTask(
-                    each.system, each.name, each.label, each.parameters, bounds, options.rows, options.step, False, each
+                    each.system, each.name, each.label, each.parameters, bounds, options.rows, options.step, record=each
                 )
                 for each in records
             ]
         else:
+            branch = options.branch or DEFAULT_BRANCH
             tasks = [
-                CatalogueTask(system, name, label, parameters, bounds, options.rows, options.step, options.mirror)
+                CatalogueTask(system, name, label, parameters, bounds, options.rows, options.step, branch)
                 for system, name, label, parameters in requests
             ]
         report.stage(tasks[0].title if len(tasks) == 1 else f"{len(tasks)} families")
@@ -186,13 +198,15 @@ def _requests(options: argparse.Namespace) -> list[tuple[Any, str, str, Any]]:
     return found
 
 
-def _write(catalogue: Catalogue, path: Path, title: str, report: Reporter) -> bool:
-    """Whether there was a row to write."""
+def _write(catalogue: Catalogue, path: Path, title: str, report: Reporter, complete: bool = True) -> bool:
+    """Whether there was a row to write, and the rows are complete."""
     from orbitproof.explore.catalogues import libration_places, table_of
 
     if not len(catalogue):
         report.error(f"{title}: no row lies between the limits; nothing is written")
         return False
     table_of(catalogue, libration_places(float(catalogue.mass_ratio))).write(path)
-    report.message(f"{title}: {counted(len(catalogue), 'row')} written to {path}")
-    return True
+    side = {"N": "northern ", "S": "southern "}.get(catalogue.branch, "")
+    many = counted(len(catalogue), f"{side}row")
+    report.message(f"{title}: {many} written to {path}")
+    return complete

@@ -12,7 +12,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from orbitproof.explore.names import FAMILY_NAMES
+from orbitproof.explore.names import BRANCHES, DEFAULT_BRANCH, FAMILY_NAMES
 
 MAX_MULTIPLICITY = 1000
 DIGITS = (15, 400)
@@ -95,6 +95,27 @@ def add_orbit_choice(parser: Any) -> None:
         metavar="N",
         help="the orbit of a family or catalogue, or the piece of an atlas, counted from 1; the orbit of a branch, 1 "
         "the first from the birth, -1 that on the other side",
+    )
+    add_accept(parser)
+
+
+def add_branch(parser: Any) -> None:
+    """``--branch``."""
+    parser.add_argument(
+        "--branch",
+        choices=BRANCHES,
+        help="halo families and those that branch off from them: the northern or the southern orbits, mirror images, "
+        f"by the sign of z where they are farthest from the smaller primary (default: {DEFAULT_BRANCH})",
+    )
+
+
+def add_accept(parser: Any) -> None:
+    """``--accept``."""
+    parser.add_argument(
+        "--accept",
+        action="store_true",
+        help="take the orbit that is found though the file says something else of it (its state, period, level, "
+        "stability): without it that is told, with both numbers, exit code 1",
     )
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from orbitproof.explore.commands.common import add_command, add_orbit_choice, add_quiet, positive
 from orbitproof.explore.commands.trajectory import add_spice_numbers
+from orbitproof.explore.names import NoOrbit
 from orbitproof.shared.formats import InputError, check_writable, write_text
 
 _EXAMPLES = """\
@@ -84,7 +85,6 @@ def run(options: argparse.Namespace) -> int:
     from orbitproof.explore.trajectories import (
         IN_KM,
         Choice,
-        NoOrbit,
         TooFine,
         ephemeris_text,
         epoch_of,
@@ -101,7 +101,7 @@ def run(options: argparse.Namespace) -> int:
     with Reporter(options.quiet) as report, kernels_loaded(options.kernels):
         report.stage("ephemeris")
         try:
-            source = find_orbit(options.file, Choice(options.id, options.family, options.orbit))
+            source = find_orbit(options.file, Choice(options.id, options.family, options.orbit, options.accept))
             if source.system not in THREE_BODY:
                 raise InputError(f"{options.file}: {source.system.name} has no orbits in space")
             bodies = bodies_named(_bodies(options.bodies, source.primaries), gravity)

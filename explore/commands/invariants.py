@@ -8,6 +8,7 @@ from math import isfinite
 from typing import Any
 
 from orbitproof.explore.commands.common import add_command, add_orbit_choice, add_output, add_quiet, index, positive
+from orbitproof.explore.names import NoOrbit
 from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.wording import counted
@@ -77,13 +78,13 @@ def run_tori(options: argparse.Namespace) -> int:
     # Only now: JAX takes a moment to load.
     from orbitproof.explore.engines import Reporter
     from orbitproof.explore.invariants import NoCurve, trace_tori, write_tori
-    from orbitproof.explore.trajectories import Choice, NoOrbit, find_orbit, trajectory_of
+    from orbitproof.explore.trajectories import Choice, find_orbit, trajectory_of
     from orbitproof.shared.systems import CR3BP
 
     with Reporter(options.quiet) as report:
         report.stage("tori")
         try:
-            source = find_orbit(options.file, Choice(options.id, options.family, options.orbit))
+            source = find_orbit(options.file, Choice(options.id, options.family, options.orbit, options.accept))
             if source.system is not CR3BP:
                 raise InputError(f"{options.file}: tori are traced around orbits of cr3bp, not of {source.system.name}")
             trajectory = trajectory_of(source)
@@ -131,13 +132,13 @@ def run_manifold(options: argparse.Namespace) -> int:
 
     from orbitproof.explore.engines import Reporter
     from orbitproof.explore.invariants import NoManifold, Plane, manifold_of, write_manifold
-    from orbitproof.explore.trajectories import Choice, NoOrbit, find_orbit, trajectory_of
+    from orbitproof.explore.trajectories import Choice, find_orbit, trajectory_of
     from orbitproof.shared.systems import THREE_BODY
 
     with Reporter(options.quiet) as report:
         report.stage("manifold")
         try:
-            source = find_orbit(options.file, Choice(options.id, options.family, options.orbit))
+            source = find_orbit(options.file, Choice(options.id, options.family, options.orbit, options.accept))
             if source.system not in THREE_BODY:
                 raise InputError(f"{options.file}: {source.system.name} has no orbits in space")
             trajectory = trajectory_of(source)

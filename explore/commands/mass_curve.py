@@ -97,8 +97,6 @@ def run(options: argparse.Namespace) -> int:
     """Check the options and trace; returns the exit code. Raises `InputError`."""
     check_writable(options.output)
     largest, smallest = mass_parameter("--mu-max", options.mu_max), mass_parameter("--mu-min", options.mu_min)
-    if largest > Fraction(1, 2):
-        raise InputError(f"--mu-max {options.mu_max}: above 1/2; mu is the smaller mass over the total")
     if not smallest < largest:
         raise InputError(f"--mu-min {options.mu_min}: not below --mu-max; give a smaller mass")
     if float(smallest) < 1e-100:

@@ -15,9 +15,11 @@ from orbitproof.explore.commands.orbit_options import equation_of, kind_of
 from orbitproof.explore.names import (
     family_name,
     given_parameters,
+    has_branches,
     is_family_name,
     label_of,
-    mirrored_name,
+    name_on,
+    on_branch,
     system_named,
     system_with,
 )
@@ -46,7 +48,7 @@ examples:
   orbitproof explore orbit --system mine.py --start c=0.1 y=0.2
   orbitproof explore orbit --system cr3bp --mass earth-moon --start x=0.8234 z=0 vy=0.126 -o orbit.json
   orbitproof explore family --from-family orbit.json --parameter-max x 0.83 -o family.json
-  orbitproof explore orbit --family L2-halo --mass earth-moon --mirror --period 1.5 -o candidate.json
+  orbitproof explore orbit --family L2-halo --mass earth-moon --branch north --period 1.5 -o candidate.json
   orbitproof explore orbit --family L2-halo --mass 0.01215 --period 'synodic_month*2/9' -o candidate.json
   orbitproof explore orbit --from-family families.json --family earth-moon-L2-halo --extrema -o extrema.json
   orbitproof explore orbit --family L2-vertical --mass earth-moon --at z=0.1 -o vertical.json
@@ -78,13 +80,14 @@ def add_parser(commands: Any) -> None:
         metavar="NAME",
         help="the family of the orbit; with --start the name to give its family",
     )
-    parser.add_argument("--mirror", action="store_true", help="halo families: the mirror image")
+    common.add_branch(parser)
     parser.add_argument("--from-family", type=Path, metavar="FILE", help="take the orbit from a family in this file")
     parser.add_argument("--from-catalogue", type=Path, metavar="FILE", help="orbits near rows of a catalogue file")
     parser.add_argument(
         "--catalogue-orbit", type=common.index, nargs="+", metavar="N", help="these rows, counted from 1 (default: all)"
     )
     parser.add_argument("--every", type=common.index, metavar="N", help="every N-th row: 1, 1 + N, 1 + 2 N, ..")
+    common.add_accept(parser)
     parser.add_argument(
         "--certificates",
         type=Path,
@@ -135,6 +138,8 @@ def run(options: argparse.Namespace) -> int:
         return _extrema(options)
     if options.from_catalogue is not None:
         return _catalogue(options)
+    if options.branch is not None and (options.from_family is not None or options.start is not None):
+        raise InputError("--branch: the start says which orbits; leave it out")
     for option in ("certificates", "catalogue_orbit", "every"):
         if getattr(options, option) is not None:
             raise InputError(f"--{option.replace('_', '-')}: belongs to --from-catalogue; give that too")
@@ -166,11 +171,14 @@ def _started(options: argparse.Namespace, system: ReversibleSystem) -> int:
 
     found: list[TracedFamily] = []
     requests = started(options, system)
+    held = None
+    if equation is not None and equation.coordinate is not None:
+        held = equation.coordinate, float(equation.value)
     with Reporter(options.quiet) as report:
         for request in requests:
             assert request.first is not None
             try:
-                family = first_family(system, request.parameters, request.first, CONTROL)
+                family = first_family(system, request.parameters, request.first, CONTROL, held)
             except FamilyFailure as error:
                 report.error(f"{request.name}: {error}")
                 continue
@@ -218,7 +226,7 @@ def _of_families(options: argparse.Namespace, system: ReversibleSystem | None) -
 
     # Only now: JAX takes a moment to load.
     from orbitproof.explore.engines import Reporter
-    from orbitproof.explore.families import FamilyFailure
+    from orbitproof.explore.families import FamilyFailure, branch_of
     from orbitproof.explore.search import tasks_of_family
 
     try:
@@ -227,9 +235,11 @@ def _of_families(options: argparse.Namespace, system: ReversibleSystem | None) -
             equation = equation_of(options, family.problem.system)
             assert equation is not None
             tasks = tasks_of_family(family, equation, options.id or title, options.digits)
+            named = on_branch(title, branch_of(family))
             if not tasks:
-                report.error(f"{title}: no orbit with {_shown(equation)} on the part traced; it ends: {family.reason}")
+                report.error(f"{named}: no orbit with {_shown(equation)} on the part traced; it ends: {family.reason}")
                 return 1
+            report.message(f"{named}: {counted(len(tasks), 'orbit')} with {_shown(equation)}")
             return _refined(options, tasks, report)
     except FamilyFailure as error:
         print(f"{options.family[0]}: {error}")
@@ -238,7 +248,7 @@ def _of_families(options: argparse.Namespace, system: ReversibleSystem | None) -
 
 def _family(options: argparse.Namespace, system: ReversibleSystem | None, report: Reporter) -> tuple[str, Family]:
     """The family that is meant, traced or read, and what it is called. Raises `FamilyFailure`, `InputError`."""
-    from orbitproof.explore.families import Limits, family_of, trace_family
+    from orbitproof.explore.families import Limits, family_of, trace_reaching
     from orbitproof.explore.records import read_families
 
     if system is None:
@@ -246,14 +256,15 @@ def _family(options: argparse.Namespace, system: ReversibleSystem | None, report
         record = _record(options, records)
         return _full_name(record), family_of(record)
     parameters = given_parameters(system, None if options.mass is None else options.mass[0], options.parameter)
-    equation_of(options, system)
-    name = mirrored_name(options.family[0]) if options.mirror else options.family[0]
+    equation = equation_of(options, system)
+    if options.branch is not None and not has_branches(options.family[0]):
+        raise InputError(f"--branch: {options.family[0]} has no northern and southern orbits; leave it out")
     label = label_of(system, None if options.mass is None else options.mass[0], options.parameter)
-    report.stage(f"tracing {label} {name}")
-    family = trace_family(
-        system, options.family[0], parameters, Limits(), mirrored=options.mirror, progress=report.update
-    )
-    return f"{label}-{name}", family
+    report.stage(f"tracing {label} {options.family[0]}")
+    place = None if equation is None or equation.coordinate is None else (equation.coordinate, float(equation.value))
+    named = (system, options.family[0], parameters)
+    family, branch = trace_reaching(*named, Limits(), options.branch, place, progress=report.update)
+    return f"{label}-{name_on(options.family[0], branch)}", family
 
 
 def _full_name(record: FamilyRecord) -> str:
@@ -326,7 +337,7 @@ def _catalogue(options: argparse.Namespace) -> int:
     """Orbits near rows of a catalogue: refined, or compared with their certificates."""
     from orbitproof.explore.catalogues import compare_certificates, read_catalogue
 
-    for option in ("system", "mass", "family", "start", "from_family", "half_period"):
+    for option in ("system", "mass", "family", "branch", "start", "from_family", "half_period"):
         if getattr(options, option) is not None:
             raise InputError(f"--{option.replace('_', '-')}: --from-catalogue says which orbits; leave it out")
     catalogue = read_catalogue(options.from_catalogue)
@@ -350,10 +361,11 @@ def _catalogue(options: argparse.Namespace) -> int:
 
     equation = equation_of(options, CR3BP, wanted=False)
     with Reporter(options.quiet) as report:
-        tasks, failures = tasks_of_catalogue(catalogue, rows, equation, options.digits)
+        tasks, failures = tasks_of_catalogue(catalogue, rows, equation, options.digits, options.accept)
         for line in failures:
             report.error(line)
-        return max(_refined(options, tasks, report), 1 if failures else 0)
+        done = _refined(options, tasks, report) if tasks else 0
+        return max(done, 1 if failures else 0)
 
 
 def _refined(options: argparse.Namespace, tasks: Sequence[OrbitTask], report: Reporter) -> int:
@@ -409,7 +421,7 @@ def _shown(equation: Equation) -> str:
 def _lines(item: TracedFamily) -> list[str]:
     problem, (orbit,) = item.family.problem, item.family.orbits
     system = problem.system
-    rows = [("orbit", item.title)]
+    rows = [("orbit", item.title), *([] if item.branch is None else [("branch", f"{item.branch}ern")])]
     for title, side in (("point", "first"), ("other point", "second")):
         place = zip(system.centre_coordinates, orbit.centre("first" if side == "first" else "second"), strict=True)
         rows.append((title, ", ".join(f"{name} = {value:.15g}" for name, value in place)))

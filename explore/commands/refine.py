@@ -79,6 +79,9 @@ def add_parser(commands: Any) -> None:
         help="half-widths of the box along p_0, p_1, ..: what a failed proof asks for (default: such as suit it)",
     )
     parser.add_argument("--id", metavar="NAME", help="of the candidate (default: system and K)")
+    parser.add_argument(
+        "--accept", action="store_true", help="take a point that is farther away than the digits of --point explain"
+    )
     common.add_output(parser, "candidates file")
     parser.add_argument("--append", action="store_true", help="keep what the output file already holds")
     common.add_quiet(parser)
@@ -119,6 +122,7 @@ def run(options: argparse.Namespace) -> int:
             digits=options.digits,
             radii=options.radii,
             id=name,
+            accept=options.accept,
             quiet=options.quiet,
         )
     except RefinementFailure as error:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.explore.commands.common import add_command, add_orbit_choice, positive
+from orbitproof.explore.names import NoOrbit, units_of_system
 from orbitproof.shared.formats import InputError, check_writable, write_text
 
 _EXAMPLES = """\
@@ -101,7 +102,6 @@ def run(options: argparse.Namespace) -> int:
     from orbitproof.explore.trajectories import (
         Choice,
         Frame,
-        NoOrbit,
         TooFine,
         centre_number,
         chosen_units,
@@ -121,14 +121,15 @@ def run(options: argparse.Namespace) -> int:
 
     epoch = epoch_of(options.epoch)
     try:
-        source = find_orbit(options.file, Choice(options.id, options.family, options.orbit))
+        source = find_orbit(options.file, Choice(options.id, options.family, options.orbit, options.accept))
         if source.system not in THREE_BODY:
             for option, given in (("--units km", options.units == "km"), ("--error", options.error),
                                   ("--frame", options.frame != "rotating"),
                                   ("--origin", options.origin != "barycentre")):  # fmt: skip
                 if given:
                     raise InputError(f"{option}: {source.system.name} has no orbits in space; leave it out")
-        units = chosen_units(options.units, options.lunit, options.tunit, source.units)
+        system = units_of_system(source.parameters.get("mu"), "-".join(source.primaries or ()))
+        units = chosen_units(options.units, options.lunit, options.tunit, source.units, system)
         frame = Frame(options.frame, origin_named(options.origin, source.primaries))
         samples = sample(
             trajectory_of(source), frame=frame, units=units, periods=options.periods, count=options.points,

@@ -12,12 +12,16 @@ from .detection import folds as folds
 from .detection import kind_of as kind_of
 from .detection import symmetry_breakings as symmetry_breakings
 from .first_orbits import first_family as first_family
+from .hemispheres import branch_of as branch_of
+from .hemispheres import mirrored as mirrored
+from .hemispheres import on_side as on_side
 from .limits import Limits as Limits
 from .limits import limited_names as limited_names
 from .named import FamilyFailure as FamilyFailure
 from .named import continue_both_ways as continue_both_ways
 from .named import continue_family as continue_family
 from .named import trace_family as trace_family
+from .named import trace_reaching as trace_reaching
 from .stability_curve import StabilityCurve as StabilityCurve
 from .stability_curve import largest_changes as largest_changes
 from .step_control import CONTROL as CONTROL

@@ -57,6 +57,7 @@ def family_record(item: TracedFamily) -> FamilyRecord:
             )
             for resonance in item.detection.resonances
         ),
+        branch=item.branch,
         beginning=None if family.beginning is None else EndingRecord(**asdict(family.beginning)),
         curve=_curve(item.detection.samples),
         extrema=tuple(

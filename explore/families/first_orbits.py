@@ -13,7 +13,7 @@ from orbitproof.explore.families.continuation import Family, crossings
 from orbitproof.explore.families.named import FamilyFailure
 from orbitproof.explore.families.step_control import StepControl
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
-from orbitproof.explore.orbits import Correction, CorrectionFailure, ShootingProblem
+from orbitproof.explore.orbits import Correction, CorrectionFailure, ShootingProblem, fallen
 from orbitproof.explore.seeds import FirstOrbit
 from orbitproof.shared.systems import ReversibleSystem
 
@@ -38,16 +38,28 @@ _CLOSE = 0.05
 
 
 def first_family(
-    system: ReversibleSystem, parameters: Mapping[str, Fraction], first: FirstOrbit, control: StepControl
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    first: FirstOrbit,
+    control: StepControl,
+    held: tuple[str, float] | None = None,
 ) -> Family:
-    """The family of one orbit that starts from `first`, in Fix(S) if that lies there. Raises `FamilyFailure`."""
+    """The family of one orbit that starts from `first`, in Fix(S) if that lies there.
+
+    With `held` the orbit with this value of one of `centre_coordinates`. Raises `FamilyFailure`, also for an orbit in
+    Fix(S) that is found from a start outside.
+    """
     problem = ShootingProblem(system, dict(parameters), tolerance=control.tolerance)
     half_period = first.half_period
     try:
         if half_period is None:
             half_period = _half_period(problem, first.point)
         unknowns = np.array([*first.point, half_period])
-        direction = None if first.direction is None else np.array([*first.direction, 0.0])
+        given = None if first.direction is None else np.array([*first.direction, 0.0])
+        if held is not None:
+            index = system.centre_coordinates.index(held[0])
+            given, unknowns[index] = np.eye(problem.size)[index], held[1]
+        direction, start = given, unknowns[:-1].tolist()
         for name in system.symmetries:
             odd = list(problem.odd_unknowns(name))
             along = direction is None or not np.any(direction[odd])
@@ -57,7 +69,10 @@ def first_family(
         times = _repetitions(problem, correction.unknowns)
         if times > 1:
             unknowns = np.append(correction.unknowns[:-1], correction.unknowns[-1] / times)
-            correction, direction = _corrected(problem, unknowns, None if first.direction is None else direction)
+            correction, direction = _corrected(problem, unknowns, given)
+        if (why := fallen(system, parameters, start, correction.unknowns[:-1].tolist())) is not None:
+            remedy = "keep that coordinate (explore orbit --at), or give a closer start"
+            raise FamilyFailure(f"no first orbit: {why} and so another one; {remedy}")
         tangent = problem.tangent(correction.jacobian, direction)
         states = problem.samples(correction.unknowns)
         if _rests(states):

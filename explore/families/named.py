@@ -12,6 +12,9 @@
   breaks first on the planar family among orbits with that symmetry. The same for L2 and L3.
 - falkner-skan: ``odd``, the symmetric periodic orbits in the parameter beta.
 
+Halo orbits and those that branch off from them are northern or southern, mirror images: z is positive or negative where
+they are farthest from the smaller primary. Southern ones are traced unless northern ones are asked for.
+
 The first point of an orbit on Fix(R) is the crossing from which the paper draws the family: for L1
 and L2 the one with x < x_L (there vy > 0), for L3 the one with x > x_L (there vy < 0). On a vertical family it is
 the highest point; such an orbit also meets the x axis, so that its half orbit crosses the section twice.
@@ -26,7 +29,7 @@ from fractions import Fraction
 import numpy as np
 
 from orbitproof.explore.engines import Progress
-from orbitproof.explore.families.branching import Sign, after_breakings, branch_seed
+from orbitproof.explore.families.branching import after_breakings, branch_seed
 from orbitproof.explore.families.continuation import (
     RETURNED,
     Course,
@@ -40,12 +43,13 @@ from orbitproof.explore.families.continuation import (
 )
 from orbitproof.explore.families.detection import symmetry_breaking_near, symmetry_breakings
 from orbitproof.explore.families.doubled import DOUBLED, NEAREST, doubled_seed
+from orbitproof.explore.families.hemispheres import on_side, side_reaching
 from orbitproof.explore.families.limits import Limits
 from orbitproof.explore.families.prograde import PROGRADE, distant_prograde, greatest_level, prograde_circle
 from orbitproof.explore.families.resonant import resonant_seed, while_resonant
 from orbitproof.explore.families.step_control import CONTROL, StepControl
 from orbitproof.explore.flow import FlowFailure, Matrix
-from orbitproof.explore.names import branch_number, is_family_name, resonance_of
+from orbitproof.explore.names import BRANCHES, DEFAULT_BRANCH, Branch, branch_number, is_family_name, resonance_of
 from orbitproof.explore.numerics import bracketed_zero
 from orbitproof.explore.orbits import CorrectionFailure, ShootingProblem, SymmetricOrbit
 from orbitproof.explore.seeds import LinearOrbit, detuning, libration_point, limit_orbit, lyapunov_orbit, vertical_orbit
@@ -71,7 +75,7 @@ def trace_family(
     parameters: Mapping[str, Fraction],
     limits: Limits,
     *,
-    mirrored: bool = False,
+    branch: Branch = DEFAULT_BRANCH,
     control: StepControl = CONTROL,
     progress: Progress | None = None,
 ) -> Family:
@@ -79,13 +83,15 @@ def trace_family(
 
     Arguments:
         parameters: exact fixed parameters of the system.
-        mirrored: the mirror image under S of a halo family (z < 0 at the first point), or of one that branches off it.
+        branch: the northern or the southern one of a halo family, or of one that branches off it.
 
     Raises `FamilyFailure` if no first orbit is found and `ValueError` for an unknown name.
     """
     if not is_family_name(system.name, name):
         raise ValueError(f"unknown family {name!r} of {system.name}")
-    tracer = _Tracer(system, parameters, limits, control, progress)
+    if branch not in BRANCHES:
+        raise ValueError(f"branch: {branch!r} is unknown; there are {' and '.join(BRANCHES)}")
+    tracer = _Tracer(system, parameters, limits, control, progress, branch)
     try:
         if system is FALKNER_SKAN:
             return tracer.falkner_skan()
@@ -97,14 +103,41 @@ def trace_family(
             return tracer.resonant(*resonance)
         point, kind = name.split("-")[:2]
         if kind in DOUBLED:
-            return tracer.doubled(point, kind, -1 if mirrored else 1)
+            return tracer.doubled(point, kind)
         if kind == "lyapunov":
             return tracer.grown(*tracer.planar_start(point))
         if kind == "vertical":
             return tracer.grown(*tracer.vertical_start(point))
-        return tracer.halo(point, branch_number(name) or 1, -1 if mirrored else 1)
+        return tracer.halo(point, branch_number(name) or 1)
     except (CorrectionFailure, ZeroDivisionError) as error:
         raise FamilyFailure(f"no first orbit of {name}: {error}") from None
+
+
+def trace_reaching(
+    system: ReversibleSystem,
+    name: str,
+    parameters: Mapping[str, Fraction],
+    limits: Limits,
+    branch: Branch | None,
+    place: tuple[str, float] | None,
+    *,
+    progress: Progress | None = None,
+) -> tuple[Family, Branch]:
+    """A family by name and its branch: of those two of which none is asked for, one that comes to a place.
+
+    Arguments:
+        branch: the one that is asked for, if any.
+        place: a coordinate of the first point and its value. The other family than that of the default is traced if it
+            alone reaches it.
+
+    Raises what `trace_family` raises.
+    """
+    wanted = branch or DEFAULT_BRANCH
+    family = trace_family(system, name, parameters, limits, branch=wanted, progress=progress)
+    side = None if branch is not None or place is None else side_reaching(family, *place)
+    if side in (None, wanted) or family.outcome == "interrupted":
+        return family, wanted
+    return trace_family(system, name, parameters, limits, branch=side, progress=progress), side
 
 
 def continue_family(
@@ -171,12 +204,14 @@ class _Tracer:
         limits: Limits,
         control: StepControl,
         progress: Progress | None,
+        branch: Branch = DEFAULT_BRANCH,
     ) -> None:
         self.system = system
         self.parameters = parameters
         self.limits = limits
         self.control = control
         self.progress = progress
+        self.branch = branch
 
     def problem(self, scale: tuple[float, ...], symmetry: str | None) -> ShootingProblem:
         return ShootingProblem(self.system, self.parameters, symmetry, scale, self.control.tolerance)
@@ -256,19 +291,19 @@ class _Tracer:
             return replace(family, outcome="interrupted", beginning=None)
         return extend(family, way(family, self.limits))
 
-    def doubled(self, point: str, kind: str, sign: Sign) -> Family:
+    def doubled(self, point: str, kind: str) -> Family:
         """The branch of doubled period at a 1:2 resonance of the halo family."""
         hill = float((self.parameters["mu"] / 3) ** (1 / 3))
         far = Limits(PLANAR_ORBITS, min_distance=max(self.limits.min_distance or 0.0, NEAREST * hill))
-        halo = _Tracer(self.system, self.parameters, far, self.control, self.progress).halo(point, 1, sign)
+        halo = _Tracer(self.system, self.parameters, far, self.control, self.progress).halo(point, 1)
         if halo.outcome == "interrupted":
             raise KeyboardInterrupt
         if self.progress is not None:
             self.progress("1:2 resonances of the halo family", 0.0)
-        branch = doubled_seed(halo, kind)
+        branch = on_side(doubled_seed(halo, kind), self.branch)
         return continue_family(branch, self.limits, control=self.control, progress=self.progress)
 
-    def halo(self, point: str, number: int, sign: Sign) -> Family:
+    def halo(self, point: str, number: int) -> Family:
         """The branch at the symmetry breaking `number` = 1, 2, .. of the planar family."""
         planar, start = self.planar_start(point)
         near = Limits(PLANAR_ORBITS, min_distance=self.limits.min_distance)
@@ -280,7 +315,7 @@ class _Tracer:
         if len(breakings) < number:
             times = f" a {number}. time" if number > 1 else ""
             raise CorrectionFailure(f"S does not break{times} on the planar family: {family.reason}")
-        branch = branch_seed(planar, breakings[number - 1], sign)
+        branch = on_side(branch_seed(planar, breakings[number - 1], 1), self.branch)
         return continue_family(branch, self.limits, control=self.control, progress=self.progress)
 
     def _report_start(self, name: str) -> Callable[[SymmetricOrbit], None] | None:

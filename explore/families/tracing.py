@@ -6,15 +6,17 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 
 from orbitproof.explore.engines import Job, Lost, Progress, run_all
 from orbitproof.explore.families.continuation import Family
 from orbitproof.explore.families.detection import Detection, detect
 from orbitproof.explore.families.first_orbits import first_family
+from orbitproof.explore.families.hemispheres import branch_of
 from orbitproof.explore.families.limits import Limits
 from orbitproof.explore.families.named import FamilyFailure, continue_both_ways, continue_family, trace_family
 from orbitproof.explore.families.step_control import CONTROL, SAMPLING_TIMEOUT, StepControl
-from orbitproof.explore.names import mirrored_name
+from orbitproof.explore.names import DEFAULT_BRANCH, Branch, name_on
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.explore.seeds import FirstOrbit
 from orbitproof.shared.systems import ReversibleSystem
@@ -28,7 +30,7 @@ class TraceTask:
     """A family to trace, or to continue, and to search.
 
     Attributes:
-        name, system, parameters, mirrored: as for `explore.families.named.trace_family`.
+        name, system, parameters, branch: as for `explore.families.named.trace_family`.
         label: the parameters as the user named them, or "".
         multiplicities: the k to look for.
         folds: whether to look for folds as well.
@@ -47,7 +49,7 @@ class TraceTask:
     limits: Limits
     multiplicities: tuple[int, ...]
     folds: bool = False
-    mirrored: bool = False
+    branch: Branch = DEFAULT_BRANCH
     start: Family | None = None
     both_ways: bool = False
     of_catalogue: bool = False
@@ -56,9 +58,14 @@ class TraceTask:
     sampling_timeout: float = SAMPLING_TIMEOUT
 
     @property
+    def called(self) -> str:
+        """The name of the family in files: one that is not traced by its name has the one that it is given."""
+        return self.name if self.start is not None or self.first is not None else name_on(self.name, self.branch)
+
+    @property
     def title(self) -> str:
         """For messages."""
-        return f"{self.label} {self.name}" if self.label else self.name
+        return f"{self.label} {self.called}" if self.label else self.called
 
 
 @dataclass(frozen=True)
@@ -74,6 +81,11 @@ class TracedFamily:
     def system(self) -> ReversibleSystem:
         """The family's system."""
         return self.family.problem.system
+
+    @cached_property
+    def branch(self) -> Branch | None:
+        """Whether its orbits are northern or southern ones; `None` for others."""
+        return branch_of(self.family)
 
     @property
     def title(self) -> str:
@@ -120,15 +132,14 @@ def trace_task(task: TraceTask, progress: Progress) -> Traced:
                 task.name,
                 task.parameters,
                 task.limits,
-                mirrored=task.mirrored,
+                branch=task.branch,
                 control=task.control,
                 progress=tracing,
             )
         else:
             go_on = continue_both_ways if both_ways else continue_family
             family = go_on(start, task.limits, control=task.control, progress=tracing)
-        name = mirrored_name(task.name) if task.mirrored else task.name
-        item = TracedFamily(name, task.label, family)
+        item = TracedFamily(task.called, task.label, family)
         if family.outcome == "interrupted":
             return result(interrupted=True)
         if task.multiplicities or task.folds:

@@ -68,14 +68,27 @@ def time_given(
 
 
 def mass_parameter(option: str, text: str, *, or_zero: bool = False) -> Fraction:
-    """A mass parameter, by name or as a number in (0, 1), in [0, 1) with `or_zero`. Raises `InputError`."""
+    """A mass parameter, by name or as a number in (0, 1/2], in [0, 1/2] with `or_zero`. Raises `InputError`."""
     value = MASS_PARAMETERS.get(text)
     if value is None:
         names = ", ".join(MASS_PARAMETERS)
-        value = exact_number(option, text, f"neither a name ({names}) nor a number; give a number in (0, 1)")
+        value = exact_number(option, text, f"neither a name ({names}) nor a number; give a number in (0, 1/2]")
     # Neither the number nor the double next to it may be an end.
     inside = 0 < value < 1 and 0.0 < float(value) < 1.0
     if not inside and not (or_zero and value == 0):
-        interval = "[0, 1)" if or_zero else "(0, 1)"
+        interval = "[0, 1/2]" if or_zero else "(0, 1/2]"
         raise InputError(f"{option} {text}: outside {interval}; give the smaller mass over the total mass")
+    if (why := exchanged(value)) is not None:
+        raise InputError(f"{option} {text}: {why}")
     return value
+
+
+def exchanged(mass: Fraction) -> str | None:
+    """Why a mass parameter is refused that is that of the larger primary, with the remedy; `None` up to 1/2."""
+    if mass <= Fraction(1, 2):
+        return None
+    smaller = str(1 - mass) if (1 - mass).denominator < 1000 else f"{float(1 - mass):.17g}"
+    return (
+        f"above 1/2, so the primaries are exchanged; give the smaller mass over the total, 1 - mu = {smaller}, and "
+        "states with the other sign of x, y, vx, vy"
+    )

@@ -7,6 +7,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from math import gcd
+from typing import Literal
+
+Branch = Literal["north", "south"]
+"""The sign of z where an orbit is farthest from the smaller primary: northern orbits have z > 0 there."""
+
+NORTH: Branch = "north"
+SOUTH: Branch = "south"
+BRANCHES: tuple[Branch, ...] = (NORTH, SOUTH)
+DEFAULT_BRANCH: Branch = SOUTH
+"""Of every family that has both, as the orbits of the Gateway are."""
 
 RESONANCES = ("1:1", "1:2", "1:3", "1:4", "2:1", "2:3", "3:1", "3:2", "3:4", "4:1", "4:3")
 """Of the resonant families that are listed; p:q goes round p times while the primaries do so q times."""
@@ -105,15 +115,25 @@ def branch_name(planar: str, number: int) -> str:
 
 
 def branch_number(name: str) -> int | None:
-    """The inverse of `branch_name`; `None` for a family of another kind."""
-    match = _BRANCH.fullmatch(name)
+    """The inverse of `branch_name`, whatever the side of the orbits; `None` for a family of another kind."""
+    match = _BRANCH.fullmatch(name.removesuffix(f"-{NORTH}"))
     return None if match is None else int(match[1] or 1)
 
 
-def mirrored_name(name: str) -> str:
-    """The name of the mirror image under S of a family that does not map to itself."""
-    has_image = branch_number(name) is not None or name.endswith(("-butterfly", "-dragonfly"))
-    return f"{name}-mirror" if has_image else name
+def has_branches(name: str) -> bool:
+    """Whether a family by name is one of two, mirror images under S: northern and southern orbits."""
+    return branch_number(name) is not None or name.endswith(("-butterfly", "-dragonfly"))
+
+
+def name_on(name: str, branch: Branch) -> str:
+    """What a family is called in files and ids: L1-halo for the default branch, L1-halo-north for the other one."""
+    return f"{name}-{branch}" if has_branches(name) and branch != DEFAULT_BRANCH else name
+
+
+def on_branch(name: str, branch: Branch | None) -> str:
+    """A name with the side of its orbits in words, if they have one: southern L1-halo."""
+    side = "" if branch is None else f"{branch}ern "
+    return f"{side}{name.removesuffix(f'-{branch}')}"
 
 
 POINTS = ("one", "distinct", "all")

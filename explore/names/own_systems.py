@@ -7,10 +7,12 @@ from fractions import Fraction
 from math import inf
 from pathlib import Path
 
-from orbitproof.explore.names.exact_numbers import NO_NUMBER, exact_number, mass_parameter, number_in
+from orbitproof.explore.names.exact_numbers import NO_NUMBER, exact_number, exchanged, mass_parameter, number_in
 from orbitproof.explore.names.family_names import FAMILY_NAMES
 from orbitproof.shared.formats import ArgumentError, InputError, load_system, under_reversor
-from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, ReversibleSystem
+from orbitproof.shared.systems import CR3BP_PLANAR, MASS_PARAMETERS, SYSTEMS, THREE_BODY, ReversibleSystem
+
+_OF_THREE_BODIES = (*THREE_BODY, CR3BP_PLANAR)
 
 
 def system_named(text: str) -> ReversibleSystem:
@@ -51,7 +53,7 @@ def given_parameters(
             raise InputError(f"--mass {mass}: {why}; leave it out")
         return {"mu": mass_parameter("--mass", mass)}
     if system.fixed_parameters == ("mu",) and not texts and varying is None:
-        raise InputError(f"--mass: missing; give a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1)")
+        raise InputError(f"--mass: missing; give a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1/2]")
     return exact_parameters(system, texts, varying)
 
 
@@ -76,6 +78,8 @@ def exact_parameters(
         if not system.parameters[name].contains(value):
             words = "{parameters:--parameter} {0}={1}: outside {2}; give a value inside"
             raise ArgumentError(words, name, texts[name], system.parameters[name])
+        if name == "mu" and system in _OF_THREE_BODIES and (why := exchanged(value)) is not None:
+            raise ArgumentError("{parameters:--parameter} mu={0}: {1}", texts[name], why)
         result[name] = value
     return result
 

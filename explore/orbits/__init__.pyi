@@ -1,5 +1,10 @@
+from .agreement import REMEDY as REMEDY
+from .agreement import Numbers as Numbers
+from .agreement import contradictions as contradictions
 from .batch import OrbitBatch as OrbitBatch
 from .batch import correct_batch as correct_batch
+from .fixed_spaces import fallen as fallen
+from .hemispheres import branch_at as branch_at
 from .loop_shooting import LoopShooting as LoopShooting
 from .multiple_shooting import MultipleShooting as MultipleShooting
 from .multiple_shooting import SegmentedOrbit as SegmentedOrbit

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from orbitproof.explore.names import examined
+from orbitproof.explore.names import Branch, examined
 from orbitproof.explore.records.entries import Array, Entry, to_json
 from orbitproof.shared.formats import read_document, read_system, validate_document, write_text
 from orbitproof.shared.systems import ReversibleSystem
@@ -120,6 +120,7 @@ class FamilyRecord:
     curve: SamplesRecord | None = None
     extrema: tuple[ExtremumRecord, ...] = ()
     beginning: EndingRecord | None = None
+    branch: Branch | None = None
 
 
 def write_families(path: Path, families: Sequence[FamilyRecord]) -> None:
@@ -133,7 +134,7 @@ def _to_json(family: FamilyRecord) -> dict[str, Any]:
     result: dict[str, Any] = to_json(family)
     for orbit in result["orbits"]:
         orbit["period"] = 2 * orbit["half_period"]
-    absent = [name for name in ("beginning", "curve") if result[name] is None]
+    absent = [name for name in ("beginning", "branch", "curve") if result[name] is None]
     for name in (*absent, *(["extrema"] if "curve" in absent else ())):
         del result[name]
     return result
@@ -180,6 +181,7 @@ def _family(value: Mapping[str, Any], source: str) -> FamilyRecord:
         curve=_curve(entry, value.get("curve")),
         extrema=extrema,
         beginning=EndingRecord(**value["beginning"]) if "beginning" in value else None,
+        branch=value.get("branch"),
     )
 
 

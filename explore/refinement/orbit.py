@@ -12,6 +12,7 @@ import mpmath
 import numpy as np
 
 from orbitproof.explore.engines import Job, Lost, Progress, run_all
+from orbitproof.explore.orbits import fallen
 from orbitproof.explore.refinement.crossing import level_jet, section_crossings, shorter_coordinates
 from orbitproof.explore.refinement.frames import RefinementFailure
 from orbitproof.explore.refinement.half_return import section_jets, start_jets
@@ -120,6 +121,8 @@ def _refined(task: OrbitTask, regularisation: Regularisation | None, report: Pro
         guard = max(_GUARD_BITS, ceil(log2(max(spread, 1.0))) + 16)
         wanted = goal + guard
         if bits >= wanted and size < 2.0**-goal:
+            if (why := fallen(task.system, task.parameters, task.guess, [float(value) for value in point])) is not None:
+                raise RefinementFailure(why)
             return _candidate(task, point, bits, spread, number + 1)
         # What is known doubles; the working precision follows it.
         known = -2 * log2(max(size, 2.0**-bits))

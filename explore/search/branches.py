@@ -13,9 +13,10 @@ from orbitproof.explore.families import (
     TraceTask,
     branch_seed,
     breaking_at_end,
+    on_side,
     symmetry_breakings,
 )
-from orbitproof.explore.names import branch_name, branch_number
+from orbitproof.explore.names import branch_name, branch_number, name_on
 from orbitproof.explore.orbits import CorrectionFailure
 
 
@@ -34,7 +35,7 @@ class Branches:
 
 def branches_of(results: Sequence[Traced]) -> Branches:
     """The families to trace from the symmetry breakings of the planar families among the results."""
-    done = {(result.task.name, result.task.label) for result in results}
+    done = {(result.task.called, result.task.label) for result in results}
     tasks, failures = [], []
     for result, item in _planar(results):
         task, problem = result.task, item.family.problem
@@ -44,8 +45,9 @@ def branches_of(results: Sequence[Traced]) -> Branches:
             failures.append(f"{item.title}: no branches: a symmetry breaking could not be located: {error}")
             continue
         for number, breaking in enumerate(breakings, start=1):
-            seed = branch_seed(problem, breaking, -1 if task.mirrored else 1)
-            branch = replace(task, name=branch_name(item.name, number), start=seed, both_ways=False)
+            seed = on_side(branch_seed(problem, breaking, 1), task.branch)
+            name = name_on(branch_name(item.name, number), task.branch)
+            branch = replace(task, name=name, start=seed, both_ways=False)
             if (branch.name, branch.label) not in done:
                 tasks.append(branch)
     return Branches(tuple(tasks), tuple(failures))

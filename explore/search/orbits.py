@@ -7,8 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from orbitproof.explore.catalogues import ROW, Catalogue
-from orbitproof.explore.families import Family, family_of
+from orbitproof.explore.catalogues import ROW, Catalogue, correct_catalogue
+from orbitproof.explore.families import Family, branch_of, family_of
 from orbitproof.explore.flow import flow_batch
 from orbitproof.explore.numerics import bracketed_zero
 from orbitproof.explore.orbits import CorrectionFailure, SymmetricOrbit
@@ -51,7 +51,7 @@ def orbits_with(family: Family, equation: Equation) -> Iterator[SymmetricOrbit]:
 
 def tasks_of_family(family: Family, equation: Equation, id: str, digits: int) -> list[OrbitTask]:
     """The orbits of a family that satisfy an equation, to be refined; numbered if there are several."""
-    problem = family.problem
+    problem, branch = family.problem, branch_of(family)
     found = list(orbits_with(family, equation))
     return [
         OrbitTask(
@@ -61,7 +61,7 @@ def tasks_of_family(family: Family, equation: Equation, id: str, digits: int) ->
             equation=equation,
             guess=tuple(map(float, orbit.centre("first"))),
             digits=digits,
-            provenance={},
+            provenance={} if branch is None else {"branch": branch},
             crossings=orbit.crossings,
         )
         for number, orbit in enumerate(found, start=1)
@@ -70,7 +70,7 @@ def tasks_of_family(family: Family, equation: Equation, id: str, digits: int) ->
 
 def tasks_of_extrema(record: FamilyRecord, id: str, digits: int) -> list[OrbitTask]:
     """The extrema of the stability parameters that a family file lists, numbered, to be refined."""
-    family = family_of(record)
+    family, side = family_of(record), {} if record.branch is None else {"branch": record.branch}
     return [
         OrbitTask(
             id=f"{id}-extremum-{number}",
@@ -79,7 +79,7 @@ def tasks_of_extrema(record: FamilyRecord, id: str, digits: int) -> list[OrbitTa
             equation=None,
             guess=tuple(map(float, orbit.centre("first"))),
             digits=digits,
-            provenance={"stability_parameter": extremum.stability_parameter},
+            provenance={"stability_parameter": extremum.stability_parameter} | side,
             crossings=orbit.crossings,
         )
         for number, (extremum, orbit) in enumerate(
@@ -89,11 +89,16 @@ def tasks_of_extrema(record: FamilyRecord, id: str, digits: int) -> list[OrbitTa
 
 
 def tasks_of_catalogue(
-    catalogue: Catalogue, rows: Sequence[int], equation: Equation | None, digits: int
+    catalogue: Catalogue, rows: Sequence[int], equation: Equation | None, digits: int, accept: bool = False
 ) -> tuple[list[OrbitTask], list[str]]:
-    """Orbits near rows of a catalogue, counted from 1, to be refined; and which rows do not start on Fix(R)."""
+    """Orbits near rows of a catalogue, counted from 1, to be refined; and why others are not.
+
+    Those do not start on Fix(R), or say what is not so of the orbit next to them, unless `accept` takes that one.
+    """
     tasks, failures = [], []
     chosen = np.array(rows) - 1
+    corrected = correct_catalogue(catalogue.chosen(chosen), accept=accept)
+    is_held = equation is not None and equation.quantity == COORDINATE
     half = flow_batch(
         CR3BP,
         catalogue.states[chosen],
@@ -101,10 +106,15 @@ def tasks_of_catalogue(
         np.full((len(rows), 1), float(catalogue.mass_ratio)),
     )
     odd = [index for index, sign in enumerate(CR3BP.reversing_symmetry) if sign == -1]
-    for row, crossings in zip(rows, half.crossings, strict=True):
-        state = catalogue.states[row - 1]
+    for index, (row, crossings) in enumerate(zip(rows, half.crossings, strict=True)):
+        state, why = catalogue.states[row - 1], corrected.reasons[index]
         if np.max(np.abs(state[odd])) > _OFF_SYMMETRY:
             failures.append(f"row {row} does not start in the plane of symmetry")
+            continue
+        # With a coordinate held Newton's method may come to the row's orbit where it did not before.
+        is_lost = bool(corrected.failures[index]) or corrected.fallen(index) is not None
+        if why and not accept and not (is_held and is_lost):
+            failures.append(f"row {row}: {why}")
             continue
         tasks.append(
             OrbitTask(

@@ -17,10 +17,13 @@ from orbitproof.explore.names import (
     FAMILY_NAMES,
     PRESETS,
     WITHOUT_SYMMETRY,
+    Contradiction,
+    NoOrbit,
     Preset,
     PresetFamilies,
     families_to_give,
     given_parameters,
+    has_branches,
     is_family_name,
     label_of,
     place_of,
@@ -107,7 +110,7 @@ def check(options: argparse.Namespace) -> Request:
             ("--preset", options.preset),
             ("--from-family", options.from_family),
             ("--from-catalogue", options.from_catalogue if source == "--from-orbit" else None),
-            ("--mirror", options.mirror or None),
+            ("--branch", options.branch),
             ("--start", options.start),
             ("--half-period", options.half_period),
         ):
@@ -135,6 +138,8 @@ def check(options: argparse.Namespace) -> Request:
         multiplicities = (2, 3, 4) if options.command == "candidates" and not options.folds else ()
     points = getattr(options, "points", None) or (preset.points if preset else "one")
     families = _families(options, preset)
+    if options.branch is not None and not options.branches and not any(has_branches(each.name) for each in families):
+        raise InputError("--branch: none of these families has northern and southern orbits; leave it out")
     systems = tuple({family.system.name: family.system for family in families}.values())
     if not systems and options.system is not None:
         systems = (system_named(options.system),)
@@ -197,8 +202,8 @@ def _families(options: argparse.Namespace, preset: Preset | None) -> tuple[Famil
     if options.from_orbit is not None:
         return (_through(options),)
     if options.from_family is not None and not options.family and not options.mass:
-        if options.mirror:
-            raise InputError("--mirror: --from-family says which families; leave it out")
+        if options.branch is not None:
+            raise InputError("--branch: --from-family says which families; leave it out")
         if options.vy_max is not None and len(options.vy_max) > 1:
             raise InputError("--vy-max: give one value; --from-family says which masses")
         return ()
@@ -264,17 +269,20 @@ def _searched(options: argparse.Namespace, searched: PresetFamilies) -> Iterator
 
 
 def _through(options: argparse.Namespace) -> FamilyRequest:
-    """The family of the orbit that a file names. Raises `InputError`."""
+    """The family of the orbit that a file names. Raises `InputError`, `Contradiction`."""
     path, names = options.from_orbit, options.family or []
     if len(names) > 1:
         raise InputError("--family: --from-orbit is one orbit; give one name")
     # Only now: JAX takes a moment to load.
-    from orbitproof.explore.trajectories import Choice, NoOrbit, find_orbit
+    from orbitproof.explore.trajectories import Choice, find_orbit, trajectory_of
 
     in_families = stated_format(path, "give a file that names an orbit") == "family"
-    choice = Choice(None, options.id, options.orbit) if in_families else Choice(options.id, None, options.orbit)
+    names_of = (None, options.id) if in_families else (options.id, None)
     try:
-        source = find_orbit(path, choice)
+        source = find_orbit(path, Choice(*names_of, options.orbit, options.accept))
+        trajectory_of(source)
+    except Contradiction as failure:
+        raise Contradiction(f"{path}: {failure}") from None
     except NoOrbit as failure:
         raise InputError(f"--from-orbit {path}: {failure}; choose another orbit") from None
     system = source.system
@@ -300,8 +308,8 @@ def started(options: argparse.Namespace, system: ReversibleSystem) -> tuple[Fami
     for option, values in (("--mass", masses), ("--family", names), ("--vy-max", speeds)):
         if len(values) > 1:
             raise InputError(f"{option}: --start is one orbit; give one value")
-    if options.mirror:
-        raise InputError("--mirror: --start says which orbit; leave it out")
+    if options.branch is not None:
+        raise InputError("--branch: --start says which orbit; leave it out")
     name, words = names[0], list(options.start)
     if not name.isprintable() or not 0 < len(name) <= 100:
         raise InputError(f"--family {name!r}: no name; use letters, digits and signs")

@@ -23,7 +23,7 @@ from orbitproof.explore.families import (
     trace_tasks,
 )
 from orbitproof.explore.flow import Vector
-from orbitproof.explore.names import bounds_of, mirrored_name
+from orbitproof.explore.names import DEFAULT_BRANCH, bounds_of, name_on
 from orbitproof.explore.records import BAND, FamilyRecord, read_families
 from orbitproof.explore.refinement import refine_tasks
 from orbitproof.explore.search.branches import branches_of, shared_branches
@@ -59,7 +59,9 @@ def search(request: Request) -> int:
         if options.from_catalogue is None:
             tasks, complete = _trace_tasks(request), True
         else:
-            start = catalogue_start(options.from_catalogue, options.catalogue_orbit, request.control.tolerance, report)
+            start = catalogue_start(
+                options.from_catalogue, options.catalogue_orbit, request.control.tolerance, report, options.accept
+            )
             tasks, lines, complete = _catalogue_tasks(request, start), start.table, start.complete
             if start.corrected is not None:
                 write_catalogue(start.corrected, start.name, *_catalogue_paths(request), report)
@@ -148,13 +150,13 @@ def _trace_tasks(request: Request) -> list[TraceTask]:
 
 
 def _task(request: Request, family: FamilyRequest, records: list[FamilyRecord]) -> TraceTask:
-    mirrored = request.options.mirror
-    name = mirrored_name(family.name) if mirrored else family.name
+    branch = request.options.branch or DEFAULT_BRANCH
+    name = family.name if family.first is not None else name_on(family.name, branch)
     limits = _limits(request.options, family.system, family.velocity_max, family.z_max)
     for record in records:
         if record.name == name and dict(record.parameters) == dict(family.parameters):
             return _trace_task(request, record, limits, family.multiplicities, start=family_of(record))
-    return _trace_task(request, family, limits, family.multiplicities, mirrored=mirrored, first=family.first)
+    return _trace_task(request, family, limits, family.multiplicities, branch=branch, first=family.first)
 
 
 def _trace_task(
@@ -202,7 +204,9 @@ def _trace_all(tasks: Sequence[TraceTask], jobs: int, report: Reporter) -> tuple
             results[index] = result
             if result.item is not None:
                 family, seconds = result.item.family, result.seconds
-                report.message(f"{result.item.title}: {counted(len(family.orbits), 'orbit')}, ends: {family.reason}")
+                side = "" if result.item.branch is None else f"{result.item.branch}ern "
+                many = counted(len(family.orbits), f"{side}orbit")
+                report.message(f"{result.item.title}: {many}, ends: {family.reason}")
                 if family.beginning is not None:
                     report.message(f"{result.item.title}: begins: {family.beginning.reason}")
                 for line in family.tangencies:
@@ -317,7 +321,8 @@ def _print_rows(rows: list[Row]) -> None:
 def _print_table(rows: list[Row]) -> None:
     system = rows[0].target.item.system
     title = system.family_parameter or system.first_integral_name or "parameter"
-    header = ("family", "k", "kind", "on Fix(R)", title, ", ".join(system.centre_coordinates), "id")
+    sides = [row.target.item.branch for row in rows]
+    header = ["family", "k", "kind", "on Fix(R)", title, ", ".join(system.centre_coordinates), "id"]
     lines = [header]
     for row in rows:
         resonance, item = row.target.resonance, row.target.item
@@ -325,8 +330,11 @@ def _print_table(rows: list[Row]) -> None:
         level = row.level if isinstance(row.level, str) else f"{row.level:.12g}"
         level = level[: level.index(".") + 21] if "." in level else level
         lines.append(
-            (item.title, str(resonance.k), resonance.kind, row.target.side, level, point, shown(row.target.id))
+            [item.title, str(resonance.k), resonance.kind, row.target.side, level, point, shown(row.target.id)]
         )
+    if any(sides):
+        for line, side in zip(lines, ["branch", *(side or "" for side in sides)], strict=True):
+            line.insert(1, side)
     widths = [max(len(line[i]) for line in lines) for i in range(len(header))]
     for line in lines:
         print("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip())

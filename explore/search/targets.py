@@ -58,9 +58,10 @@ class Target:
         return n**2 * (2 + self.resonance.k) * (1 + log2(max(growth, 1.0)))
 
     def _provenance(self) -> Mapping[str, Any]:
-        orbit = self.resonance.orbit
+        orbit, branch = self.resonance.orbit, self.item.branch
         return {
             "family": self.item.name,
+            **({} if branch is None else {"branch": branch}),
             "parameters": self.item.label,
             "point_on_fix_r": self.side,
             "shows_at_both_points": self.resonance.other_side,

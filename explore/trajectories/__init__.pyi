@@ -21,7 +21,7 @@ from .sampling import Samples as Samples
 from .sampling import sample as sample
 from .source import Choice as Choice
 from .source import Legs as Legs
-from .source import NoOrbit as NoOrbit
+from .source import Said as Said
 from .source import SourceOrbit as SourceOrbit
 from .spk import SPACECRAFT as SPACECRAFT
 from .spk import centre_number as centre_number
@@ -30,4 +30,5 @@ from .trajectory import Trajectory as Trajectory
 from .trajectory import trajectory_of as trajectory_of
 from .units import Units as Units
 from .units import chosen_units as chosen_units
+from .units import units_named as units_named
 from .units import units_of as units_of

@@ -14,15 +14,15 @@ from orbitproof.explore.branches import NoBranch, branch_point, centre_of, numbe
 from orbitproof.explore.catalogues import Catalogue, correct_catalogue, read_catalogue
 from orbitproof.explore.flow import Vector
 from orbitproof.explore.masses import read_curves
-from orbitproof.explore.names import examined
-from orbitproof.explore.orbits import ShootingProblem
+from orbitproof.explore.names import Contradiction, NoOrbit, examined
+from orbitproof.explore.orbits import ShootingProblem, stability_index
 from orbitproof.explore.periodic import read_periodic_family
 from orbitproof.explore.records import FamilyRecord, read_families
 from orbitproof.explore.trajectories.crossing_time import half_period_of, time_of_crossing
 from orbitproof.explore.trajectories.source import (
     Choice,
     Legs,
-    NoOrbit,
+    Said,
     SourceOrbit,
     chosen_id,
     chosen_number,
@@ -34,6 +34,7 @@ from orbitproof.explore.trajectories.source import (
 from orbitproof.explore.trajectories.units import Units, units_of
 from orbitproof.shared.formats import (
     HALF_PERIOD,
+    LEVEL,
     AnyAtlas,
     Candidate,
     InputError,
@@ -70,7 +71,7 @@ def find_orbit(path: Path, choice: Choice) -> SourceOrbit:
     kind = stated_format(path, _REMEDY)
     if kind not in _READERS:
         raise InputError(f"{path}: holds {kind}; {_REMEDY}")
-    found = _READERS[kind](path, choice)
+    found = replace(_READERS[kind](path, choice), accept=choice.accept)
     examined(found.system, str(path))
     known = UNITS.get(found.parameters.get("mu", Fraction(0)))
     if known is not None and found.system in (*THREE_BODY, CR3BP_PLANAR):
@@ -114,6 +115,7 @@ def _claimed(claim: Any, title: str, verdict: str, results: Mapping[str, Any] | 
         return SourceOrbit(claim.system, claim.parameters, None, title, verdict, legs=legs)
     if not isinstance(claim, Candidate):
         raise NoOrbit(f"{title}: a claim about {claim.kind}, which names no period; give one about an orbit")
+    said = _said(claim, results or {})
     if claim.equation is not None:
         half_period = None if results is None else _middle(results["half_period"])
         if claim.equation.quantity == HALF_PERIOD:
@@ -121,7 +123,7 @@ def _claimed(claim: Any, title: str, verdict: str, results: Mapping[str, Any] | 
         unknowns = np.array([*map(float, claim.centre), half_period or 0.0])
         if half_period is None:
             unknowns = _to_second_point(claim.system, claim.parameters, unknowns, claim.crossings, title)
-        return SourceOrbit(claim.system, claim.parameters, unknowns, title, verdict)
+        return SourceOrbit(claim.system, claim.parameters, unknowns, title, verdict, said=said)
     parameters = dict(claim.parameters)
     if claim.resonances_meet:
         parameters[claim.varying] = claim.centre[0]
@@ -133,7 +135,24 @@ def _claimed(claim: Any, title: str, verdict: str, results: Mapping[str, Any] | 
         unknowns = _to_second_point(claim.system, parameters, centre, claim.crossings, title)
     else:
         unknowns = np.append(start.point, start.half_period)
-    return SourceOrbit(claim.system, parameters, unknowns, title, verdict)
+    return SourceOrbit(claim.system, parameters, unknowns, title, verdict, said=said)
+
+
+def _said(claim: Candidate, results: Mapping[str, Any]) -> Said:
+    """What a claim and the results of its certificate say of its orbit."""
+    equation, period, level = claim.equation, results.get("period"), results.get("level")
+    if level is None and results.get("parameter_name") == claim.system.first_integral_name:
+        level = results.get("parameter")
+    period, level = (None if ball is None else _middle(ball) for ball in (period, level))
+    if equation is not None and equation.quantity == HALF_PERIOD:
+        period = float(2 * equation.value)
+    elif equation is not None and equation.quantity == LEVEL:
+        level = float(equation.value)
+    parameters = [
+        complex(*(_middle(each[part]) for part in ("real", "imaginary")))
+        for each in results.get("stability_parameters") or ()
+    ]
+    return Said(period, level, stability_index(parameters) if parameters else None)
 
 
 def _to_second_point(
@@ -160,7 +179,8 @@ def _family_row(path: Path, choice: Choice) -> SourceOrbit:
     orbit = record.orbits[number]
     title = f"orbit {number + 1} of {len(record.orbits)} of the family {_name(record)}"
     unknowns = np.append(orbit.point, orbit.half_period)
-    return SourceOrbit(record.system, record.parameters, unknowns, title, "not proved: traced numerically")
+    said = Said(2 * orbit.half_period, orbit.first_integral, stability_index(orbit.stability))
+    return SourceOrbit(record.system, record.parameters, unknowns, title, "not proved: traced numerically", said=said)
 
 
 def _family(path: Path, choice: Choice, records: Sequence[FamilyRecord]) -> FamilyRecord:
@@ -188,17 +208,18 @@ def _branch_orbit(path: Path, choice: Choice) -> SourceOrbit:
         raise InputError(
             f"--orbit {number}: {error}; 1 is the first from the birth, -1 that on the other side"
         ) from None
-    title, said = f"orbit {number} of the branch {record.id}", "not proved: followed numerically"
+    title, verdict = f"orbit {number} of the branch {record.id}", "not proved: followed numerically"
     system, parameters = record.system, dict(record.parameters)
     if record.loses_reversor:
         if system.family_parameter is not None:
             parameters[system.family_parameter] = Fraction(orbit.level)
         legs = Legs(orbit.crossings, orbit.times, False)
-        return SourceOrbit(system, parameters, None, title, said, legs=legs, stability=orbit.stability)
+        return SourceOrbit(system, parameters, None, title, verdict, legs=legs, stability=orbit.stability)
     unknowns = np.append(orbit.point, orbit.half_period)
     start = ShootingProblem(system, parameters).initial_state(unknowns)
     legs = Legs(np.vstack([start, orbit.crossings]), orbit.times, True)
-    return SourceOrbit(system, parameters, unknowns, title, said, legs=legs, stability=orbit.stability)
+    said = Said(2 * orbit.half_period, orbit.level if system.family_parameter is None else None)
+    return SourceOrbit(system, parameters, unknowns, title, verdict, legs=legs, stability=orbit.stability, said=said)
 
 
 def _periodic_member(path: Path, choice: Choice) -> SourceOrbit:
@@ -255,7 +276,9 @@ def _torus_centre(path: Path, choice: Choice) -> SourceOrbit:
     level = float(CR3BP.first_integral(at_rest.tolist(), [float(parameters["mu"])])[0])
     vy = document["tori"][0]["side"] * np.sqrt(max(level - document["jacobi_constant"], 0.0))
     unknowns = np.array([x, z, vy, document["period"] / 2])
-    return SourceOrbit(CR3BP, parameters, unknowns, document["title"], "not proved: the orbit that the tori surround")
+    verdict = "not proved: the orbit that the tori surround"
+    said = Said(document["period"], document["jacobi_constant"])
+    return SourceOrbit(CR3BP, parameters, unknowns, document["title"], verdict, said=said)
 
 
 def _orbit_of_tube(path: Path, choice: Choice) -> SourceOrbit:
@@ -266,12 +289,12 @@ def _orbit_of_tube(path: Path, choice: Choice) -> SourceOrbit:
         raise InputError(f"{path}: an earlier version wrote it, without the orbit's state; compute the tube again")
     parameters = {name: parse_exact(text) for name, text in document["parameters"].items()}
     state, period = np.array(document["state"]), document["period"]
-    said = "not proved: the orbit of the tube"
+    verdict, said = "not proved: the orbit of the tube", Said(period, document["jacobi_constant"])
     if np.max(np.abs(state[[1, 3, 5]])) < _ON_FIXED_SET:
         unknowns = np.append(state[[0, 2, 4]], period / 2)
-        return SourceOrbit(CR3BP, parameters, unknowns, document["title"], said)
+        return SourceOrbit(CR3BP, parameters, unknowns, document["title"], verdict, said=said)
     legs = Legs(state[None], np.array([period]), False)
-    return SourceOrbit(CR3BP, parameters, None, document["title"], said, legs=legs)
+    return SourceOrbit(CR3BP, parameters, None, document["title"], verdict, legs=legs, said=said)
 
 
 def _birth_of_halo_orbits(path: Path, choice: Choice) -> SourceOrbit:
@@ -286,7 +309,8 @@ def _birth_of_halo_orbits(path: Path, choice: Choice) -> SourceOrbit:
     point = points[number]
     title = f"birth of halo orbits about {name}, point {number + 1} of {len(points)}, mass {point.mu:g}"
     unknowns = np.array([point.x, 0.0, point.vy, point.half_period])
-    return SourceOrbit(CR3BP, {"mu": Fraction(point.mu)}, unknowns, title, "not proved: a point of a mass curve")
+    parameters, said = {"mu": Fraction(point.mu)}, Said(2 * point.half_period, point.jacobi_constant)
+    return SourceOrbit(CR3BP, parameters, unknowns, title, "not proved: a point of a mass curve", said=said)
 
 
 def _certified_row(path: Path, choice: Choice) -> SourceOrbit:
@@ -302,9 +326,11 @@ def _certified_row(path: Path, choice: Choice) -> SourceOrbit:
     system = next(each for each in _OF_ROWS if set(point) == set(each.centre_coordinates))
     half_period = _middle(row["orbit"]["period"]) / 2
     unknowns = np.array([*(point[each] for each in system.centre_coordinates), half_period])
-    said = f'the certificate says "{document["verdict"]}" of the rows of the catalogue; not checked again here'
+    verdict = f'the certificate says "{document["verdict"]}" of the rows of the catalogue; not checked again here'
     parameters = {"mu": parse_exact(document["statement"]["mass_ratio"])}
-    return SourceOrbit(system, parameters, unknowns, title, said)
+    index = row["orbit"].get("stability_index")
+    said = Said(2 * half_period, _middle(row["orbit"]["level"]), None if index is None else _middle(index))
+    return SourceOrbit(system, parameters, unknowns, title, verdict, said=said)
 
 
 def _catalogue_row(path: Path, choice: Choice) -> SourceOrbit:
@@ -312,9 +338,10 @@ def _catalogue_row(path: Path, choice: Choice) -> SourceOrbit:
     catalogue = read_catalogue(path)
     refuse_family(choice, f"{path} is a catalogue of one family; choose with --orbit")
     number = chosen_number(path, choice, len(catalogue))
-    corrected = correct_catalogue(_row(catalogue, number))
-    if corrected.failures[0]:
-        raise NoOrbit(f"{path}: orbit {number + 1}: not corrected: {corrected.failures[0]}")
+    corrected = correct_catalogue(_row(catalogue, number), accept=choice.accept)
+    if corrected.reasons[0]:
+        which = Contradiction if corrected.contradictions[0] else NoOrbit
+        raise which(f"orbit {number + 1}: {corrected.reasons[0]}")
     names = catalogue.system.split("-")
     units = None
     if catalogue.lunit is not None and catalogue.tunit is not None:

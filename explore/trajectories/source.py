@@ -15,10 +15,6 @@ from orbitproof.shared.systems import System
 _LISTED = 5
 
 
-class NoOrbit(Exception):
-    """The file's entry leads to no periodic orbit; one line says why."""
-
-
 @dataclass(frozen=True)
 class Choice:
     """Which orbit of a file is meant.
@@ -28,11 +24,13 @@ class Choice:
         family: name of a family of a family file, its mass in front where there are several, or `None`.
         number: of the orbit along a family or in a catalogue, or of the piece of an atlas, counted from 1; of an orbit
             of a branch, counted from its birth, negative on its other side; or `None`.
+        accept: whether the orbit that is found is taken though the file says something else of it.
     """
 
     identifier: str | None = None
     family: str | None = None
     number: int | None = None
+    accept: bool = False
 
 
 @dataclass(frozen=True)
@@ -42,6 +40,21 @@ class Legs:
     starts: Matrix
     durations: Vector
     mirrored: bool
+
+
+@dataclass(frozen=True)
+class Said:
+    """What a file says of an orbit beside its state; `None`: nothing.
+
+    Attributes:
+        period: the full one.
+        level: of the first integral.
+        stability_index: (|lambda| + 1/|lambda|)/2 of the largest multiplier.
+    """
+
+    period: float | None = None
+    level: float | None = None
+    stability_index: float | None = None
 
 
 @dataclass(frozen=True)
@@ -58,6 +71,8 @@ class SourceOrbit:
         units: that the file names.
         legs: how the file knows the orbit, if in parts; needed without unknowns.
         stability: its stability parameters, if the file knows them better than one integration along the orbit.
+        said: what the file says of the orbit besides.
+        accept: whether the orbit that is found is taken though it is not so.
     """
 
     system: System
@@ -69,6 +84,8 @@ class SourceOrbit:
     units: Units | None = None
     legs: Legs | None = None
     stability: tuple[complex, ...] | None = None
+    said: Said = Said()
+    accept: bool = False
 
 
 def chosen_id(path: Path, choice: Choice, known: Sequence[str]) -> str:

@@ -9,17 +9,23 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
+from orbitproof.explore.names import Branch, Contradiction, NoOrbit
 from orbitproof.explore.orbits import (
+    REMEDY,
     Correction,
     CorrectionFailure,
+    Numbers,
     PeriodicSolution,
     ShootingProblem,
     SymmetricOrbit,
+    branch_at,
+    contradictions,
+    fallen,
     multipliers,
     stability_index,
 )
-from orbitproof.explore.trajectories.source import Legs, NoOrbit, SourceOrbit
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.explore.trajectories.source import Legs, SourceOrbit
+from orbitproof.shared.systems import CR3BP, ReversibleSystem
 
 CLOSED = 1e-6
 """Largest gap of a solution at which it counts as periodic."""
@@ -29,6 +35,12 @@ NEAR = 1e-5
 
 _EXACT = 1e-11
 """A gap that no correction makes smaller."""
+
+_PLACES = 501
+"""So many places of half an orbit show where it is farthest from the smaller primary."""
+
+_KNOWN = 1e-4
+"""Stability parameters with a smaller error are compared with those of a file."""
 
 
 @dataclass(frozen=True)
@@ -121,9 +133,10 @@ def trajectory_of(source: SourceOrbit) -> Trajectory:
     """The orbit of a file as a function of time.
 
     What nearly closes, as numbers of a few digits do, is corrected, and it is said by how much. Raises `NoOrbit` if
-    what the file says is no periodic orbit.
+    what the file says is no periodic orbit, or one of which something else is so, unless the source accepts that.
     """
-    moved, legs, stability = 0.0, source.legs, source.stability
+    given = source
+    moved, legs, stability, is_certain = 0.0, source.legs, source.stability, False
     parameters = {name: float(value) for name, value in source.parameters.items()}
     if source.unknowns is not None and isinstance(source.system, ReversibleSystem):
         problem = ShootingProblem(source.system, source.parameters)
@@ -135,7 +148,9 @@ def trajectory_of(source: SourceOrbit) -> Trajectory:
         values = problem.parameter_values(source.unknowns)
         parameters = dict(zip(source.system.parameters, values.tolist(), strict=True))
         if stability is None:
-            stability = _orbit(problem, source).stability
+            orbit = _orbit(problem, source)
+            assert orbit.derivative is not None
+            stability, is_certain = orbit.stability, orbit.derivative.error < _KNOWN
     assert legs is not None
     ordered = {name: parameters[name] for name in source.system.parameters}
     solution = PeriodicSolution(source.system, list(ordered.values()), legs.starts, legs.durations, legs.mirrored)
@@ -146,7 +161,34 @@ def trajectory_of(source: SourceOrbit) -> Trajectory:
     if not gap < CLOSED * (1 + float(np.abs(legs.starts).max())):
         what = "away from Fix(R) after half a period" if legs.mirrored else "between its end and its start"
         raise NoOrbit(f"{source.title}: no periodic orbit: {gap:.1e} {what}")
-    return Trajectory(source, solution, ordered, stability, moved)
+    found = Trajectory(source, solution, ordered, stability, moved)
+    if not source.accept:
+        _check(given, found, is_certain)
+    side = _side(found)
+    return found if side is None else replace(found, source=replace(source, title=f"{source.title}, {side}ern"))
+
+
+def _side(found: Trajectory) -> Branch | None:
+    """On which side of the plane the orbit is far from the smaller primary, if it is symmetric under R."""
+    if found.source.system is not CR3BP or found.source.unknowns is None:
+        return None
+    return branch_at(found.states(np.linspace(0.0, found.period / 2, _PLACES)), found.parameters["mu"])
+
+
+def _check(source: SourceOrbit, found: Trajectory, is_certain: bool) -> None:
+    """Whether the orbit is as the file says, its stability index where that is known. Raises `NoOrbit`."""
+    said, start = source.said, found.start
+    if source.unknowns is not None and isinstance(source.system, ReversibleSystem):
+        start = ShootingProblem(source.system, source.parameters).initial_state(source.unknowns)
+    index = said.stability_index if is_certain else None
+    lines = contradictions(
+        source.system,
+        list(found.parameters.values()),
+        Numbers(start, said.period, said.level, index),
+        Numbers(found.start, found.period, found.first_integral, found.stability_index),
+    )
+    if lines:
+        raise Contradiction(f"{source.title}: another orbit was found: {'; '.join(lines)}; {REMEDY}")
 
 
 def _orbit(problem: ShootingProblem, source: SourceOrbit) -> SymmetricOrbit:
@@ -171,5 +213,7 @@ def _corrected(problem: ShootingProblem, source: SourceOrbit) -> tuple[SourceOrb
         return source, 0.0
     moved = float(np.abs(found - unknowns).max())
     if not moved <= NEAR * (1 + float(np.abs(unknowns).max())):
+        return source, 0.0
+    if fallen(problem.system, problem.parameters, unknowns[:-1].tolist(), found[:-1].tolist()) is not None:
         return source, 0.0
     return replace(source, unknowns=found), moved

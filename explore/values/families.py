@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from orbitproof.explore.catalogues import catalogue_of, write_catalogue_csv
 from orbitproof.explore.families import TracedFamily
-from orbitproof.explore.names import time_given, told_apart
+from orbitproof.explore.names import Branch, on_branch, time_given, told_apart
 from orbitproof.explore.orbits import SymmetricOrbit
 from orbitproof.explore.plots import draw_family, draw_orbits
 from orbitproof.explore.search.orbits import orbits_with
-from orbitproof.explore.trajectories import Units
-from orbitproof.explore.values.orbits import File, Orbit, orbit_value, units_named
+from orbitproof.explore.trajectories import Units, units_named
+from orbitproof.explore.values.orbits import File, Orbit, orbit_value
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Equation, InputError, write_text
 from orbitproof.shared.systems import THREE_BODY, ReversibleSystem
 from orbitproof.shared.wording import counted
@@ -50,6 +50,11 @@ class OrbitFamily(Sequence[Orbit]):
     _traced: TracedFamily
     units: Units | None = None
 
+    @property
+    def branch(self) -> Branch | None:
+        """Where the orbits have z > 0 or z < 0 when they are farthest from the smaller primary; `None` for others."""
+        return self._traced.branch
+
     def __len__(self) -> int:
         return len(self._traced.family.orbits)
 
@@ -68,7 +73,7 @@ class OrbitFamily(Sequence[Orbit]):
 
     def with_units(self, units: Units | str) -> OrbitFamily:
         """The same family with units of length and time: `explore.Units(km, s, source)`, or the name of a system."""
-        return replace(self, units=units_named(units))
+        return replace(self, units=units_named(units, self[0].parameters.get("mu")))
 
     def by_period(self, period: float | Fraction | str) -> list[Orbit]:
         """The orbits of that period between those of the family, corrected; an empty list if there is none.
@@ -115,13 +120,17 @@ class OrbitFamily(Sequence[Orbit]):
         which = np.unique(np.linspace(0, len(self) - 1, orbits).round().astype(int))
         mass = float(self._traced.family.problem.parameters["mu"]) if self.system in THREE_BODY else None
         states = [self[int(index)].trajectory(400)[1] for index in which]
-        return draw_orbits(f"{self.name} of {self.system.name}", states, self.system.state, mass)
+        return draw_orbits(
+            f"{on_branch(self.name, self.branch)} of {self.system.name}", states, self.system.state, mass
+        )
 
     def plot_stability(self) -> Figure:
         """Period and stability index over the Jacobi constant, or what else varies along the family."""
         levels, name = self._levels()
         indices = np.array([orbit.stability_index for orbit in self])
-        return draw_family(self.name, levels, name, np.array([orbit.period for orbit in self]), indices)
+        return draw_family(
+            on_branch(self.name, self.branch), levels, name, np.array([orbit.period for orbit in self]), indices
+        )
 
     def _levels(self) -> tuple[NDArray[np.float64], str]:
         name = self.system.family_parameter
@@ -163,7 +172,9 @@ class OrbitFamily(Sequence[Orbit]):
         return row
 
     def __repr__(self) -> str:
-        return f"<OrbitFamily {self.name} of {self.system.name}: {counted(len(self), 'orbit')}, ends: {self.reason}>"
+        side = "" if self.branch is None else f"{self.branch}ern "
+        many = counted(len(self), f"{side}orbit")
+        return f"<OrbitFamily {self.name} of {self.system.name}: {many}, ends: {self.reason}>"
 
     def _repr_html_(self) -> str:
         """The table that a notebook shows: the first and the last orbits."""

@@ -39,21 +39,12 @@ from orbitproof.explore.trajectories import (
     sample,
     seconds_of,
     trajectory_of,
-    units_of,
+    units_named,
     write_csv,
     write_spk,
 )
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Candidate, Equation, write_text
-from orbitproof.shared.systems import (
-    CR3BP,
-    LEVEL_NAME,
-    MASS_PARAMETERS,
-    THREE_BODY,
-    UNITS,
-    ReversibleSystem,
-    System,
-    own_name,
-)
+from orbitproof.shared.systems import CR3BP, LEVEL_NAME, THREE_BODY, ReversibleSystem, System, own_name
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -107,7 +98,7 @@ class Orbit:
 
     def with_units(self, units: Units | str) -> Orbit:
         """The same orbit with units of length and time: `explore.Units(km, s, source)`, or the name of a system."""
-        return replace(self, units=units_named(units))
+        return replace(self, units=units_named(units, self.parameters.get("mu")))
 
     def state_transition(self, time: float | None = None) -> NDArray[np.float64]:
         """The state transition matrix from `point` over a time, shape (m, m); over the period: the monodromy matrix.
@@ -344,28 +335,25 @@ class Orbit:
         return f"<Orbit of {self.system.name}: period {self.period:.10g}{level_text(self)}>"
 
 
-def units_named(units: Units | str) -> Units:
-    """Units as they are, or those of a system by the name of its mass. Raises `ValueError`."""
-    if isinstance(units, str):
-        known = units_of(MASS_PARAMETERS.get(units))
-        if known is None:
-            names = ", ".join(name for name, mass in MASS_PARAMETERS.items() if mass in UNITS)
-            raise ValueError(f"units: {units!r} is unknown; there are {names}, or give explore.Units")
-        return known
-    return units
-
-
-def read_orbit(path: File, *, id: str | None = None, family: str | None = None, number: int | None = None) -> Orbit:
+def read_orbit(
+    path: File,
+    *,
+    id: str | None = None,
+    family: str | None = None,
+    number: int | None = None,
+    accept: bool = False,
+) -> Orbit:
     """The orbit that a file names: candidates, certificates, families, branches, an atlas, tori, a catalogue.
 
     Arguments:
         id: of the candidate, certificate or branch.
         family: the family of a family file.
         number: of the orbit, counted from 1; of a branch from its birth, negative on the other side.
+        accept: the orbit that is found, though the file says something else of its state, period, level or stability.
 
-    Raises `InputError` for bad files and choices and `NoOrbit` if there is none.
+    Raises `InputError` for bad files and choices and `NoOrbit` if there is none, or another one than the file says.
     """
-    source = find_orbit(Path(path), Choice(id, family, number))
+    source = find_orbit(Path(path), Choice(id, family, number, accept))
     trajectory = trajectory_of(source)
     return Orbit(
         system=source.system,

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from orbitproof.explore.names import Branch, on_branch
 from orbitproof.figures.orbits import Array, centre_on_fixed_set, parameter_values, parameters_of, state_on_fixed_set
 from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, read_document
 from orbitproof.shared.numbers import parse_exact
@@ -38,6 +39,7 @@ class SampledFamily:
         coefficients: shape (N, n + 1), polynomial whose roots are the stability parameters
             (lambda + 1/lambda)/2 of the nontrivial pairs of Floquet multipliers, highest power first.
         arclength: shape (N,), along the family, increasing.
+        branch: "north" or "south", of two families that are mirror images.
     """
 
     name: str
@@ -49,6 +51,12 @@ class SampledFamily:
     levels: Array
     coefficients: Array
     arclength: Array
+    branch: Branch | None = None
+
+    @property
+    def title(self) -> str:
+        """The name, with the side on which the orbits are."""
+        return on_branch(self.name, self.branch)
 
     @cached_property
     def stability(self) -> Array:

@@ -36,4 +36,5 @@ def _family(record: FamilyRecord) -> SampledFamily:
         levels=points[:, 0] if record.system.family_parameter is not None else np.array(integrals),
         coefficients=np.array([orbit.coefficients for orbit in orbits]),
         arclength=np.array([orbit.arclength for orbit in orbits]),
+        branch=record.branch,
     )

@@ -150,6 +150,7 @@ def _curve(record: FamilyRecord, source: str) -> SampledStability:
         levels=curve.points[:, 0] if record.system.family_parameter is not None else curve.first_integrals,
         coefficients=curve.coefficients,
         arclength=curve.arclength,
+        branch=record.branch,
     )
     roots = np.array([np.sort_complex(np.roots(row)) for row in curve.coefficients])
     return SampledStability(family, curve.half_periods, roots, record.resonances, record.extrema)

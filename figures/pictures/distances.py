@@ -59,7 +59,7 @@ def draw_distances(family: SampledFamily) -> Figure:
     axes.set_ylim(low / _AROUND, high * _AROUND)
     axes.set_xlabel("arclength along the family  (nondimensional)")
     axes.set_ylabel("distance  (nondimensional)")
-    axes.set_title(f"Distance from the smaller primary, {family.name}", color=INK)
+    axes.set_title(f"Distance from the smaller primary, {family.title}", color=INK)
     legend_row(figure, handles, 0.22)
     figure.text(0.5, 0.02, "double precision, nothing proved", ha="center", fontsize=7, color=INK)
     return figure

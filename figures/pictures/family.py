@@ -69,7 +69,8 @@ def _energy_figure(family: SampledFamily, placements: Sequence[Placement]) -> Fi
     size = float(stability.title.get_fontsize())
     top = stability.get_position().y1 + size * 0.6 / (72 * figure.get_figheight())
     unit = "  (unit: distance of the primaries)" if three_body else unit_of(family.system)
-    figure.text(0.085, top, f"(c)  orbits{unit}", fontsize=size, color=INK)
+    side = "" if family.branch is None else f"{family.branch}ern "
+    figure.text(0.085, top, f"(c)  {side}orbits{unit}", fontsize=size, color=INK)
     _legend(figure, placements, curves)
     return figure
 

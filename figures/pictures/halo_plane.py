@@ -68,12 +68,13 @@ def mass_title(family: SampledFamily) -> str:
 
 
 def family_title(family: SampledFamily) -> str:
-    """For example L1 halo orbits, from the name of the family."""
-    parts = family.name.split("-")
+    """For example southern L1 halo orbits, from the name of the family."""
+    side = "" if family.branch is None else f"{family.branch}ern "
+    parts = family.name.removesuffix(f"-{family.branch}").split("-")
     first = next((i for i, part in enumerate(parts) if part in ("L1", "L2", "L3")), None)
     if first is None:
-        return f"{family.name} orbits"
-    return f"$L_{parts[first][1]}$ {' '.join(parts[first + 1 :])} orbits"
+        return f"{side}{family.name} orbits"
+    return f"{side}$L_{parts[first][1]}$ {' '.join(parts[first + 1 :])} orbits"
 
 
 def draw_closed_curves(families: Sequence[SampledFamily], marks: Sequence[Sequence[MarkedPoint]]) -> Figure:
@@ -174,7 +175,7 @@ def _draw_spots(axes: Axes, spots: Sequence[Spot]) -> None:
 
 def _shown_at(spot: Spot) -> Array:
     below = spot.mark.k > 1 and (spot.mark.k % 2 == 1 or spot.elsewhere)
-    return np.asarray(spot.position * np.array([1.0, -1.0 if below else 1.0]))
+    return np.array([spot.position[0], (-1.0 if below else 1.0) * abs(spot.position[1])])
 
 
 def _crowd(spots: Sequence[Spot], extent: Array) -> list[Spot]:

@@ -53,7 +53,7 @@ def family_lines(family: SampledFamily, marks: Sequence[MarkedPoint]) -> list[Li
     for index in _chosen(len(family.arclength)):
         rows = _orbit(family.system, family.parameters, family.points[index])
         if rows is not None:
-            title = f"orbit {index + 1} of {escape(family.name)}"
+            title = f"orbit {index + 1} of {escape(family.title)}"
             stability = np.roots(family.coefficients[index])
             drawn.append((rows, title, NUMERICAL, family.levels[index], family.periods[index], stability, 8))
     # Between the orbits of the file by cubic interpolation: good to five digits.

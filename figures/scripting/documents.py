@@ -193,7 +193,8 @@ def _rows_in_space(path: Path) -> Any:
 
 
 def _orbit_in_space(path: Path, identifier: str | None, family: str | None, number: int | None) -> Any:
-    from orbitproof.explore.trajectories import Choice, NoOrbit, find_orbit, trajectory_of
+    from orbitproof.explore.names import NoOrbit
+    from orbitproof.explore.trajectories import Choice, find_orbit, trajectory_of
     from orbitproof.figures.pictures.interactive import orbits_figure
     from orbitproof.figures.pictures.lines import orbit_line
 

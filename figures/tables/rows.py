@@ -12,6 +12,7 @@ from typing import Any
 
 from flint import arb
 
+from orbitproof.explore.names import NORTH, SOUTH
 from orbitproof.figures.orbits import centre_on_fixed_set
 from orbitproof.figures.tables.intervals import Interval, parse_interval
 from orbitproof.shared.formats import (
@@ -24,11 +25,12 @@ from orbitproof.shared.formats import (
     read_candidates,
     validate_document,
 )
-from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem, with_functions
+from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS, ReversibleSystem, with_functions
 from orbitproof.verify.certificate import read_certificates
 from orbitproof.verify.evidence import FUNCTIONS, Reason, as_said, ball_from_json, bounds, enclose, power
 
 _NUMBERED = re.compile(r"-(k[0-9]+|fold|loss)-[0-9]+(-second)?\Z")
+_HALO = re.compile(r"L([123])-halo(-[0-9]+)?(-north)?")
 _LARGEST_EXPONENT = 150_000
 _PART = re.compile(r"-?[0-9]+(?:\.([0-9]+))?(?:e([+-]?[0-9]+))?\Z")
 
@@ -63,6 +65,7 @@ class CertifiedRow:
             tells the two points of an orbit apart; 0 if undecided.
         seconds, precision: cost of the proof, and the bits of its last attempt.
         arclength: position along the family, if a candidates file told it.
+        branch: "north" or "south", the sign of z where a halo orbit is far from the smaller primary; "" for others.
     """
 
     id: str
@@ -82,6 +85,7 @@ class CertifiedRow:
     seconds: float
     precision: int
     arclength: float | None = None
+    branch: str = ""
 
 
 def read_rows(paths: Sequence[Path], candidates: Sequence[Path] = ()) -> list[CertifiedRow]:
@@ -122,12 +126,12 @@ def _row(certificate: Mapping[str, Any], where: str) -> tuple[CertifiedRow, Cand
         point = {key: _enclosure(ball, f"{where}.results.point.{key}") for key, ball in results["point"].items()}
     balls = [point[key].ball for key in system.centre_coordinates] if point else centre_on_fixed_set(claim)
     parameter_value, crossing = _at_point(system, claim.parameters, balls)
-    reason, computation = certificate["reason"], certificate["computation"]
+    reason, computation, family = certificate["reason"], certificate["computation"], _family_of(claim)
     if not 0 <= computation["seconds"] < math.inf:
         raise InputError(f"{where}.computation.seconds: not a time; verify again")
     row = CertifiedRow(
         id=claim.id,
-        family=_family_of(claim),
+        family=family,
         system=system,
         parameters=claim.parameters,
         kind=claim.kind,
@@ -142,6 +146,7 @@ def _row(certificate: Mapping[str, Any], where: str) -> tuple[CertifiedRow, Cand
         crossing=crossing,
         seconds=computation["seconds"],
         precision=computation["precision"],
+        branch=_branch(system, family, crossing, balls),
     )
     return row, claim
 
@@ -213,6 +218,18 @@ def _at_point(
     if speed.is_finite() and system.fixed_level is None:
         crossing = 1 if speed > 0 else -1 if speed < 0 else 0
     return value, crossing
+
+
+def _branch(system: ReversibleSystem, family: str, crossing: int, point: Sequence[arb]) -> str:
+    """The side of a halo orbit from one of its two points on Fix(R), which are on different sides of the plane.
+
+    Far from the smaller primary y increases on the orbits of L1 and L3, and decreases on those of L2.
+    """
+    place = _HALO.fullmatch(family)
+    if system is not CR3BP or place is None:
+        return ""
+    height = point[system.centre_coordinates.index("z")] * crossing * (-1 if place[1] == "2" else 1)
+    return NORTH if height > 0 else SOUTH if height < 0 else ""
 
 
 def _family_of(claim: Candidate) -> str:

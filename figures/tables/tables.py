@@ -157,9 +157,9 @@ def _section(rows: Sequence[CertifiedRow], published: Sequence[PublishedList]) -
     table += [TableRow(None, row, None) for p, _ in found for row in p.rows if id(row) not in had]
     coordinates = {name for p, _ in found for row in p.rows for name in row.point}
     quantities = [first.parameter_name, *(name for name in first.system.centre_coordinates if name in coordinates)]
-    return Section(
-        first.parameters, label_of(first.parameters), tuple(quantities), tuple(table), tuple(p.source for p, _ in found)
-    )
+    sides = sorted({row.branch for row in rows if row.branch})
+    label = label_of(first.parameters) + (f", {' and '.join(f'{side}ern' for side in sides)} orbits" if sides else "")
+    return Section(first.parameters, label, tuple(quantities), tuple(table), tuple(p.source for p, _ in found))
 
 
 def _row(row: CertifiedRow, published: PublishedRow | None, complete: bool) -> TableRow:

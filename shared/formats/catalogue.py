@@ -186,6 +186,11 @@ def _mass_ratio(text: object, where: str) -> Fraction:
         raise InputError(f"{where}: {str(text)[:40]!r} is no number; give the smaller mass over the total") from None
     if not 0 < value < 1 or not 0.0 < float(value) < 1.0:
         raise InputError(f"{where}: {str(text).strip()[:40]} lies outside (0, 1); give the smaller mass over the total")
+    if value > Fraction(1, 2):
+        raise InputError(
+            f"{where}: {str(text).strip()[:40]} is above 1/2, so the primaries are exchanged; give 1 - mu, and states "
+            "with the other sign of x, y, vx, vy"
+        )
     return value
 
 

@@ -61,11 +61,13 @@ def test_what_needs_units_says_how_to_give_them(family: explore.OrbitFamily, tmp
         family[0].period_days  # noqa: B018
     with pytest.raises(ValueError, match="units: 'saturn' is unknown"):
         family.with_units("saturn")
-    own = explore.read_orbit(DATA / "tori-candidates.json").with_units(explore.Units(1000.0, 86400.0, "a test"))
-    assert own.period_days == pytest.approx(1.36)
+    with pytest.raises(ValueError, match=r"1e\+07 km\^3/s\^2 .* but 403503 km\^3/s\^2 for Earth-Moon"):
+        explore.read_orbit(DATA / "tori-candidates.json").with_units(explore.Units(1000.0, 10.0, "a test"))
+    own = explore.read_orbit(DATA / "tori-candidates.json").with_units(explore.Units(384400.0, 375200.0, "a test"))
+    assert own.period_days == pytest.approx(1.36 * 375200 / 86400)
     times, places, velocities = own.astropy(5)
     assert (times.unit.to_string(), places.unit.to_string(), velocities.unit.to_string()) == ("s", "km", "km / s")
-    assert places.value == pytest.approx(1000 * own.trajectory(5)[1][:, :3])
+    assert places.value == pytest.approx(384400 * own.trajectory(5)[1][:, :3])
     with pytest.raises(InputError, match="--origin venus: unknown"):
         own.sample(origin="venus")
 

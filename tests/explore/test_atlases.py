@@ -49,7 +49,7 @@ def odd_atlas(odd_family: Family) -> Atlas:
 
 @pytest.fixture(scope="module")
 def halo_family() -> Family:
-    return trace_family(CR3BP, "L1-halo", EARTH_MOON, Limits(coordinate_max={"z": 0.06}))
+    return trace_family(CR3BP, "L1-halo", EARTH_MOON, Limits(coordinate_max={"z": 0.06}), branch="north")
 
 
 @pytest.fixture(scope="module")
@@ -247,7 +247,7 @@ def test_what_cannot_be_covered_ends_with_code_1(tmp_path: Path, capsys: pytest.
         (["--system", "falkner-skan", "--covers", "beta", "3", "4", "--degree", "5"], "--degree"),
         (["--system", "falkner-skan", "--covers", "beta", "3", "4", "--tube", "1"], "--tube"),
         (["--system", "cr3bp", "--family", "L1-halo"], "--mass"),
-        (["--system", "cr3bp", "--mass", "2", "--family", "L1-halo"], "outside (0, 1)"),
+        (["--system", "cr3bp", "--mass", "2", "--family", "L1-halo"], "outside (0, 1/2]"),
         (["--system", "cr3bp", "--mass", "0.1"], "--family"),
         (["--system", "cr3bp", "--mass", "0.1", "--family", "L7-halo"], "L7-halo"),
         (["--system", "cr3bp", "--mass", "0.1", "--family", "L1-halo", "--increasing", "beta"], "--increasing beta"),

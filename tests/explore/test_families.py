@@ -108,7 +108,8 @@ def test_doubling_pair_whose_stability_parameter_dips_by_less_than_a_step_is_fou
     )
     if coarse.orbits[-1] is coarse.orbits[-2]:
         coarse = replace(coarse, orbits=coarse.orbits[:-1], tangents=coarse.tangents[:-1])
-    sampled = [min(s.real for s in orbit.stability) for orbit in coarse.orbits if 0.15 < orbit.unknowns[1] < 0.18]
+    sampled = [min(s.real for s in orbit.stability) for orbit in coarse.orbits if 0.15 < -orbit.unknowns[1] < 0.18]
+    assert sampled
     assert all(value > -1 for value in sampled)
     dense = [r.orbit.first_integral for r in halo_resonances.resonances if r.k == 2]
     assert [r.orbit.first_integral for r in detect(coarse, [2]).resonances] == pytest.approx(dense, abs=1e-9)
@@ -138,7 +139,7 @@ def test_every_orbit_of_the_family_solves_the_shooting_equations(halo_family: Fa
 
 
 def test_mirror_image_has_the_opposite_z_and_the_same_constants(halo_family: Family) -> None:
-    mirrored = trace_family(CR3BP, "L1-halo", EARTH_MOON, Limits(max_orbits=5), mirrored=True)
+    mirrored = trace_family(CR3BP, "L1-halo", EARTH_MOON, Limits(max_orbits=5), branch="north")
     signs = np.array([1, -1, 1, 1])
     for left, right in zip(mirrored.orbits, halo_family.orbits, strict=False):
         assert left.unknowns == pytest.approx(signs * right.unknowns, abs=1e-10)
@@ -161,7 +162,7 @@ def test_family_is_continued_from_where_it_ended(halo_family: Family) -> None:
     assert len(more.orbits) == 33
     assert more.orbits[:30] == part.orbits
     z = [orbit.unknowns[1] for orbit in more.orbits]
-    assert z == sorted(z)
+    assert z == sorted(z, reverse=True)
     assert continue_family(halo_family, Limits(coordinate_max={"z": 0.195})) is halo_family
 
 

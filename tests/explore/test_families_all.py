@@ -161,7 +161,7 @@ def test_branches_of_a_planar_family_are_traced_by_the_command(tmp_path: Path, c
     assert main(["family", *arguments, "--max-orbits", "25", "-o", str(path), "--csv", str(tmp_path / "f.csv")]) == 0
     records = read_families(path)
     assert [record.name for record in records] == ["L1-lyapunov", "L1-halo"]
-    assert records[1].orbits[1].point[1] > 0
+    assert records[1].orbits[1].point[1] < 0
     assert {file.name for file in tmp_path.glob("*.csv")} == {f"f-0.01215-{record.name}.csv" for record in records}
     assert "L1-halo" in capsys.readouterr().err
 
@@ -294,7 +294,7 @@ def test_steps_and_tolerances_are_options(tmp_path: Path) -> None:
         (["--system", "cr3bp", "--mass", "0.1", "--family", "L1-halo-1"], "--family L1-halo-1"),
         (["--system", "cr3bp", "--mass", "0.1", "--family", "L4-vertical"], "--family L4-vertical"),
         (["--from-catalogue", "c.json", "--mass", "0.1"], "--mass"),
-        (["--from-catalogue", "c.json", "--mirror"], "--mirror"),
+        (["--from-catalogue", "c.json", "--branch", "north"], "--branch"),
         (["--from-catalogue", "missing.json"], "missing.json"),
         (["--from-catalogue", "c.json", "--catalogue-orbit", "0"], "--catalogue-orbit"),
     ],

@@ -20,11 +20,11 @@ from support import krein_cases
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.masses import CurveRecord, PointRecord, write_curves
+from orbitproof.explore.names import NoOrbit
 from orbitproof.explore.orbits import multipliers, stability_index
 from orbitproof.explore.trajectories import (
     Choice,
     Frame,
-    NoOrbit,
     TooFine,
     Trajectory,
     find_orbit,
@@ -154,15 +154,16 @@ def test_kilometres_are_the_units_times_the_numbers_and_named_in_the_file(tmp_pa
     equal = ["--orbit", "4", "--points", "50"]
     assert main(["trajectory", str(path), *equal, "-o", str(plain)]) == 0
     assert main(["trajectory", str(path), *equal, "-o", str(scaled), "--units", "km"]) == 0
-    units = ["--units", "km", "--lunit", "1000", "--tunit", "10"]
+    units = ["--units", "km", "--lunit", "384400", "--tunit", "375200"]
     assert main(["trajectory", str(path), *equal, "-o", str(own), *units]) == 0
     length, time = 389703.264829278, 382981.289129055
     comments, rows = rows_of(scaled)
     assert any("389703.264829278 km" in line and "382981.289129055 s" in line for line in comments)
     assert rows == pytest.approx(rows_of(plain)[1] * [time, *[length] * 3, *[length / time] * 3], rel=1e-6, abs=1e-4)
     comments, rows = rows_of(own)
-    assert any("1000 km" in line and "10 s, given by the user" in line for line in comments)
-    assert rows == pytest.approx(rows_of(plain)[1] * [10, *[1000] * 3, *[100] * 3], rel=1e-6, abs=1e-6)
+    assert any("384400 km" in line and "375200 s, given by the user" in line for line in comments)
+    units = [375200, *[384400] * 3, *[384400 / 375200] * 3]
+    assert rows == pytest.approx(rows_of(plain)[1] * units, rel=1e-6, abs=1e-4)
     assert not any("unit of length" in line for line in rows_of(plain)[0])
 
 
