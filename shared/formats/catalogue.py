@@ -219,7 +219,7 @@ def _catalogue(
 def _number(cell: Any, where: Callable[[], str]) -> Fraction:
     try:
         is_finite = isfinite(float(cell))
-    except (ValueError, OverflowError):
+    except (TypeError, ValueError, OverflowError):
         is_finite = None
     if is_finite:
         try:

@@ -9,6 +9,7 @@ from typing import Any
 
 from orbitproof.shared.formats import InputError, as_options, refused
 from orbitproof.shared.interrupts import INTERRUPTED
+from orbitproof.shared.output import what_is_written
 from orbitproof.shared.processes import Failure
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import AtlasCertificate, IndexCertificate, WebCertificate
@@ -54,7 +55,8 @@ def prove_or_check(
     except InputError as error:
         return refused(error)
     except KeyboardInterrupt:
-        print("interrupted: nothing is known yet", file=sys.stderr)
+        known = "nothing is known yet" if options.recheck else what_is_written()
+        print(f"interrupted: {known}", file=sys.stderr)
         return INTERRUPTED
 
 
