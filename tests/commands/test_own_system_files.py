@@ -182,6 +182,7 @@ def test_two_certificates_of_one_name_are_told_apart(folder: Path) -> None:
     assert code == 0
 
 
+@pytest.mark.slow
 def test_a_report_of_an_orbit_with_a_place_names_its_curve(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -19,6 +19,7 @@ def printed(program: str, **environment: str) -> str:
 START = "from orbitproof.shared.processes import _start_method\n"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="threads are counted on Linux")
 def test_a_process_is_copied_only_if_nothing_else_runs_in_it() -> None:
     for modules in ("orbitproof.verify.__main__", "orbitproof.explore.search.run, orbitproof.explore.families.tracing"):
@@ -28,6 +29,7 @@ def test_a_process_is_copied_only_if_nothing_else_runs_in_it() -> None:
     assert printed(f"{threaded}print(_start_method())") == "spawn"
 
 
+@pytest.mark.slow
 def test_a_search_of_named_families_leaves_scipy_out() -> None:
     modules = "sys, orbitproof.explore.search.run, orbitproof.explore.families.tracing"
     assert printed(f"import {modules}\nprint('jax' in sys.modules, 'scipy.integrate' in sys.modules)") == "True False"

@@ -111,6 +111,7 @@ def test_rows_are_kept_in_a_file_as_they_come(folder: Path, capsys: Any) -> None
     assert (third.proved, str(third.parameter)) == (first.proved, str(first.parameter))
 
 
+@pytest.mark.slow
 def test_a_second_proof_agrees_and_a_changed_certificate_does_not(folder: Path) -> None:
     (row,) = verify.certify(known("fs2"), quiet=True)
     (found,) = verify.prove_again(row, output=folder / "again.json", quiet=True)

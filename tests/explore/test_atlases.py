@@ -288,6 +288,7 @@ def turning(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place / "family.json"
 
 
+@pytest.mark.slow
 def test_an_arc_across_a_fold_in_the_parameter_is_one_atlas_and_proved(turning: Path, tmp_path: Path) -> None:
     atlas, certificate = tmp_path / "atlas.json", tmp_path / "certificate.json"
     words = ["atlas", "--from-family", str(turning), "--covers", "y", "1", "1.55", "--quiet", "-o", str(atlas)]

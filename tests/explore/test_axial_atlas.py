@@ -18,6 +18,7 @@ EARTH_MOON = MASS_PARAMETERS["earth-moon"]
 WHOLE = (Fraction(-1), Fraction(1))
 
 
+@pytest.mark.slow
 def test_the_family_is_followed_from_its_planar_orbit_in_steps_that_are_short_enough() -> None:
     """A step of 0.08 at once leads Newton's method away from it."""
     planar = LyapunovFamily("L3", EARTH_MOON)

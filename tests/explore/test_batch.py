@@ -160,6 +160,7 @@ def test_orbits_in_the_plane_stay_there_and_keep_their_stability_across_it() -> 
     assert batch.stability[1] == pytest.approx(problem.orbit(correction).stability, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_a_system_with_a_family_parameter_is_corrected_in_it() -> None:
     limit, betas = limit_orbit(), np.array([2e3, 5e3, 1e4])
     guesses = np.column_stack([betas, np.full(3, limit.upper), limit.half_period / np.sqrt(betas)])
@@ -290,6 +291,7 @@ def test_a_folder_of_compiled_code_that_others_can_write_is_refused(
     assert not compilation._only_ours(folder)
 
 
+@pytest.mark.slow
 def test_compiled_code_of_a_folder_that_others_can_write_is_not_used(tmp_path: Path) -> None:
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("JAX_COMP", "XDG_"))}
     environment |= {"ORBITPROOF_CACHE": str(tmp_path / "cache"), "PYTHONPATH": str(ROOT), "JAX_PLATFORMS": "cpu"}
@@ -333,6 +335,7 @@ def test_trouble_with_the_cache_is_silent_and_other_warnings_are_not(
         warnings.warn("something else", stacklevel=1)
 
 
+@pytest.mark.slow
 def test_compiled_orbits_are_kept_for_the_next_process(tmp_path: Path) -> None:
     script = """
 from orbitproof.explore.flow import flow_of
@@ -360,6 +363,7 @@ print([float(v).hex() for v in compiled(lambda x: jnp.exp(jnp.sin(x)) / 3)(np.li
 """
 
 
+@pytest.mark.slow
 def test_results_do_not_depend_on_the_cache_and_a_broken_one_heals(tmp_path: Path) -> None:
     blocked = tmp_path / "a file"
     blocked.write_text("in the way of the folder")

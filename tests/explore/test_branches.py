@@ -206,6 +206,7 @@ def test_an_orbit_that_is_not_resonant_has_no_branch() -> None:
     assert follow(branch_point(elsewhere), length=0.02, orbits=6).birth is None
 
 
+@pytest.mark.slow
 def test_command_compares_with_certificates(
     certificate: Certificate, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

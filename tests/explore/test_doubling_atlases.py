@@ -15,6 +15,7 @@ PROVED = read_atlas(Path(__file__).resolve().parents[1] / "data" / "atlas-doubli
 assert isinstance(PROVED, Atlas)
 
 
+@pytest.mark.slow
 def test_the_search_finds_the_curve_that_is_proved(tmp_path: Path) -> None:
     path, begin = tmp_path / "doublings.json", ["atlas-mass", "--point", "L1", "--family", "doubled", "--quiet"]
     assert main([*begin, "--mu-min", "0.0098", "--mu-max", "0.0102", "-o", str(path)]) == 0

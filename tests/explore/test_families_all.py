@@ -250,6 +250,7 @@ def test_both_ends_of_a_family_are_in_its_file(tmp_path: Path, capsys: Any) -> N
     assert "beginning.outcome" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_resonance_is_refined_with_the_crossings_of_its_orbit_and_with_no_other_number(
     tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

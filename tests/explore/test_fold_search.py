@@ -47,6 +47,7 @@ def test_a_refined_fold_is_known_to_the_digits_that_were_asked_for() -> None:
     assert point.geometry.level_branch == pytest.approx(6.18924666357, abs=1e-10)
 
 
+@pytest.mark.slow
 def test_the_slope_of_the_equation_is_its_derivative() -> None:
     problem = Resonance(CR3BP, dict(EARTH_MOON), 1, True, None)
     point = [Fraction(value) for value in HALO]

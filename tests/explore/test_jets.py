@@ -131,6 +131,7 @@ def test_crossings_agree_with_independent_integration(
             assert abs(final[index] - mpmath.mpf(jet.coefficients[0])) < 1e-20
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "system, point", [(CR3BP, ("0.842", "0.16", "0.26")), (FALKNER_SKAN, ("340", "0.9398"))], ids=["cr3bp", "f-s"]
 )

@@ -58,6 +58,7 @@ def test_the_derivative_of_a_half_return_holds_its_digits_across_a_fast_mode(osc
     assert abs(found.derivative[2, 0] * 10 / 401 + context.sin(angle)) < context.mpf(10) ** -45
 
 
+@pytest.mark.slow
 def test_the_straight_orbits_of_the_diamagnetic_kepler_problem_are_followed_to_proofs() -> None:
     system = define_system(DIAMAGNETIC_KEPLER)
     family = explore.trace_from(system, {"eps": -0.33, "nu": 0.0}, bounds={"eps": (-0.35, -0.3)}, quiet=True)

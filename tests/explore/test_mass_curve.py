@@ -198,6 +198,7 @@ def maximum_along_l2(curves: dict[str, CurveRecord], digits: int, settings: Sett
     return precise_extremum(chart_of("L2"), near.mu, near.scaled, digits=digits, settings=settings)
 
 
+@pytest.mark.slow
 def test_maximum_of_the_jacobi_constant_is_one(curves: dict[str, CurveRecord]) -> None:
     found = maximum_along_l2(curves, 15, Settings(130))
     assert found.jacobi_curvature is not None

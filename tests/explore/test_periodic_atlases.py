@@ -36,6 +36,7 @@ def found(system: shared.System, a: str, **start: float) -> FoundOrbit:
     return orbit
 
 
+@pytest.mark.slow
 def test_a_curve_is_covered_through_its_fold_and_proved() -> None:
     atlas = explore.periodic_atlas(found(TURNING, "-0.9", x=1.14, y=0.0), ("a", -1.1, -0.8), quiet=True)
     ends = [piece.point(shared.parse_exact(s)) for piece, s in ((atlas.pieces[0], "-1"), (atlas.pieces[-1], "1"))]

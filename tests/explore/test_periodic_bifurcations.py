@@ -105,6 +105,7 @@ def _family(
     return continue_orbit(problem, correct(problem, start, period), name, bounds, StepControl(**control))
 
 
+@pytest.mark.slow
 def test_a_fold_is_refined_to_its_closed_form() -> None:
     found = _found(_family(TWO_CYCLES, "-1/5", [0.8506, 0], 6.3, (-0.3, 0.0)), FOLD)
     claim = refine_bifurcation(found, "fold", 30)
@@ -131,6 +132,7 @@ def test_the_order_of_a_family_does_not_depend_on_the_sign_of_a_tangent(monkeypa
     assert one.reason == other.reason
 
 
+@pytest.mark.slow
 def test_a_doubling_is_refined_to_its_closed_form() -> None:
     found = _found(_family(MOEBIUS, "-1/20", [1, 0, 0, 0], 6.3, (-0.06, 0.05)), DOUBLING)
     claim = refine_bifurcation(
@@ -145,6 +147,7 @@ def test_a_doubling_is_refined_to_its_closed_form() -> None:
     assert max(abs(vector[0]), abs(vector[2])) < Fraction(1, 10**20)
 
 
+@pytest.mark.slow
 def test_a_pitchfork_is_refined_with_its_symmetry() -> None:
     found = _found(_family(PITCHFORK_OF_W, "-1/10", [1, 0, 0], 6.3, (-0.11, 0.1)), PITCHFORK)
     claim = refine_bifurcation(found, "pitchfork", 30)
@@ -272,6 +275,7 @@ def field(x, y, w, a):
 """
 
 
+@pytest.mark.slow
 def test_bifurcations_are_written_by_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "mine.py").write_text(MINE)
     claims, table = tmp_path / "claims.json", tmp_path / "family.csv"

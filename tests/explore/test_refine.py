@@ -107,6 +107,7 @@ def test_jacobi_constant_agrees_with_every_printed_digit(row: int) -> None:
     assert Fraction(low) <= value <= Fraction(high)
 
 
+@pytest.mark.slow
 def test_fifty_digits_agree_with_thirty_five() -> None:
     coarse, fine = halo_point(3), halo_point(3, digits=50)
     assert fine.residual < 1e-50
@@ -129,6 +130,7 @@ def test_precision_follows_the_corrections() -> None:
     assert len(bits) <= 6
 
 
+@pytest.mark.slow
 def test_centre_is_right_where_the_orbit_passes_close_to_a_primary() -> None:
     """A period doubling at the crossing next to the Moon, where rounding errors grow most."""
     guess = (0.989838, -0.0407488, -0.739564)

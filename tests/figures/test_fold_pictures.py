@@ -77,6 +77,7 @@ def test_a_certificate_of_an_orbit_has_no_curve(certificate: Certificate) -> Non
         CertifiedCurves.of(document, "here")
 
 
+@pytest.mark.slow
 def test_a_report_has_the_picture_of_a_fold(tmp_path: Path) -> None:
     fold = next(item for item in read_candidates(DATA) if item.id == "earth-moon-L1-halo-fold-1")
     write_certificates(tmp_path / "fold.json", [certify(fold)])

@@ -148,6 +148,7 @@ def test_every_kind_of_bifurcation_has_a_mark(kind: str, family: Path) -> None:
     close(figure)
 
 
+@pytest.mark.slow
 def test_the_command_draws_claims_certificates_and_families(
     family: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

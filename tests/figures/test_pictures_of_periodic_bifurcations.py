@@ -42,6 +42,7 @@ def labels(figure: Figure) -> list[str]:
     return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
 
 
+@pytest.mark.slow
 def test_both_orbits_of_a_fold_are_found_at_one_value() -> None:
     a, points = beside(cases.folding(c=4, b=0), "above")
     assert [x * x + y * y - 1 for x, y in points] == pytest.approx([2 * a**0.5, -2 * a**0.5])
@@ -49,6 +50,7 @@ def test_both_orbits_of_a_fold_are_found_at_one_value() -> None:
     assert sorted(u for _, _, u in points) == pytest.approx([-((h - 1) ** 0.5), (h - 1) ** 0.5])
 
 
+@pytest.mark.slow
 def test_the_new_orbit_of_a_doubling_is_beside_the_old_one() -> None:
     a, ((x, _, u, v),) = beside(cases.doubling(c=-1), "below")
     assert (x, u * u, v) == pytest.approx((1, -a, 0), abs=1e-7)
@@ -109,6 +111,7 @@ def test_only_what_is_proved_is_filled_and_the_rest_is_called_numerical() -> Non
         close(drawn.figure)
 
 
+@pytest.mark.slow
 def test_command_and_report_draw_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     claims, proofs, out = tmp_path / "claims.json", tmp_path / "proofs.json", tmp_path / "out"
     torus = tori.product_claim()

@@ -222,6 +222,7 @@ def test_a_changed_surface_is_told_in_its_own_words_and_refused_with_its_digest_
     assert f"REFUSED {path}: {surface['id']}: " in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_complete_list_of_resonances_is_told_as_it_is_certified(tmp_path: Path, capsys: Any) -> None:
     certificate = tmp_path / "curve.json"
     source = str(DATA / "atlas-falkner-skan.json")

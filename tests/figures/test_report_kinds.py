@@ -124,6 +124,7 @@ def test_every_kind_of_atlas_is_told_in_every_format(kind: str, written: dict[st
     assert {path.suffix for path in drawn.glob("*")} == {".pdf", ".png"}
 
 
+@pytest.mark.slow
 def test_every_kind_of_row_is_told_in_every_format(rows: Path, tmp_path: Path) -> None:
     for text in reports([rows], tmp_path).values():
         for words in ("Symmetry breaking", "Touch-and-go", "Fold", "periodic orbit"):
@@ -235,6 +236,7 @@ def test_insets_hide_no_part_of_a_loop() -> None:
         assert not any(box.contains(*point) for point in drawn)
 
 
+@pytest.mark.slow
 def test_webs_and_rows_of_catalogues_are_told_with_what_they_rest_on_and_forged_ones_are_not(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -229,6 +229,7 @@ def test_a_side_that_is_not_known_is_not_told(certificate: dict[str, Any], monke
     assert "side is not shown" in found.reason
 
 
+@pytest.mark.slow
 def test_an_integral_that_is_not_kept_is_found(certificate: dict[str, Any]) -> None:
     """H + x^2 is H on the normal mode, but not beside it."""
 

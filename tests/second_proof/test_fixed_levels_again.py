@@ -42,6 +42,7 @@ def level(statement: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
+@pytest.mark.slow
 def test_a_tupling_on_a_level_is_proved_again() -> None:
     found = second_proof(certificate())
     assert isinstance(found, Proved), str(found)
@@ -49,6 +50,7 @@ def test_a_tupling_on_a_level_is_proved_again() -> None:
     assert compare(certificate(), found).verdict == "agrees"
 
 
+@pytest.mark.slow
 def test_on_another_level_it_is_another_one() -> None:
     other = second_proof(changed(lambda statement: level(statement).update(value="1e-25")))
     assert isinstance(other, Proved), str(other)

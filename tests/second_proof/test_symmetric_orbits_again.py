@@ -366,6 +366,7 @@ v22 = v21 + v18
 return v22"""
 
 
+@pytest.mark.slow
 def test_stability_is_that_of_the_return_to_another_section(
     certificate: dict[str, Any], proof: ProvedSymmetric
 ) -> None:
@@ -422,6 +423,7 @@ def test_what_reversibility_makes_zero_contains_zero() -> None:
         assert [hypothesis.name for hypothesis in full.twisted()[0] if not hypothesis.holds] == ["twist"]
 
 
+@pytest.mark.slow
 def test_the_number_of_crossings_has_to_be_that_of_the_half_orbit(certificate: dict[str, Any]) -> None:
     found = second_proof(claimed(certificate, crossings=2))
     assert isinstance(found, NotProved)
@@ -439,6 +441,7 @@ def test_an_orbit_whose_halves_meet_the_section_twice_agrees() -> None:
     assert found.rotation_number is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", [HALF_PERIOD, LEVEL])
 def test_an_orbit_is_singled_out_by_its_period_or_level(certificate: dict[str, Any], quantity: str) -> None:
     entry = changed(certificate, lambda c: c["statement"]["candidate"].update(kind=ORBIT))
@@ -462,6 +465,7 @@ def three() -> dict[str, Any]:
     return certify(replace(tori_cases.claim(tori_cases.BENT), kind=ORBIT), Limits(digits=8)).to_json()
 
 
+@pytest.mark.slow
 def test_two_stability_parameters_agree() -> None:
     found = proved(three())
     assert len(found.stability) == 2

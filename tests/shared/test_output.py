@@ -85,6 +85,7 @@ def test_a_device_is_written_into(tmp_path: Path) -> None:
         write_bytes(Path("/dev/full"), b"more")
 
 
+@pytest.mark.slow
 def test_a_reader_of_a_fifo_gets_one_document_of_a_run_that_saves_as_it_comes(tmp_path: Path) -> None:
     words = [str(FOLDS), "--only", "*fold-1", "--quiet", "-o"]
     with reader(tmp_path / "rows") as found:

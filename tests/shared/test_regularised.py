@@ -223,6 +223,7 @@ def test_both_coordinates_give_overlapping_derivatives(name: str) -> None:
             assert two.centre[alpha].rad() < 1e-3 * max(1.0, abs(float(two.centre[alpha].mid())))
 
 
+@pytest.mark.slow
 def test_another_mass_or_orbit_does_not_overlap() -> None:
     candidate, found = enclosures("inside", REGULARISED)
     for wrong in (
@@ -481,6 +482,7 @@ def test_what_is_proved_in_regularised_coordinates_is_proved_again_in_the_system
     assert again.stands, again.findings
 
 
+@pytest.mark.slow
 def test_an_orbit_near_the_primary_is_followed_in_regularised_coordinates_by_itself() -> None:
     close, far = BOXES["close"](), BOXES["inside"]()
     assert enclose_iterates(close, IntegratorSettings(110), ORACLE).coordinates == KUSTAANHEIMO_STIEFEL.name

@@ -101,6 +101,7 @@ def beyond() -> VerticalFamily:
     return VerticalFamily("L3", EARTH_MOON)
 
 
+@pytest.mark.slow
 def test_pieces_of_l3_where_x_is_small_beside_vy_are_wide(beyond: VerticalFamily) -> None:
     x, vy = expansion(beyond, -0.002, 0.1)
     assert abs(x[0]) < abs(vy[0]) / 100
@@ -135,6 +136,7 @@ def test_a_piece_beyond_the_turn_is_proved(beyond: VerticalFamily) -> None:
     assert prove_piece(found.system, found.parameters, found.curve_pieces()[-1], WHOLE, ORACLE, FAST).is_proved
 
 
+@pytest.mark.slow
 def test_a_vertical_orbit_is_at_rest_of_its_size_a_quarter_later(family: VerticalFamily) -> None:
     """In the coordinates of the CR3BP it starts on the axis and is on the plane y = 0 at right angles."""
     orbit, x_l = family.orbit(END), family.libration.x

@@ -95,6 +95,7 @@ def changed(**changes: Any) -> Atlas:
     return replace(ATLAS, pieces=(*ATLAS.curve_pieces(), replace(BIRTH, **changes)))
 
 
+@pytest.mark.slow
 def test_the_curve_goes_to_the_doubling_at_which_its_orbits_are_born() -> None:
     conclusion = concluded(DOUBLING)
     curve = proof(conclusion)
@@ -110,6 +111,7 @@ def test_the_curve_goes_to_the_doubling_at_which_its_orbits_are_born() -> None:
     assert "doubling: period 2-tupling, at which the orbits of piece birth are born" in words
 
 
+@pytest.mark.slow
 def test_that_of_sun_and_jupiter_goes_to_its_doubling_too() -> None:
     conclusion = concluded(JUPITER_DOUBLING, DOUBLING, atlas=JUPITER, results=JUPITER_RESULTS)
     assert proof(conclusion).birth is not None

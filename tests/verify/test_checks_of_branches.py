@@ -120,6 +120,7 @@ def test_the_order_of_a_list_is_one_from_1_to_99(order: Any) -> None:
         order_of({"conclusion": {"complete": {"order": order}}})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("order", "stands"), [(24, True), (99, False)])
 def test_a_list_is_taken_for_a_longer_one_only_where_what_is_stored_shows_that(order: int, stands: bool) -> None:
     """The planar Lyapunov orbits meet no resonance of the orders 13 to 24, and some of those up to 99."""

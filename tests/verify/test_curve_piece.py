@@ -363,6 +363,7 @@ L3 = (Fraction(-1, 512), Fraction(1, 512))
 L3_LIMITS = PieceLimits(72, 36, 4), PieceLimits(72, 36, 4, top=2)
 
 
+@pytest.mark.slow
 def test_where_derivatives_are_nearly_singular_the_second_ones_are_followed() -> None:
     """L3 halo orbits: one singular value of the derivative is 36000 times the other."""
     system, parameters, symmetry, piece = known_piece("l3-halo")
@@ -376,6 +377,7 @@ def test_l3_halo_orbits_are_independent_ones() -> None:
     check_orbits("l3-halo", L3, L3_LIMITS[1], 1)
 
 
+@pytest.mark.slow
 def test_a_curve_beside_orbits_with_nearly_singular_derivatives_is_refused() -> None:
     """The curve lies outside of the tube."""
     system, parameters, symmetry, piece = known_piece("l3-halo")

@@ -224,6 +224,7 @@ def test_collisions_in_a_piece_are_refused(coordinates: str) -> None:
         refused(prove_piece(CR3BP, {"mu": MU}, piece, WHOLE, ORACLE, PieceLimits(60, 20, 8)))
 
 
+@pytest.mark.slow
 def test_wrong_masses_are_refused() -> None:
     system, parameters, symmetry, piece = known_piece("symmetric")
     wrong = {"mu": parameters["mu"] * (1 + Fraction(1, 10**6))}

@@ -116,6 +116,7 @@ def test_a_certified_doubling_lies_on_it() -> None:
     assert entry.place is not None, entry.reason
 
 
+@pytest.mark.slow
 def test_its_certificate_is_one_of_the_three_body_problem_with_its_mass() -> None:
     certificate = Certificate.from_json(CERTIFICATE)
     check = Recheck(certificate.id, "proved", 1, (), level=Level.CONCLUSION)

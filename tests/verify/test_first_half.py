@@ -76,6 +76,7 @@ def test_functions_are_those_that_the_second_half_gives() -> None:
         assert one.error < 40 * other.error + 1e-12, name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [lambda: line(1, 1, True), lambda: ellipse(1, 1, "folds")], ids=["line", "fold"])
 def test_functions_contain_closed_forms(make: Any) -> None:
     """Of a system with a first integral, in coordinates of the state."""
@@ -94,6 +95,7 @@ def test_functions_contain_closed_forms(make: Any) -> None:
             assert float(enclosure.rad()) < 1e-3 * max(1.0, abs(value))
 
 
+@pytest.mark.slow
 def test_where_it_fails_the_second_half_is_followed(monkeypatch: pytest.MonkeyPatch) -> None:
     def fails(*_: Any) -> Any:
         raise IntegrationFailure("stability", "it was not enclosed", "give more precision")

@@ -242,6 +242,7 @@ def test_the_stability_is_enclosed_where_both_sheets_are_intervals() -> None:
         assert max(one.rad(), other.rad()) < 1e-6
 
 
+@pytest.mark.slow
 def test_the_list_of_resonances_on_a_level_has_the_certified_one(tmp_path: Path) -> None:
     target, rows = tmp_path / "certificate.json", tmp_path / "rows.json"
     write_certificates(rows, [certificate()])

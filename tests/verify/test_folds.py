@@ -185,6 +185,7 @@ def test_an_extremum_along_a_real_family_is_proved_and_enclosed(name: str) -> No
     assert "fold, proved" in str(certificate)
 
 
+@pytest.mark.slow
 def test_both_forms_of_the_parameter_prove_the_same_fold() -> None:
     forms = [certified("earth-moon-L1-halo-fold-1", level) for level in ("coordinates", "integral")]
     assert [certificate.proved for certificate in forms] == [True, True]
@@ -200,6 +201,7 @@ def refusal(candidate: Candidate, level: str = "coordinates") -> str:
     return verdict_of(certify(candidate, Limits(max_precision=256, level=level)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["michelson-family-fold-1", "earth-moon-L1-halo-fold-1"])
 def test_a_box_beside_the_fold_is_refused(name: str) -> None:
     fold = folds()[name]

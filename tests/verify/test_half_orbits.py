@@ -79,6 +79,7 @@ def test_a_bifurcation_of_orbits_that_meet_the_section_twice_in_half_a_period_is
     assert recheck(certificate, integrate=True).findings == ()
 
 
+@pytest.mark.slow
 def test_a_second_proof_counts_the_crossings_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     entry = certified("michelson-family-k2-3").to_json()
     result = second_proof(entry)

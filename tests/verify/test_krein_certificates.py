@@ -185,6 +185,7 @@ def test_every_number_that_a_certificate_carries_is_compared() -> None:
         assert len(list(contradictions(found, other, "tables"))) == 1
 
 
+@pytest.mark.slow
 def test_every_enclosure_that_a_certificate_carries_is_found_again(proved: Certificate) -> None:
     entry, claim = proved.to_json(), cases.clock()
     settings = IntegratorSettings(entry["computation"]["precision"], entry["computation"]["order"])

@@ -189,6 +189,7 @@ def over_duffing(size: int) -> OnePiece:
     return OnePiece(system, 0, Fraction(5, 4), Fraction(1, 16))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [1, 3])
 def test_resonances_are_listed_for_any_number_of_stability_parameters(size: int) -> None:
     """Those of uncoupled oscillators are those of each alone; of more than two nothing else is said."""

@@ -107,6 +107,7 @@ def place(s: float) -> Any:
     return np.array(found.centre, float) + np.array(found.frame, float) @ local
 
 
+@pytest.mark.slow
 def test_without_a_list_the_index_of_one_orbit_is_told() -> None:
     document = certified_index(without_list())
     assert document["verdict"] == "proved"

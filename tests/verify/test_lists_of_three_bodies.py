@@ -160,6 +160,7 @@ ACROSS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_list_of_an_arc_is_complete_and_true(name: str) -> None:
     """Each zero and extremum on a fine grid is in one listed interval, each interval has one, of its kind."""

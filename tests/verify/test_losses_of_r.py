@@ -102,6 +102,7 @@ def test_fields_with_functions_have_their_own_orbits(modes: Certificate) -> None
     assert not found.opening.overlaps(results_of(modes).opening)
 
 
+@pytest.mark.slow
 def test_half_orbits_may_meet_the_section_twice() -> None:
     claim = cases.later()
     found = results_of(certify(claim))

@@ -144,6 +144,7 @@ def test_sixteen_digits_take_few_bits_on_a_box_as_wide_as_they_allow(orbit: Orbi
     assert missing_of_orbit(found.orbit, 16) <= 0
 
 
+@pytest.mark.slow
 def test_the_certificate_stands_at_every_level(certificate: Certificate) -> None:
     assert is_proof_of(certificate, HALO)
     assert recheck(certificate).level is Level.CONCLUSION
@@ -208,6 +209,7 @@ def test_another_verdict_on_stability_is_found(certificate: Certificate) -> None
     assert not recheck(Certificate.from_json({**entry, "digest": digest(entry)})).stands
 
 
+@pytest.mark.slow
 def test_an_extremum_that_is_not_there_is_found_by_integrating(certificate: Certificate) -> None:
     """A false table that agrees with itself: two extrema more, with everything else derived from it."""
     from orbitproof.verify.certificate.rechecking import derived

@@ -537,6 +537,7 @@ def test_other_words_are_told_anew() -> None:
     assert found.rendered["statement"]["theorem"] == document()["statement"]["theorem"]
 
 
+@pytest.mark.slow
 def test_the_command_and_python_say_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     curve, catalogue, output = tmp_path / "curve.json", tmp_path / "halo.json", tmp_path / "rows.json"
     write_atlas_certificate(curve, catalogue_cases.curve().document)

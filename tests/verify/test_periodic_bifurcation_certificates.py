@@ -52,6 +52,7 @@ def _sealed(entry: dict[str, Any]) -> Certificate:
     return Certificate.from_json({**content, "digest": digest(content)})
 
 
+@pytest.mark.slow
 def test_certificates_stand_at_all_levels(proved: dict[str, Certificate]) -> None:
     for certificate in proved.values():
         found = recheck(certificate, integrate=True)
@@ -268,6 +269,7 @@ def test_every_enclosure_that_a_certificate_carries_is_found_again(proved: dict[
     assert is_confirmed_ball_by_ball(entry, claim, found)
 
 
+@pytest.mark.slow
 def test_claims_are_proved_by_the_command_and_from_python(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, output = tmp_path / "claims.json", tmp_path / "certificates.json"
     write_candidates(path, [CLAIMS["fold"]])

@@ -181,6 +181,7 @@ def test_every_enclosure_that_a_certificate_carries_is_found_again(proved: dict[
     assert is_confirmed_ball_by_ball(entry, claim, found)
 
 
+@pytest.mark.slow
 def test_claims_are_proved_by_the_command_and_from_python(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, output = tmp_path / "claims.json", tmp_path / "certificates.json"
     false = cases.shifted(CLAIMS["AB"], 0, Fraction(1, 10**10))

@@ -88,6 +88,7 @@ def test_nothing_is_proved_beyond_the_ends_of_a_piece() -> None:
     assert outcome.reason.condition == "piece"
 
 
+@pytest.mark.slow
 def test_a_curve_that_leaves_its_tube_next_to_an_end_is_not_proved() -> None:
     """At s = 16/17 the power of s is a fortieth of what it is at 1."""
     atlas = turning_atlas()

@@ -163,6 +163,7 @@ def test_a_torus_is_no_bifurcation_of_another_kind(kind: Any) -> None:
         assert not certify(other, Limits(digits=12)).proved
 
 
+@pytest.mark.slow
 def test_claims_are_proved_by_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, output = tmp_path / "claims.json", tmp_path / "certificates.json"
     claim = CLAIMS["round"]

@@ -345,6 +345,7 @@ def test_the_last_integration_is_that_of_which_the_certificate_was_made(proved: 
     assert tables_to_json(found) != proved.to_json()["enclosures"]
 
 
+@pytest.mark.slow
 def test_what_other_coordinates_enclose_more_widely_is_enclosed_in_those_of_the_certificate() -> None:
     """With more bits regularised coordinates take less time on this halo orbit, and enclose derivatives 10^11 times as
     widely."""

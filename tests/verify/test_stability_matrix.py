@@ -91,6 +91,7 @@ def check_falkner_skan(
     assert np.all(np.sign(ratios) == np.sign(ratios[0]))
 
 
+@pytest.mark.slow
 def test_sigma_contains_independent_variations_at_random_points() -> None:
     """Sigma = dy(P^2)/dy at fixed beta: the velocity y' = z vanishes on the section."""
     for piece, result in zip(atlas().curve_pieces(), results(), strict=True):
@@ -128,6 +129,7 @@ def test_the_half_return_of_a_proof_gives_the_same(tube: Fraction | None) -> Non
     check_falkner_skan(piece, found, interval, 20)
 
 
+@pytest.mark.slow
 def test_planar_orbits_in_units_of_their_size_have_the_stability_of_the_three_body_problem() -> None:
     """The trace of the planar monodromy matrix of the CR3BP is 2 + 2 Sigma, and Sigma is continuous at size 0."""
     entry = PIECES["lyapunov"]
@@ -425,6 +427,7 @@ def test_of_a_known_level_the_part_on_the_curve_alone_is_taken() -> None:
             assert abs(found[1] - known[level.arithmetic.grading.index[position]]) < arb(level.errors[1])
 
 
+@pytest.mark.slow
 def test_the_second_half_takes_the_level_of_the_first_with_its_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """Near the Moon, in regularised coordinates: what the second integration takes as a constant of motion."""
     taken: list[Series] = []

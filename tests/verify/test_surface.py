@@ -92,6 +92,7 @@ def proved(piece: SurfacePiece, returned: SurfaceReturn) -> PieceResult[ProvedPa
         return prove_surface_piece(HILL, piece, WHOLE, ORACLE, FAST)
 
 
+@pytest.mark.slow
 def test_the_half_return_is_enclosed_for_all_masses(piece: SurfacePiece, returned: SurfaceReturn) -> None:
     """At random points of the box and random s, against orbits in high precision."""
     source = random.Random(1)
