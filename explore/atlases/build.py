@@ -231,7 +231,10 @@ def _place(curve: Curve, covers: Covers, value: Fraction) -> float:
     values = np.array([orbit.unknowns[index] for orbit in curve.family.orbits])
     beyond = np.flatnonzero(sign * (values - target) >= 0)
     if not len(beyond):
-        raise CoverFailure(f"the family does not reach {covers.coordinate} = {target:.6g}: {curve.family.reason}")
+        raise CoverFailure(
+            f"the family does not reach {covers.coordinate} = {target:.6g}; along it {covers.coordinate} lies between "
+            f"{values.min():.8g} and {values.max():.8g}: {curve.family.reason}"
+        )
     inside = (int(beyond[0]) - 1) if sign > 0 else (int(beyond[-1]) + 1)
     outside = int(beyond[0]) if sign > 0 else int(beyond[-1])
     places = curve.family.arclengths

@@ -124,9 +124,11 @@ class CorrectedCatalogue:
             problem.initial_state(guess), float(catalogue.periods[index]), float(catalogue.jacobi_constants[index]),
             float(catalogue.stability_indices[index]), rounded=True,
         )  # fmt: skip
+        derivative = batch.orbit(index).derivative
+        assert derivative is not None
         there = Numbers(
             problem.initial_state(found), 2 * float(found[-1]), float(batch.first_integrals[index]),
-            float(self.stability_indices[index]),
+            float(self.stability_indices[index]), derivative.error,
         )  # fmt: skip
         lines = contradictions(problem.system, problem.parameter_values(found).tolist(), said, there)
         lines += self._place_contradicts(index)

@@ -33,6 +33,7 @@ class Numbers:
         period: the full one, in the system's time units.
         level: of the first integral.
         stability_index: (|lambda| + 1/|lambda|)/2 of the largest multiplier.
+        stability_error: how well double precision knows that, relative where it exceeds 1 (`HalfReturn.error`).
         rounded: whether the numbers may be known no better than to the decimals in which they are written.
     """
 
@@ -40,6 +41,7 @@ class Numbers:
     period: float | None = None
     level: float | None = None
     stability_index: float | None = None
+    stability_error: float = 0.0
     rounded: bool = False
 
     @property
@@ -73,7 +75,8 @@ def contradictions(system: System, parameters: Sequence[float], said: Numbers, f
     if None not in (said.level, found.level):
         allowed = coarse * _slopes(system, parameters, found.state, sizes)
         compare(system.first_integral_name or "level", said.level, found.level, allowed)
-    compare("stability index", said.stability_index, index, _MAGNIFIED * coarse * max(1.0, index or 1.0))
+    known = _MAGNIFIED * coarse + found.stability_error
+    compare("stability index", said.stability_index, index, known * max(1.0, index or 1.0))
     return tuple(lines)
 
 

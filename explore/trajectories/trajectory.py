@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import inf
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,9 +39,6 @@ _EXACT = 1e-11
 
 _PLACES = 501
 """So many places of half an orbit show where it is farthest from the smaller primary."""
-
-_KNOWN = 1e-4
-"""Stability parameters with a smaller error are compared with those of a file."""
 
 
 @dataclass(frozen=True)
@@ -136,7 +134,7 @@ def trajectory_of(source: SourceOrbit) -> Trajectory:
     what the file says is no periodic orbit, or one of which something else is so, unless the source accepts that.
     """
     given = source
-    moved, legs, stability, is_certain = 0.0, source.legs, source.stability, False
+    moved, legs, stability, error = 0.0, source.legs, source.stability, inf
     parameters = {name: float(value) for name, value in source.parameters.items()}
     if source.unknowns is not None and isinstance(source.system, ReversibleSystem):
         problem = ShootingProblem(source.system, source.parameters)
@@ -150,7 +148,7 @@ def trajectory_of(source: SourceOrbit) -> Trajectory:
         if stability is None:
             orbit = _orbit(problem, source)
             assert orbit.derivative is not None
-            stability, is_certain = orbit.stability, orbit.derivative.error < _KNOWN
+            stability, error = orbit.stability, orbit.derivative.error
     assert legs is not None
     ordered = {name: parameters[name] for name in source.system.parameters}
     solution = PeriodicSolution(source.system, list(ordered.values()), legs.starts, legs.durations, legs.mirrored)
@@ -163,7 +161,7 @@ def trajectory_of(source: SourceOrbit) -> Trajectory:
         raise NoOrbit(f"{source.title}: no periodic orbit: {gap:.1e} {what}")
     found = Trajectory(source, solution, ordered, stability, moved)
     if not source.accept:
-        _check(given, found, is_certain)
+        _check(given, found, error)
     side = _side(found)
     return found if side is None else replace(found, source=replace(source, title=f"{source.title}, {side}ern"))
 
@@ -175,17 +173,16 @@ def _side(found: Trajectory) -> Branch | None:
     return branch_at(found.states(np.linspace(0.0, found.period / 2, _PLACES)), found.parameters["mu"])
 
 
-def _check(source: SourceOrbit, found: Trajectory, is_certain: bool) -> None:
-    """Whether the orbit is as the file says, its stability index where that is known. Raises `NoOrbit`."""
+def _check(source: SourceOrbit, found: Trajectory, error: float) -> None:
+    """Whether the orbit, its stability known up to an error, is as the file says. Raises `NoOrbit`."""
     said, start = source.said, found.start
     if source.unknowns is not None and isinstance(source.system, ReversibleSystem):
         start = ShootingProblem(source.system, source.parameters).initial_state(source.unknowns)
-    index = said.stability_index if is_certain else None
     lines = contradictions(
         source.system,
         list(found.parameters.values()),
-        Numbers(start, said.period, said.level, index),
-        Numbers(found.start, found.period, found.first_integral, found.stability_index),
+        Numbers(start, said.period, said.level, said.stability_index),
+        Numbers(found.start, found.period, found.first_integral, found.stability_index, error),
     )
     if lines:
         raise Contradiction(f"{source.title}: another orbit was found: {'; '.join(lines)}; {REMEDY}")

@@ -327,3 +327,20 @@ def test_a_start_is_off_a_fixed_set_if_it_is_so_beyond_rounding() -> None:
     assert fallen(CR3BP, mars, [SMALL["x"], 1e-10, SMALL["vy"]], planar) is None
     assert fallen(CR3BP, mars, [0.9, 1e-8, 0.1], [0.9, 0.0, 0.1]) is None
     assert fallen(CR3BP, mars, [0.9, 1e-6, 0.1], [0.9, 0.0, 0.1]) is not None
+
+
+def test_rows_of_ill_conditioned_orbits_agree_with_themselves() -> None:
+    """Close to the Moon double precision knows no multipliers, and the index of a row contradicts nothing."""
+    rows = explore.catalogue("dpo", "jpl-earth-moon", rows=6, max_orbits=300, quiet=True)
+    corrected = correct_catalogue(rows)
+    assert corrected.reasons == ("",) * len(rows)
+    last = corrected.batch.orbit(len(rows) - 1).derivative
+    assert last is not None
+    assert last.error > 1
+
+
+def test_an_index_is_compared_up_to_what_is_known_of_it() -> None:
+    state = np.array([1.1234, 0.0, 0.1, 0.0, 0.2, 0.0])
+    said = Numbers(state, stability_index=5.5)
+    assert contradictions(CR3BP, [0.01], said, Numbers(state, stability_index=5.0, stability_error=0.01))
+    assert not contradictions(CR3BP, [0.01], said, Numbers(state, stability_index=5.0, stability_error=0.2))
