@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -495,3 +496,33 @@ def test_orbits_with_n_2_are_not_claimed_to_be_stable() -> None:
     found = second_proof(claimed(three(), kind=STABLE_ORBIT))
     assert isinstance(found, NotProved)
     assert "n > 1" in found.reason
+
+
+def giving(answer: Any) -> Callable[..., Any]:
+    return lambda *_: answer
+
+
+@pytest.mark.parametrize("claimed", [-1, 0, 1])
+def test_a_twist_has_one_certain_sign_for_some_coordinate_and_that_which_is_claimed(claimed: int) -> None:
+    """c_1 = lambda (defect + i tau), and areas of the planes of (x, q) and (w, q), of which some may be 0."""
+    full, cosine = FullReturn.__new__(FullReturn), arb(3) / 10
+    full.claim = SimpleNamespace(  # type: ignore[assignment]
+        system=SimpleNamespace(kernel=(1,), fixed=(0, 2), state=("x", "q", "w")), places=(0, 2), twist=claimed
+    )
+    full.stability = giving((acb(cosine),))  # type: ignore[method-assign]
+    at, small, unknown = acb(cosine, (1 - cosine * cosine).sqrt()), arb(0, 2.0**-40), arb(0, 1)
+    for tau, defect, areas, sign in (
+        (arb(2), small, (arb(1), arb(3)), 1), (arb(-2), small, (arb(1), unknown), -1),
+        (arb(2, 1), small, (unknown, arb(-3)), 1), (arb(-2, 1), small, (arb(-1), arb(1)), -1),
+        (arb(2), small, (unknown, unknown), 0), (arb(1, 2), small, (arb(1), arb(3)), 0),
+        (arb(2), small + arb(1) / 1024, (arb(1), arb(3)), 0),
+    ):  # fmt: skip
+        vector = [acb(areas[0]), acb(0, arb(1) / 2), acb(areas[1])]
+        full.coefficient = giving((at * acb(defect, tau), vector))  # type: ignore[method-assign]
+        hypotheses, _, twists, real = full.twisted()
+        assert [h.holds for h in hypotheses[:2]] == [True, True]
+        assert hypotheses[2].holds == (sign != 0 and claimed in (0, sign))
+        assert real.overlaps(defect)
+        known = {name: area for name, area in zip("xw", areas, strict=True) if not area.contains(0)}
+        assert set(twists) == set(known)
+        assert all(twists[name].overlaps(tau / (2 * abs(area))) for name, area in known.items())
