@@ -125,13 +125,16 @@ def test_readme_is_short() -> None:
     assert len(README.split()) <= 1000
 
 
-def test_the_line_that_the_readme_explains_is_that_of_a_certificate() -> None:
+def test_the_lines_that_the_readme_explains_are_those_of_a_certificate() -> None:
     document = json.loads((ROOT / "tests" / "data" / "figures-certificates.json").read_text("utf-8"))
-    (line,) = re.findall(r"^```text\n(.*)\n```$", README, re.MULTILINE)
-    (entry,) = (entry for entry in document["certificates"] if entry["id"] == line.split()[0])
+    (block,) = re.findall(r"^```text\n(.*?)\n```$", README, re.MULTILINE | re.DOTALL)
+    head, what, parameter = block.split("\n")
+    (entry,) = (entry for entry in document["certificates"] if entry["id"] == head.partition(":")[0])
     claim, results = entry["statement"]["candidate"], entry["results"]
-    assert re.split(r"\s\s+", line)[1:-1] == [str(claim["k"]), claim["kind"], entry["verdict"], results["side"]]
-    name, digits, first, last = re.fullmatch(r".*  (.*) = (\d\.\d+)\[(\d),(\d)\]", line).groups()  # type: ignore[union-attr]
+    assert f": {entry['verdict']} in " in head
+    assert (claim["k"], claim["kind"]) == (2, "period_tupling")
+    assert what == f"  period doubling (k = 2), new orbits {results['side']}"
+    name, digits, first, last = re.fullmatch(r"  (.*) = (\d\.\d+)\[(\d),(\d)\]", parameter).groups()  # type: ignore[union-attr]
     assert name == results["parameter_name"]
     lower, upper = (Decimal(end) for end in results["parameter"]["decimal"].strip("[]").split(", "))
     assert Decimal(digits + first) <= lower <= upper <= Decimal(digits + last)

@@ -92,7 +92,7 @@ from orbitproof.shared import read_candidates
 for proof in verify.certify(read_candidates(Path("claims.json")), jobs=2, quiet=True):
     print(proof)
 """
-PROVED = "k = 2 tupling, proved, below, beta = 340.18"
+PROVED = "period doubling (k = 2), proved, below, beta = 340.18"
 
 
 @pytest.fixture
@@ -130,7 +130,7 @@ def test_the_scripts_of_the_guide_run_and_the_first_finds_proves_and_writes(tmp_
     lines = result.stdout.splitlines()[:11]
     assert result.stdout.endswith("True\n")
     assert all(", proved, " in line for line in lines)
-    assert any(line.startswith("k = 2 tupling, proved, below, C = 3.02161924792642") for line in lines)
+    assert any(line.startswith("period doubling (k = 2), proved, below, C = 3.02161924792642") for line in lines)
     assert len(verify.read(tmp_path / "certificates.json")) == 11
 
 
@@ -217,7 +217,7 @@ def test_bad_arguments_of_the_search_say_which_and_what_there_is(name: str, opti
 
 
 def test_a_certificate_is_a_value_that_prints_in_a_line(proof: verify.Certificate) -> None:
-    assert re.fullmatch(r"k = 2 tupling, proved, below, beta = 340\.18\d+\[\d+,\d+\]", str(proof))
+    assert re.fullmatch(r"period doubling \(k = 2\), proved, below, beta = 340\.18\d+\[\d+,\d+\]", str(proof))
     assert len(repr(proof)) < 80
     assert proof == verify.Certificate.from_json(proof.to_json())
     assert hash(proof) == hash(pickle.loads(pickle.dumps(proof)))

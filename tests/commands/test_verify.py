@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import multiprocessing
 import os
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -93,14 +94,21 @@ def test_table_shows_every_row_and_what_is_proved_is_kept(
     assert counted == [FALSE["id"], HOPELESS["id"], WITHOUT_THEOREM["id"]]
     assert read(target)["k=3"] == before
     lines = output.splitlines()
-    assert lines[0].split() == ["candidate", "k", "kind", "verdict", "side", "parameter", "time"]
-    assert "proved" in lines[1]
-    assert "both" in lines[1]
-    assert "beta = 453.44258682138482264451768193" in lines[1]
-    assert "kept" in lines[1]
-    assert sum("not proved" in line for line in lines[2:5]) == 3
+    assert all(len(line) <= 80 for line in lines[:-1])
+    assert lines[:2] == ["k=3: proved by an earlier run", "  touch-and-go (k = 3), new orbits on both sides"]
+    assert lines[2].startswith("  beta = 453.44258682138482264451768193")
+    assert sum(": not proved in" in line for line in lines) == 3
     assert sum("stub: message; remedy" in line for line in lines) == 3
+    assert re.fullmatch(rf"1 of 4 proved in \d+ s; certificates: {re.escape(str(target))}", lines[-1])
     assert "kept" in errors
+
+
+def test_what_is_proved_is_printed_as_json(finished: tuple[Path, Path], tmp_path: Path, capsys: Any) -> None:
+    source, target = copies(finished, tmp_path)
+    assert main([str(source), "-o", str(target), "--quiet", "--json", "--only", "k=3"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)
+    assert (row["id"], row["kind"], row["k"], row["verdict"]) == ("k=3", "touch_and_go", 3, "proved")
+    assert row["results"]["side"] == "both"
 
 
 def test_a_changed_candidate_is_verified_again(finished: tuple[Path, Path], tmp_path: Path, counted: list[str]) -> None:

@@ -32,7 +32,7 @@ from orbitproof.verify.certificate import (
 )
 from orbitproof.verify.evidence import quoted, quoted_name
 from orbitproof.verify.run import Display
-from orbitproof.verify.run.row_tables import recheck_table, verdict_table
+from orbitproof.verify.run.row_tables import recheck_table, verdict_text
 
 
 @pytest.fixture(scope="module")
@@ -61,8 +61,8 @@ def test_an_id_like_the_columns_of_a_table_stands_in_quotes(point: Certificate) 
         recheck_table([COLUMNS], {COLUMNS: recheck(named)}),
         recheck_table([COLUMNS], {COLUMNS: recheck(bad)}),
         recheck_table([COLUMNS], {}),
-        verdict_table([replace(known("fs3"), id=COLUMNS)], {COLUMNS: named}),
-        verdict_table([replace(known("fs3"), id=COLUMNS)], {}),
+        verdict_text([replace(known("fs3"), id=COLUMNS)], {COLUMNS: named}),
+        verdict_text([replace(known("fs3"), id=COLUMNS)], {}),
     ):
         assert table.count(f'"{COLUMNS}"') == table.count(COLUMNS) > 0
     assert shown(point.id) == point.id
@@ -180,7 +180,7 @@ def test_reasons_are_told_as_what_a_run_said_wherever_a_certificate_prints(tmp_p
     told = forged(hopeless.to_json(), lambda entry: entry["reason"].update(message=LIE, remedy=LIE[1:]))
     entry = Certificate.from_json(told)
     said = f"the run said: {LIE!r}, and to try: {LIE[1:]!r}"
-    assert str(entry) == f"k = 3 touch-and-go, not proved, frames; {said}"
+    assert str(entry) == f"touch-and-go (k = 3), not proved, frames; {said}"
     page = html.unescape(entry._repr_html_())
     assert page.count(said) == 1
     assert page.replace(said, "").count("FAILED") == 0

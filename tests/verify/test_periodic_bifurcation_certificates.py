@@ -274,7 +274,7 @@ def test_claims_are_proved_by_the_command_and_from_python(tmp_path: Path, capsys
     path, output = tmp_path / "claims.json", tmp_path / "certificates.json"
     write_candidates(path, [CLAIMS["fold"]])
     assert main([str(path), "-o", str(output), "--quiet"]) == 0
-    assert "periodic-fold  proved   above  a = " in capsys.readouterr().out
+    assert "two orbits above\n  a = " in capsys.readouterr().out
     assert main(["--recheck", str(output), "--quiet"]) == 0
     write_candidates(path, [cases.shifted(CLAIMS["fold"], 1, Fraction(1, 10**10))])
     assert main([str(path), "--quiet"]) == 1

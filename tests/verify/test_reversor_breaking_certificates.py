@@ -186,7 +186,7 @@ def test_claims_are_proved_by_the_command_and_from_python(tmp_path: Path, capsys
     path, output = tmp_path / "claims.json", tmp_path / "certificates.json"
     write_candidates(path, [cases.modes()])
     assert main([str(path), "-o", str(output), "--quiet"]) == 0
-    assert "reversor_breaking  proved   above  twice the energy = 0.1331" in capsys.readouterr().out
+    assert "loss of R, new orbits above\n  twice the energy = 0.1331" in capsys.readouterr().out
     assert main(["--recheck", str(output), "--quiet"]) == 0
     assert main(["--second-proof", str(output)]) == 0
     assert "agrees" in capsys.readouterr().out

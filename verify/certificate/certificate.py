@@ -167,7 +167,7 @@ class Certificate:
         return self.with_place(None) if "place" in entry and entry.get("digest") == digest(entry) else self
 
     def __str__(self) -> str:
-        claim = self._claim
+        claim = self.claimed
         if self.reason is not None:
             return f"{claim}, not proved, {as_said(self.reason)}"
         return ", ".join(part for part in (claim, "proved", self.side, self._shown_parameter()) if part)
@@ -180,7 +180,7 @@ class Certificate:
 
     def _repr_html_(self) -> str:
         """The table that a notebook shows."""
-        rows = [("claim", self._claim), ("verdict", self.verdict)]
+        rows = [("claim", self.claimed), ("verdict", self.verdict)]
         if self.reason is not None:
             rows += [("reason", as_said(self.reason))]
         if self.parameter is not None:
@@ -192,8 +192,17 @@ class Certificate:
         return f"<table><caption>{escape(self.id)}</caption>{cells}</table>"
 
     @property
-    def _claim(self) -> str:
+    def claimed(self) -> str:
+        """The claim in a word or two."""
         return kind_named(self.kind).said(self.k, self.kind)
+
+    @property
+    def on_side(self) -> str:
+        """What there is on which side of the parameter, in words; empty where no side is proved."""
+        if self.side is None:
+            return ""
+        side = "on both sides" if self.side == "both" else self.side
+        return f"{kind_named(self.kind).on_side(self.kind)} {side}"
 
     def _shown_parameter(self) -> str:
         if self.parameter is None or self.parameter_name is None:

@@ -34,6 +34,7 @@ class Kind(Generic[Claim, Found, Results]):
         enclose: what its proof is evaluated from. Raises `NotEstablishedError` if there is none, or the claim is false.
         prove: check the claim, given what was enclosed, if anything.
         said: the claim in a word or two, from k and the kind.
+        on_side: what there is on the side of the parameter that is proved, from the kind.
         attributes: what a `Certificate` says of the results beside their point; the rest is as of what is not proved.
         missing: how many digits the results lack, of so many that are wanted.
         in_words: the theorem in short.
@@ -52,6 +53,7 @@ class Kind(Generic[Claim, Found, Results]):
     enclose: Callable[[Claim, IntegratorSettings, Progress | None], Found]
     prove: Callable[[Claim, Checklist, Found | None], Outcome[Results]]
     said: Callable[[int, str], str]
+    on_side: Callable[[str], str] = lambda kind: "new orbits"
     attributes: Callable[[Results], dict[str, Any]]
     missing: Callable[[Results, int], int]
     in_words: Callable[[Any], str]

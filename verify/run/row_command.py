@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING
 
 from orbitproof.shared.formats import ORBIT_KINDS, InputError, read_claims, refused, select_ids
@@ -21,7 +23,7 @@ from orbitproof.verify.certificate import (
 )
 from orbitproof.verify.run import CHECK_SECONDS, ArgumentParser, Workplace, interrupted, whole_number
 from orbitproof.verify.run.checking_again import checked_again
-from orbitproof.verify.run.row_tables import recheck_table, verdict_table
+from orbitproof.verify.run.row_tables import recheck_table, verdict_text, verdicts_as_json
 from orbitproof.verify.run.rows import RowRun
 
 if TYPE_CHECKING:
@@ -84,6 +86,7 @@ def _parser() -> ArgumentParser:
     parser.number("--other-boxes", "N", words, whole_number(0, 100), Limits.other_boxes)
     words = "certificate of a curve, from verify atlas: where on it the orbits of the candidates lie"
     parser.add_argument("--curve", type=Path, metavar="FILE", help=words)
+    parser.add_argument("--json", action="store_true", help="print what is proved as JSON")
     parser.run_options("candidates", "--row-timeout", "a candidate", CHECK_SECONDS)
     return parser
 
@@ -108,6 +111,7 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
     limits = Limits(options.max_precision, options.digits, options.row_timeout, options.level, options.other_boxes)
     # With --only, --fresh means the selected rows; those of the others stay in the file.
     run = RowRun(everything, selected, limits, options.output, options.fresh, options.fresh and options.only is None)
+    start = monotonic()
     ended = False
     unsaved: InputError | None = None
     try:
@@ -118,7 +122,10 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
         if not run.fresh:
             raise
         unsaved = error
-    print(verdict_table(selected, run.done, run.kept), flush=True)
+    if options.json:
+        print(json.dumps(verdicts_as_json(selected, run.done), indent=1), flush=True)
+    else:
+        print(verdict_text(selected, run.done, run.kept), flush=True)
     if curve is not None:
         from orbitproof.verify.run.branch_checks import places_on_apart
 
@@ -133,7 +140,11 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
     if ended:
         saved = options.output if run.certificates else None
         return interrupted(len(run.done), len(selected), "candidates finished", saved)
-    return 0 if all(run.done[candidate.id].proved for candidate in selected) else 1
+    proved = sum(run.done[candidate.id].proved for candidate in selected)
+    if not options.json:
+        where = "" if options.output is None else f"; certificates: {options.output}"
+        print(f"\n{proved} of {len(selected)} proved in {monotonic() - start:.0f} s{where}", flush=True)
+    return 0 if proved == len(selected) else 1
 
 
 def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:

@@ -1,8 +1,10 @@
-"""Tables of verdicts, for stdout."""
+"""What runs have proved and checked, for stdout."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from textwrap import TextWrapper
+from typing import Any
 
 from orbitproof.shared.formats import BoxClaim, as_options
 from orbitproof.shared.systems import shown
@@ -12,38 +14,73 @@ from orbitproof.verify.run import aligned
 from orbitproof.verify.run.other_boxes import remark
 
 _SHOWN_DIGITS = 34
-_HEADERS = ("candidate", "k", "kind", "verdict", "side", "parameter", "time")
+_DIGITS_OF_A_POINT = 16
+_WIDTH = 80
 
 
-def verdict_table(
+def verdict_text(
     candidates: Sequence[BoxClaim], certificates: Mapping[str, Certificate], kept: frozenset[str] = frozenset()
 ) -> str:
-    """The verdicts in the order of the candidates, as plain text; then which boxes are others than
-    were given, and why what is not proved is not.
+    """What is proved, a block of lines for each candidate in order, and why what is not proved is not.
 
     `kept` names the rows that an earlier run proved.
     """
-    rows = [_HEADERS]
-    reasons = []
+    lines: list[str] = []
     for candidate in candidates:
         certificate = certificates.get(candidate.id)
         if certificate is None:
-            rows.append((shown(candidate.id), str(candidate.k), candidate.kind, "not finished", "", "", ""))
+            lines.append(f"{shown(candidate.id)}: not finished")
             continue
-        parameter = ""
-        if certificate.parameter is not None:
-            parameter = f"{certificate.parameter_name} = {certain_digits(certificate.parameter, _SHOWN_DIGITS)}"
-        elapsed = "kept" if candidate.id in kept else f"{certificate.computation.seconds:.1f} s"
-        name, side = shown(certificate.id), certificate.side or ""
-        rows.append((name, str(candidate.k), candidate.kind, certificate.verdict, side, parameter, elapsed))
-        about_the_box = remark(certificate)
-        if about_the_box is not None:
-            reasons.append(f"{name}: {about_the_box}")
-        reason = certificate.reason
-        if reason is not None:
-            remedy = as_options(reason.remedy, timeout="--row-timeout")
-            reasons.append(f"{name}: not proved, {reason.condition}: {reason.message}; {remedy}")
-    return "\n".join([*aligned(rows), *([""] if reasons else []), *reasons])
+        when = "by an earlier run" if candidate.id in kept else f"in {certificate.computation.seconds:.1f} s"
+        lines.append(f"{shown(certificate.id)}: {certificate.verdict} {when}")
+        for text in _found(certificate):
+            lines += _wrapped(text)
+    return "\n".join(lines)
+
+
+def _wrapped(text: str) -> list[str]:
+    """Lines of a block; a number stays in one piece, and beside its name."""
+    filler = TextWrapper(
+        _WIDTH, initial_indent="  ", subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+    )
+    lines = filler.wrap(text.replace(" = ", _JOINT))
+    return [line.replace(_JOINT, " = ") for line in lines]
+
+
+_JOINT = "\0=\0"
+
+
+def _found(certificate: Certificate) -> Iterator[str]:
+    """What a certificate proves, or why it proves nothing; then about which box, if that is another than was given."""
+    yield ", ".join(filter(None, (certificate.claimed, certificate.on_side)))
+    if certificate.parameter is not None:
+        yield f"{certificate.parameter_name} = {certain_digits(certificate.parameter, _SHOWN_DIGITS)}"
+    orbit = certificate.orbit or certificate.periodic
+    if orbit is not None and orbit.level is not None and orbit.level_name != certificate.parameter_name:
+        yield f"{orbit.level_name} = {certain_digits(orbit.level, _SHOWN_DIGITS)}"
+    if certificate.point:
+        places = (f"{name} = {certain_digits(ball, _DIGITS_OF_A_POINT)}" for name, ball in certificate.point.items())
+        yield f"at {', '.join(places)}"
+    if certificate.orbit is not None and certificate.orbit.least is not None:
+        nearest = certain_digits(certificate.orbit.least.distance, _DIGITS_OF_A_POINT)
+        yield f"least distance from {certificate.orbit.distance_name} = {nearest}"
+    about_the_box = remark(certificate)
+    if about_the_box is not None:
+        yield about_the_box
+    if certificate.reason is not None:
+        remedy = as_options(certificate.reason.remedy, timeout="--row-timeout")
+        yield f"{certificate.reason.condition}: {certificate.reason.message}; {remedy}"
+
+
+def verdicts_as_json(candidates: Sequence[BoxClaim], certificates: Mapping[str, Certificate]) -> list[dict[str, Any]]:
+    """The same for programs: the fields of the certificates that say what is proved."""
+    done = (certificates[each.id] for each in candidates if each.id in certificates)
+    rows = []
+    for certificate in done:
+        entry = certificate.to_json()
+        row = {"id": certificate.id, "kind": certificate.kind, "k": certificate.k, "verdict": certificate.verdict}
+        rows.append(row | {name: entry[name] for name in ("results", "reason", "computation")})
+    return rows
 
 
 def recheck_table(names: Sequence[str], rechecks: Mapping[str, Recheck]) -> str:

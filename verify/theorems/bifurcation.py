@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from orbitproof.shared.claims import KINDS, Candidate
+from orbitproof.shared.claims import FOLD, KINDS, Candidate
 from orbitproof.verify import bifurcation
 from orbitproof.verify.attempt import counsel
 from orbitproof.verify.attempt.precision import first_precision, missing_of_parameter, steps_of_centre
@@ -20,9 +20,14 @@ from orbitproof.verify.words.row_in_full import bifurcation_in_full
 _WORDS = {
     "symmetry_breaking": "symmetry breaking",
     "fold": "fold",
-    "period_tupling": "tupling",
+    "period_tupling": "period tupling",
     "touch_and_go": "touch-and-go",
 }
+
+
+def _said(k: int, kind: str) -> str:
+    word = "period doubling" if (k, kind) == (2, "period_tupling") else _WORDS.get(kind, kind)
+    return f"{word} (k = {k})"
 
 
 def _first_precision(candidate: Candidate, digits: int) -> int:
@@ -53,7 +58,8 @@ KIND = Kind(
     check_exactly=bifurcation.check_exactly,
     enclose=_enclose,
     prove=_prove,
-    said=lambda k, kind: f"k = {k} {_WORDS.get(kind, kind)}",
+    said=_said,
+    on_side=lambda kind: "two orbits" if kind == FOLD else "new orbits",
     attributes=lambda found: {
         "parameter_name": found.parameter_name,
         "parameter": found.parameter,

@@ -34,7 +34,8 @@ KIND = Kind(
     check_exactly=check_resonance_exactly,
     enclose=_enclose,
     prove=prove_resonance,
-    said=lambda k, kind: f"k = {k} double resonance",
+    said=lambda k, kind: f"double resonance (k = {k})",
+    on_side=lambda kind: "two resonances",
     attributes=lambda found: {
         "parameter_name": found.parameter_name,
         "parameter": found.parameter,

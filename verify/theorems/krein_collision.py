@@ -35,6 +35,7 @@ KIND = Kind(
     enclose=_enclose,
     prove=prove_krein,
     said=lambda k, kind: "Krein collision",
+    on_side=lambda kind: "linearly stable",
     attributes=lambda found: {
         "parameter_name": found.parameter_name,
         "parameter": found.parameter,

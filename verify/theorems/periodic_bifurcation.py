@@ -45,6 +45,7 @@ KIND = Kind(
     enclose=_enclose,
     prove=prove_periodic_bifurcation,
     said=lambda k, kind: f"{_SAID[kind]} of periodic orbits",
+    on_side=lambda kind: "two orbits" if kind == PERIODIC_FOLD else "new orbits",
     attributes=lambda found: {
         "parameter_name": found.parameter_name,
         "parameter": found.parameter,

@@ -38,6 +38,7 @@ KIND = Kind(
     enclose=_enclose,
     prove=prove_torus,
     said=lambda k, kind: "torus at a periodic orbit",
+    on_side=lambda kind: "the torus",
     attributes=lambda found: {
         "parameter_name": found.parameter_name,
         "parameter": found.parameter,
