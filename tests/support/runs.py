@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -63,6 +64,17 @@ def wait_until(condition: Callable[[], Any], patience: float = _PATIENCE_SECONDS
         assert time.monotonic() < deadline, "waited in vain"
         time.sleep(0.05)
     return result
+
+
+def untimed(path: Path) -> Any:
+    """What a file of certificates says, without times, and digests, which are of the times too."""
+
+    def without(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: without(entry) for key, entry in value.items() if key not in ("seconds", "digest")}
+        return [without(entry) for entry in value] if isinstance(value, list) else value
+
+    return without(json.loads(path.read_text()))
 
 
 def children(process: int, word: str) -> list[int]:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.runs import untimed
 
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.verify.run import branch_checks, branches, web_command
@@ -44,17 +45,6 @@ def asked_to_end_after(done: Callable[..., Any]) -> Callable[..., Any]:
     return then_ended
 
 
-def certificate(path: Path) -> Any:
-    """What is in the file but times, and digests, which are of the times too."""
-    return untimed(json.loads(path.read_text()))
-
-
-def untimed(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: untimed(entry) for key, entry in value.items() if key not in ("seconds", "digest")}
-    return [untimed(entry) for entry in value] if isinstance(value, list) else value
-
-
 def prove_here(name: str, path: Path) -> int:
     source, options, _ = RUNS[name]
     return run_command(lambda: prove([str(source), *options, "-o", str(path), "--quiet"]))
@@ -68,15 +58,15 @@ def proved_twice(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: py
         patch.setattr(branches, "write_atlas_certificate", asked_to_end_after(branches.write_atlas_certificate))
         for count in range(1, RUNS[request.param][2] + 1):
             assert prove_here(request.param, disturbed) == INTERRUPTED
-            assert len(certificate(disturbed)["results"]) == count
-            assert certificate(disturbed)["reason"]["condition"] == "unfinished"
+            assert len(untimed(disturbed)["results"]) == count
+            assert untimed(disturbed)["reason"]["condition"] == "unfinished"
     assert [prove_here(request.param, path) for path in (disturbed, undisturbed)] == [0, 0]
     return disturbed, undisturbed
 
 
 @pytest.mark.parametrize("proved_twice", RUNS, indirect=True)
 def test_a_proof_that_is_ended_after_each_result_ends_as_an_undisturbed_one(proved_twice: tuple[Path, Path]) -> None:
-    disturbed, undisturbed = map(certificate, proved_twice)
+    disturbed, undisturbed = map(untimed, proved_twice)
     assert disturbed == undisturbed
     assert disturbed["verdict"] == "proved"
 
@@ -103,12 +93,12 @@ def test_a_web_that_is_ended_after_each_step_ends_as_an_undisturbed_one(
         said = capsys.readouterr().err
         assert (f"written before: {paths[0]}" in said) is paths[0].exists()
         assert ("nothing was written" in said) is not paths[0].exists()
-    assert certificate(paths[0])["verdict"] == "proved"
+    assert untimed(paths[0])["verdict"] == "proved"
     written = paths[0].read_bytes()
     assert [join_here(number) for number in (0, 1)] == [0, 0]
     assert paths[0].read_bytes() == written
     # They name their curves by digests.
-    assert undigested(certificate(paths[0])) == undigested(certificate(paths[1]))
+    assert undigested(untimed(paths[0])) == undigested(untimed(paths[1]))
 
 
 def undigested(value: Any) -> str:
