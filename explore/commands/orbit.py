@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from orbitproof.explore.refinement import OrbitTask
     from orbitproof.explore.seeds import FirstOrbit
 
+_GOES_ON = "; the same command goes on from there"
 _EXAMPLES = """\
 examples:
   orbitproof explore orbit --system mine.py --start c=0.1 y=0.2
@@ -320,7 +321,7 @@ def _extrema(options: argparse.Namespace) -> int:
                     kept |= {each.id: each for each in result.candidates}
                     write_candidates(options.output, list(kept.values()))
         except KeyboardInterrupt:
-            report.error("interrupted; the same command goes on from there")
+            report.error(f"interrupted{_GOES_ON if kept else ''}")
             return 130
         if kept:
             report.message(f"{options.output}: {counted(len(kept), 'orbit')}")
@@ -392,7 +393,7 @@ def _refined(options: argparse.Namespace, tasks: Sequence[OrbitTask], report: Re
             done[result.task.id] = result.candidate
             write_candidates(options.output, [*others, *(done[task.id] for task in tasks if task.id in done)])
     except KeyboardInterrupt:
-        report.error(f"interrupted: {len(done)} of {len(tasks)} orbits refined; the same command goes on from there")
+        report.error(f"interrupted: {len(done)} of {len(tasks)} orbits refined{_GOES_ON if done else ''}")
         return 130
     report.message(f"{len(done)} of {len(tasks)} orbits are in {options.output}")
     return 0 if complete else 1

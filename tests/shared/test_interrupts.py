@@ -7,6 +7,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -15,6 +16,8 @@ import pytest
 from support.claims import TOUCH_AND_GO
 
 from orbitproof.explore import __main__ as explore
+from orbitproof.explore import refinement
+from orbitproof.explore.commands import orbit
 from orbitproof.explore.search import run as search
 from orbitproof.shared.formats import candidate_from_json, read_candidates, write_text
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
@@ -126,6 +129,32 @@ def test_a_search_that_is_interrupted_while_refining_says_what_is_written(
     assert "no candidates found" not in text
     assert path.exists() is (number > 0)
     assert not path.exists() or [each.id for each in read_candidates(path)] == ["a", "b"][:number]
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """An orbit to be refined."""
+
+    id: str
+    system: str = ""
+    kind: str = ""
+
+
+@pytest.mark.parametrize("number", [0, 1, 2])
+def test_orbits_that_are_refined_when_a_signal_comes_are_written_and_no_others(
+    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    points = [point("a"), point("b")]
+    monkeypatch.setattr(orbit, "kind_of", lambda options, system: "orbit")
+    monkeypatch.setattr(refinement, "refine_orbits", refined(*points[:number], KeyboardInterrupt()))
+    lines: list[str] = []
+    options: Any = SimpleNamespace(jobs=2, output=tmp_path / "orbits.json")
+    tasks: list[Any] = [Wanted("a"), Wanted("b")]
+    assert orbit._refined(options, tasks, told(lines)) == INTERRUPTED
+    text = "\n".join(lines)
+    assert f"interrupted: {number} of 2 orbits refined" in text
+    assert ("goes on from there" in text) is options.output.exists() is (number > 0)
+    assert number == 0 or [each.id for each in read_candidates(options.output)] == ["a", "b"][:number]
 
 
 def test_a_search_that_is_interrupted_after_its_last_family_ends(monkeypatch: pytest.MonkeyPatch) -> None:
