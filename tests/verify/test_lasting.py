@@ -26,12 +26,12 @@ from support.stored import value_of, values
 import orbitproof.verify.lasting.fates as fates
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.codec import to_json
-from orbitproof.shared.formats import InputError
-from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, HILL, Defined
+from orbitproof.shared.formats import InputError, piece_from_json
+from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, HILL, Defined
 from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import conclusion_of
 from orbitproof.verify.evidence import NotKnown, ball_from_json
-from orbitproof.verify.functions import StoredFunction
+from orbitproof.verify.functions import REACH, StoredFunction
 from orbitproof.verify.lasting import (
     FunctionJet,
     compose,
@@ -51,7 +51,7 @@ from orbitproof.verify.lasting.stored import may_be_stable
 from orbitproof.verify.newton import Jet
 from orbitproof.verify.run.branch_tasks import reusable
 from orbitproof.verify.run.branches import limits_of
-from orbitproof.verify.stability import Matter, Resonance, StabilityFunctions, conclude_list
+from orbitproof.verify.stability import PRECISION, Matter, Resonance, StabilityFunctions, conclude_list, zeros_on
 from orbitproof.verify.twist import rotation_of, twist_of
 from orbitproof.verify.words.lasting import lasting_in_words
 
@@ -589,6 +589,26 @@ def test_exceptions_that_are_known_roughly_are_looked_at_closer() -> None:
     assert [len(about(place, found)) for place in (third, fourth)] == [1, 1]
     assert len(found) == 2
     assert looks(0, blurred[0]) == looks(0, without_twist(blurred[0])) == []
+
+
+def test_a_closer_look_goes_no_farther_than_it_decides() -> None:
+    """Of distant retrograde orbits of the Moon: what is known of the one without twist on three intervals about it.
+
+    One closer look goes as far as the first result asks for, one four times as far, where few powers decide nothing.
+    """
+    stored = json.loads((DATA / "twistless-retrograde.json").read_text())
+    piece: Any = piece_from_json(stored["piece"], CR3BP_PLANAR, "piece")
+    results: list[Any] = values(stored["results"])
+    wide, too_far, look = results
+    assert [twist_open_on(piece, result) for result in results] == ["", "stability", ""]
+    assert exceptions_to_sharpen(piece, wide) == [look.interval]
+    with ctx.workprec(PRECISION):
+        (first,), (closer,) = (
+            zeros_on(each.twist.twist.enclosed, -1 / REACH, 1 / REACH).zeros for each in (wide, look)
+        )
+        assert first.place.rad() > 1e4 * closer.place.rad()
+    low, high = too_far.interval
+    assert (high - low) / (look.interval[1] - look.interval[0]) == 4
 
 
 def without_twist(entry: dict[str, Any]) -> dict[str, Any]:
