@@ -22,6 +22,7 @@ from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_family, draw_resonances, print_path, tables_of, write_tables
 from orbitproof.shared.formats import InputError, refused
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
+from orbitproof.shared.misspelt import with_remedy
 
 _EXAMPLES = """\
 examples:
@@ -67,7 +68,7 @@ Exit codes: 0 tables written; 1 written, but a row is not proved, lies outside o
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """One line and exit code 2, like every other bad input."""
-        self.exit(2, f"error: {message}; see {self.prog} --help\n")
+        self.exit(2, f"error: {with_remedy(message, self)}; see {self.prog} --help\n")
 
 
 def argument_parser() -> argparse.ArgumentParser:

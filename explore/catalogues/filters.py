@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from orbitproof.explore.catalogues.columns import ALTITUDE, LEAST
-from orbitproof.explore.names import SECONDS
+from orbitproof.explore.names import SECONDS, split_unit
 from orbitproof.shared.formats import InputError
 
 if TYPE_CHECKING:
@@ -56,11 +56,7 @@ def _values(catalogue: Catalogue, quantity: str) -> Any:
 
 def _value(catalogue: Catalogue, quantity: str, given: str | float) -> float:
     text = str(given).strip().lower()
-    number, unit = text, ""
-    for each in ("km", *SECONDS):
-        if text.endswith(each) and text not in ("inf", "-inf"):
-            number, unit = text[: -len(each)], each
-            break
+    number, unit = (text, "") if text in ("inf", "-inf") else split_unit(text, ("km", *SECONDS))
     try:
         value = inf if number == "inf" else float(number)
     except ValueError:

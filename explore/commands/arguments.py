@@ -24,7 +24,8 @@ from orbitproof.explore.commands import (
     trajectory,
 )
 from orbitproof.explore.families import CONTROL, SAMPLING_TIMEOUT
-from orbitproof.explore.names import FAMILY_NAMES, POINTS, PRESETS, family_name
+from orbitproof.explore.names import FAMILY_NAMES, POINTS, PRESETS, family_name, mass_name
+from orbitproof.shared.misspelt import with_remedy
 from orbitproof.shared.systems import MASS_PARAMETERS
 
 _FOLDS = "also look for folds: extrema of the family parameter or first integral along the family"
@@ -58,7 +59,7 @@ class Parser(argparse.ArgumentParser):
     """Reports a wrong command line as one line, exit code 2."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {' '.join(message.split())}; see {self.prog} --help\n")
+        self.exit(2, f"{self.prog}: {with_remedy(message, self)}; see {self.prog} --help\n")
 
 
 def parser() -> Parser:
@@ -145,7 +146,7 @@ def parser() -> Parser:
 def _family_options(target: argparse.ArgumentParser) -> None:
     families = "; ".join(f"{system}: {', '.join(names)}" for system, names in FAMILY_NAMES.items())
     common.add_start(target)
-    target.add_argument("--mass", nargs="+", metavar="MU", help=_MASS_HELP)
+    target.add_argument("--mass", type=mass_name, nargs="+", metavar="MU", help=_MASS_HELP)
     meanings = "; ".join(f"{name}: {preset.meaning}" for name, preset in PRESETS.items())
     target.add_argument(
         "--preset", choices=tuple(PRESETS), help=f"in place of --system, --mass, --family and --vy-max: {meanings}"

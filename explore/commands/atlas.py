@@ -17,6 +17,7 @@ from orbitproof.explore.names import (
     given_parameters,
     has_branches,
     is_family_name,
+    mass_name,
     system_named,
     system_with,
 )
@@ -175,7 +176,9 @@ def add_parser(commands: Any) -> None:
     presets = "; ".join(f"{name}: {preset.title}" for name, preset in ATLAS_PRESETS.items())
     parser.add_argument("--preset", choices=tuple(ATLAS_PRESETS), help=f"in place of the next options: {presets}")
     common.add_system(parser)
-    parser.add_argument("--mass", metavar="MU", help="mass parameter of the CR3BP: a name or a number, taken exactly")
+    parser.add_argument(
+        "--mass", type=mass_name, metavar="MU", help="mass parameter of the CR3BP: a name or a number, taken exactly"
+    )
     parser.add_argument("--family", type=family_name, metavar="NAME", help="the family, as for explore family")
     common.add_branch(parser)
     parser.add_argument(

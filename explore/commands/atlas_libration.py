@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from orbitproof.explore.commands.common import add_command, add_output, add_quiet, number, positive
-from orbitproof.explore.names import mass_parameter
+from orbitproof.explore.names import mass_name, mass_parameter
 from orbitproof.shared.formats import InputError, check_writable, write_atlas
 from orbitproof.shared.systems import MASS_PARAMETERS
 
@@ -46,6 +46,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("--point", choices=POINTS, required=True, help="the libration point")
     parser.add_argument(
         "--mass",
+        type=mass_name,
         required=True,
         metavar="MU",
         help=f"mass parameter: a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1/2], taken exactly as written",

@@ -16,6 +16,7 @@ from orbitproof.explore.names import (
     given_parameters,
     has_branches,
     label_of,
+    mass_name,
     system_named,
     system_with,
 )
@@ -54,7 +55,9 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("file", type=Path, nargs="?", metavar="FILE", help="a catalogue (JSON or CSV) to choose from")
     parser.add_argument("--system", metavar="NAME", help="cr3bp or cr3bp-axial (default: that of the family)")
-    parser.add_argument("--mass", nargs="+", metavar="MU", help="mass parameters: names or numbers, taken exactly")
+    parser.add_argument(
+        "--mass", type=mass_name, nargs="+", metavar="MU", help="mass parameters: names or numbers, taken exactly"
+    )
     parser.add_argument(
         "--family", nargs="+", type=family_name, metavar="NAME", help="as for explore family, and L4-short, .."
     )

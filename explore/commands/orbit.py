@@ -11,13 +11,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands import common
+from orbitproof.explore.commands.orbit_lines import described, lines_of
 from orbitproof.explore.commands.orbit_options import equation_of, kind_of
 from orbitproof.explore.names import (
+    families_to_give,
     family_name,
     given_parameters,
     has_branches,
     is_family_name,
     label_of,
+    mass_name,
     name_on,
     on_branch,
     system_named,
@@ -73,7 +76,9 @@ def add_parser(commands: Any) -> None:
     meaning = "one symmetric orbit: corrected, or to many digits for the verifier"
     parser = common.add_command(commands, "orbit", meaning, _EXAMPLES)
     common.add_start(parser)
-    parser.add_argument("--mass", nargs=1, metavar="MU", help="mass parameter of the CR3BP: a name or a number")
+    parser.add_argument(
+        "--mass", type=mass_name, nargs=1, metavar="MU", help="mass parameter of the CR3BP: a name or a number"
+    )
     parser.add_argument(
         "--family",
         nargs=1,
@@ -154,6 +159,9 @@ def run(options: argparse.Namespace) -> int:
     system = system_named(options.system)
     if options.start is None and options.family is not None and is_family_name(system.name, options.family[0]):
         return _of_families(options, system)
+    if options.start is None and options.family is not None:
+        name = options.family[0]
+        raise InputError(f"--family {name}: no family of {system.name}; give {families_to_give(system.name, name)}")
     if options.start is None:
         raise InputError("--start: missing; give one, or the --family that the orbit is of")
     return _started(options, system)
@@ -210,7 +218,7 @@ def _started(options: argparse.Namespace, system: ReversibleSystem) -> int:
             write_families(options.output, [family_record(item) for item in found])
             report.message(f"written to {options.output}")
     for item in found:
-        print("\n".join(_lines(item)))
+        print("\n".join(lines_of(item)))
     return 0 if len(found) == len(requests) else 1
 
 
@@ -396,7 +404,14 @@ def _refined(options: argparse.Namespace, tasks: Sequence[OrbitTask], report: Re
         report.error(f"interrupted: {len(done)} of {len(tasks)} orbits refined{_GOES_ON if done else ''}")
         return 130
     report.message(f"{len(done)} of {len(tasks)} orbits are in {options.output}")
+    if len(done) <= _MOST_SHOWN:
+        for name in done:
+            print("\n".join(described(name, options.output)))
     return 0 if complete else 1
+
+
+_MOST_SHOWN = 3
+"""So many refined orbits are printed."""
 
 
 def _is_refined(task: OrbitTask, candidate: Candidate) -> bool:
@@ -417,27 +432,3 @@ def _shown(equation: Equation) -> str:
         return f"the period {float(2 * equation.value):.15g}"
     name = equation.coordinate or "level"
     return f"{name} = {float(Fraction(equation.value)):.15g}"
-
-
-def _lines(item: TracedFamily) -> list[str]:
-    problem, (orbit,) = item.family.problem, item.family.orbits
-    system = problem.system
-    rows = [("orbit", item.title), *([] if item.branch is None else [("branch", f"{item.branch}ern")])]
-    for title, side in (("point", "first"), ("other point", "second")):
-        place = zip(system.centre_coordinates, orbit.centre("first" if side == "first" else "second"), strict=True)
-        rows.append((title, ", ".join(f"{name} = {value:.15g}" for name, value in place)))
-    rows += [("half period", f"{orbit.half_period:.15g}"), ("crossings", f"{orbit.crossings} in the half period")]
-    if orbit.first_integral is not None:
-        rows.append((system.first_integral_name or "first integral", f"{orbit.first_integral:.15g}"))
-    rows.append(
-        (
-            "stability",
-            ", ".join(f"{value.real:.10g}" if value.imag == 0 else f"{value:.10g}" for value in orbit.stability),
-        )
-    )
-    if orbit.derivative is not None:
-        rows[-1] = (rows[-1][0], f"{rows[-1][1]}   (float64, error about {orbit.derivative.error:.0e})")
-    if problem.symmetry is not None:
-        rows.append(("symmetry", problem.symmetry))
-    width = max(len(title) for title, _ in rows)
-    return [f"{title:{width}}  {text}" for title, text in rows]

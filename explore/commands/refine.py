@@ -7,7 +7,15 @@ import sys
 from typing import Any
 
 from orbitproof.explore.commands import common
-from orbitproof.explore.names import given_parameters, label_of, place_of, short_name, system_named, varying_in
+from orbitproof.explore.names import (
+    given_parameters,
+    label_of,
+    mass_name,
+    place_of,
+    short_name,
+    system_named,
+    varying_in,
+)
 from orbitproof.shared.formats import (
     ACROSS_KINDS,
     DOUBLE_RESONANCE,
@@ -41,7 +49,7 @@ def add_parser(commands: Any) -> None:
         commands, "refine", "refine an approximate bifurcation point to a candidate with its box", _EXAMPLES
     )
     common.add_system(parser)
-    parser.add_argument("--mass", metavar="MU", help="mass parameter of the CR3BP: a name or a number")
+    parser.add_argument("--mass", type=mass_name, metavar="MU", help="mass parameter of the CR3BP: a name or a number")
     parser.add_argument("-k", type=common.multiplicity, required=True, metavar="K", help="multiplicity")
     parser.add_argument(
         "--kind",

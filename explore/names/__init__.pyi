@@ -5,7 +5,9 @@ from .exact_numbers import NO_NUMBER as NO_NUMBER
 from .exact_numbers import SECONDS as SECONDS
 from .exact_numbers import exact_number as exact_number
 from .exact_numbers import exchanged as exchanged
+from .exact_numbers import mass_name as mass_name
 from .exact_numbers import mass_parameter as mass_parameter
+from .exact_numbers import split_unit as split_unit
 from .exact_numbers import time_given as time_given
 from .examination import examined as examined
 from .family_names import BRANCHES as BRANCHES

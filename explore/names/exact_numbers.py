@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
+from difflib import get_close_matches
 from fractions import Fraction
 
 from orbitproof.shared.formats import InputError
@@ -44,8 +45,14 @@ def exact_number(
     return value
 
 
-SECONDS: Mapping[str, int] = {"s": 1, "h": 3600, "d": 86400}
-"""Units in which a time may be given: 6.5d, 12h, 540000s."""
+SECONDS: Mapping[str, int] = {"days": 86400, "day": 86400, "hours": 3600, "hour": 3600, "d": 86400, "h": 3600, "s": 1}
+"""Units in which a time may be given: 6.5d, 6.5 days, 12h, 540000s; no unit ends with one that stands before it."""
+
+
+def split_unit(text: str, units: Iterable[str]) -> tuple[str, str]:
+    """A number and its unit, the first of these with which the text ends; without one the unit is empty."""
+    unit = next((each for each in units if text.endswith(each)), "")
+    return text.removesuffix(unit).rstrip(), unit
 
 
 def time_given(
@@ -55,7 +62,8 @@ def time_given(
 
     Raises `InputError`.
     """
-    number, size = number_in(text[:-1]), SECONDS.get(text[-1:])
+    digits, name = split_unit(text, SECONDS)
+    number, size = number_in(digits), SECONDS.get(name)
     if number is None or size is None:
         return exact_number(option, text, wrong, names)
     if unit is None:
@@ -67,12 +75,19 @@ def time_given(
     return number * size / Fraction(str(unit))
 
 
+def mass_name(text: str) -> str:
+    """The name of a mass parameter that is asked for, in any case; other texts as they are."""
+    return text.casefold() if text.casefold() in MASS_PARAMETERS else text
+
+
 def mass_parameter(option: str, text: str, *, or_zero: bool = False) -> Fraction:
     """A mass parameter, by name or as a number in (0, 1/2], in [0, 1/2] with `or_zero`. Raises `InputError`."""
-    value = MASS_PARAMETERS.get(text)
+    value = MASS_PARAMETERS.get(mass_name(text))
     if value is None:
+        close = get_close_matches(text.casefold(), MASS_PARAMETERS, 1)
+        remedy = f"did you mean {close[0]}?" if close else "give a number in (0, 1/2]"
         names = ", ".join(MASS_PARAMETERS)
-        value = exact_number(option, text, f"neither a name ({names}) nor a number; give a number in (0, 1/2]")
+        value = exact_number(option, text, f"neither a name ({names}) nor a number; {remedy}")
     # Neither the number nor the double next to it may be an end.
     inside = 0 < value < 1 and 0.0 < float(value) < 1.0
     if not inside and not (or_zero and value == 0):

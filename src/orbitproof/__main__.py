@@ -7,6 +7,7 @@ import os
 import sys
 
 from orbitproof.shared.interrupts import run_command
+from orbitproof.shared.misspelt import meant
 
 _COMMANDS = {
     "explore": ("explore.__main__", "find families, bifurcations and branches; write candidates and atlases"),
@@ -38,7 +39,8 @@ def _run() -> int:
         print(f"orbitproof {metadata.version('orbitproof')}")
         return 0
     if name not in _COMMANDS:
-        print(f"error: {name}: there is no such command; there are {', '.join(_COMMANDS)}", file=sys.stderr)
+        known = ", ".join(_COMMANDS)
+        print(f"error: {name}: there is no such command; there are {known}{meant(name, _COMMANDS)}", file=sys.stderr)
         return 2
     if name in ("explore", "verify", "doctor"):
         # The matrices are small, and processes of a single thread can be copied (shared/processes.py).

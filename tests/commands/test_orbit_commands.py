@@ -66,6 +66,23 @@ def orbits(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+def test_a_refined_orbit_is_printed_with_days_kilometres_and_stability(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["--system", "cr3bp", "--mass", "JPL-Earth-Moon", "--start", "x=0.9874376", "z=0.00750741", "vy=1.7705017"]
+    output = str(tmp_path / "orbit.json")
+    assert explore(["orbit", *words, "--period", "6.56days", "--id", "nrho", "-o", output, "--quiet"]) == 0
+    head, *lines = capsys.readouterr().out.splitlines()
+    said = {line[2:17].strip(): line[17:].strip() for line in lines}
+    assert head == "nrho"
+    assert said["state"].startswith("x = 0.987437605721, y = 0, z = 0.00750741042")
+    assert said["period"] == "1.47992608539  (6.56 days)"
+    assert said["Jacobi constant"].startswith("3.048912828")
+    assert said["stability index"] == "1.25523"
+    assert said["perilune"].endswith("(2930.06 km)")
+    assert all(len(line) <= 80 for line in lines)
+
+
 def test_an_orbit_of_a_family_is_proved_and_placed_on_a_curve(
     orbits: Path, curve: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -265,7 +282,7 @@ def test_rows_of_a_catalogue_are_proved_near_their_rows(tmp_path: Path, capsys: 
         (["--family", "L2-halo", "--mass", "0.01", "--period", "-1"], "--period -1"),
         (["--family", "L2-halo", "--mass", "0.01", "--period", "month"], "--period month"),
         (["--family", "L2-halo", "--mass", "0.01", "--at", "y=0"], "--at y"),
-        (["--family", "L9-halo", "--mass", "0.01", "--period", "1"], "--start"),
+        (["--family", "L9-halo", "--mass", "0.01", "--period", "1"], "no family of cr3bp; give L1-halo"),
         (["--every", "3", "--mass", "0.01"], "--every"),
         (["--from-catalogue", str(CATALOGUE), "--mass", "0.01"], "--mass"),
         (["--from-catalogue", str(CATALOGUE), "--catalogue-orbit", "99"], "--catalogue-orbit 99"),

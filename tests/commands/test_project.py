@@ -104,6 +104,21 @@ def test_a_command_with_a_misspelt_option_does_not_parse(monkeypatch: pytest.Mon
             parse(command, monkeypatch)
 
 
+def test_what_is_misspelt_is_answered_with_what_may_be_meant(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for words, meant in (
+        (["explore", "orbit", "--familly", "L2-halo"], "did you mean --family?"),
+        (["verify", "c.json", "--outptu", "x"], "did you mean --output?"),
+        (["figures", "family", "c.json", "-o", "x", "--familly", "x"], "did you mean --family?"),
+    ):
+        with pytest.raises(SystemExit):
+            parse(words, monkeypatch)
+        assert meant in capsys.readouterr().err
+    done = subprocess.run([sys.executable, "-m", "orbitproof", "verfy"], capture_output=True, text=True, check=False)
+    assert (done.returncode, "did you mean verify?" in done.stderr) == (2, True)
+
+
 @pytest.mark.parametrize("package", COMMANDS)
 def test_help_has_examples_and_its_examples_parse(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
     result = subprocess.run(

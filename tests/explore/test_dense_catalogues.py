@@ -63,7 +63,8 @@ def test_filters_take_units(halo: Catalogue) -> None:
 
 def test_a_time_may_have_a_unit_where_the_system_has_one() -> None:
     assert time_given("--period", "6.5d", 382981.289129055) == Fraction(13 * 43200) / Fraction("382981.289129055")
-    assert time_given("--period", "12h", 43200.0) == 1
+    assert time_given("--period", "12h", 43200.0) == time_given("--period", "12 hours", 43200.0) == 1
+    assert time_given("--period", "6.5days", 86400.0) == Fraction(13, 2)
     assert time_given("--period", "3/2", None) == Fraction(3, 2)
     with pytest.raises(InputError, match="units of this system are not known"):
         time_given("--period", "6.5d", None)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from orbitproof.shared.interrupts import INTERRUPTED
+from orbitproof.shared.misspelt import with_remedy
 from orbitproof.shared.processes import GRACE_SECONDS
 from orbitproof.verify.run.workplace import GIBIBYTE, INTEGRATION_SECONDS, CheckLimits
 
@@ -23,7 +24,7 @@ class ArgumentParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and end."""
-        print(f"{self.prog}: {message}; see {self.prog} --help", file=sys.stderr)
+        print(f"{self.prog}: {with_remedy(message, self)}; see {self.prog} --help", file=sys.stderr)
         raise SystemExit(2)
 
     def number(self, name: str, metavar: str, words: str, of: Callable[[str], float], default: int | None) -> None:

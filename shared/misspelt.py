@@ -1,0 +1,34 @@
+"""What somebody may have meant who has misspelt an option or a command."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Iterable, Iterator
+from difflib import get_close_matches
+
+
+def meant(word: str, known: Iterable[str]) -> str:
+    """The remedy for a word that is none of those known: ``; did you mean verify?``, or nothing.
+
+    >>> meant("verfy", ["explore", "verify"]), meant("xyz", ["explore", "verify"])
+    ('; did you mean verify?', '')
+    """
+    close = get_close_matches(word.casefold(), list(known), 1)
+    return f"; did you mean {close[0]}?" if close else ""
+
+
+def with_remedy(message: str, parser: argparse.ArgumentParser) -> str:
+    """The message of a parser, in one line, with the option that may have been meant where one is not known."""
+    line = " ".join(message.split())
+    unknown = re.search(r"unrecognized arguments: (?:.* )?(--[\w-]+)", line)
+    return line if unknown is None else line + meant(unknown[1], _options(parser))
+
+
+def _options(parser: argparse.ArgumentParser) -> Iterator[str]:
+    """The long options of a parser and of its subcommands."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for each in action.choices.values():
+                yield from _options(each)
+        yield from (option for option in action.option_strings if option.startswith("--"))
