@@ -21,6 +21,7 @@ from orbitproof.figures.commands import web as web_command
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_family, draw_resonances, print_path, tables_of, write_tables
 from orbitproof.shared.formats import InputError, refused
+from orbitproof.shared.help_text import HelpFormatter
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.shared.misspelt import with_remedy
 
@@ -73,7 +74,7 @@ class _Parser(argparse.ArgumentParser):
 
 def argument_parser() -> argparse.ArgumentParser:
     """The command line: its commands and options."""
-    raw = argparse.RawDescriptionHelpFormatter
+    raw = HelpFormatter
     parser = _Parser(
         prog="orbitproof figures",
         description="Pictures of families of symmetric periodic orbits (PDF and PNG), and tables of what is certified.",

@@ -25,6 +25,7 @@ from orbitproof.explore.commands import (
 )
 from orbitproof.explore.families import CONTROL, SAMPLING_TIMEOUT
 from orbitproof.explore.names import FAMILY_NAMES, POINTS, PRESETS, family_name, mass_name
+from orbitproof.shared.help_text import HelpFormatter
 from orbitproof.shared.misspelt import with_remedy
 from orbitproof.shared.systems import MASS_PARAMETERS
 
@@ -69,7 +70,7 @@ def parser() -> Parser:
         description="Find bifurcations of symmetric periodic orbits in reversible systems: follow families, detect "
         "1:k resonances, refine them and write boxes for the verifier. Nothing here is rigorous.",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=HelpFormatter,
         allow_abbrev=False,
     )
     commands = result.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=Parser)

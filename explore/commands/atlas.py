@@ -174,7 +174,8 @@ def add_parser(commands: Any) -> None:
         commands, "atlas", "cover a whole branch of symmetric orbits by pieces for the verifier", _EXAMPLES
     )
     presets = "; ".join(f"{name}: {preset.title}" for name, preset in ATLAS_PRESETS.items())
-    parser.add_argument("--preset", choices=tuple(ATLAS_PRESETS), help=f"in place of the next options: {presets}")
+    words = f"in place of the next options: {presets}"
+    parser.add_argument("--preset", choices=tuple(ATLAS_PRESETS), metavar="NAME", help=words)
     common.add_system(parser)
     parser.add_argument(
         "--mass", type=mass_name, metavar="MU", help="mass parameter of the CR3BP: a name or a number, taken exactly"

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.explore.names import BRANCHES, DEFAULT_BRANCH, FAMILY_NAMES
+from orbitproof.shared.help_text import HelpFormatter
 
 MAX_MULTIPLICITY = 1000
 DIGITS = (15, 400)
@@ -24,7 +25,7 @@ WORTH_TELLING = 0.01
 
 def add_command(commands: Any, name: str, meaning: str, examples: str) -> argparse.ArgumentParser:
     """A subcommand, with examples below its help."""
-    raw = argparse.RawDescriptionHelpFormatter
+    raw = HelpFormatter
     parser: argparse.ArgumentParser = commands.add_parser(
         name, help=meaning, epilog=examples, formatter_class=raw, allow_abbrev=False
     )

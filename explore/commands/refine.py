@@ -26,6 +26,8 @@ from orbitproof.shared.formats import (
     write_candidates,
 )
 
+_KINDS = (*KINDS, *ACROSS_KINDS, DOUBLE_RESONANCE)
+
 _EXAMPLES = """\
 examples:
   orbitproof explore refine --system mine.py -k 3 --point c=0.27634 y=0.52554 -o candidate.json
@@ -53,8 +55,9 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("-k", type=common.multiplicity, required=True, metavar="K", help="multiplicity")
     parser.add_argument(
         "--kind",
-        choices=(*KINDS, *ACROSS_KINDS, DOUBLE_RESONANCE),
-        help="of the bifurcation (default: the generic one of that K)",
+        choices=_KINDS,
+        metavar="KIND",
+        help=f"of the bifurcation: {', '.join(_KINDS)} (default: the generic one of that K)",
     )
     parser.add_argument(
         "--symmetry",

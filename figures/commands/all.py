@@ -10,6 +10,7 @@ from typing import Any
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_all, print_path
 from orbitproof.shared.formats import InputError, select_ids
+from orbitproof.shared.help_text import HelpFormatter
 
 _EXAMPLES = """\
 examples:
@@ -30,7 +31,7 @@ def add_parser(commands: Any) -> None:
         "all",
         help="every picture, from a folder of data files",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=HelpFormatter,
     )
     parser.add_argument("data", type=Path, metavar="DATA", help="folder of data files")
     parser.add_argument("-o", "--output", type=Path, metavar="FOLDER", help="folder for the pictures")

@@ -8,6 +8,7 @@ from typing import Any
 
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_atlases, print_path
+from orbitproof.shared.help_text import HelpFormatter
 
 _EXAMPLES = """\
 examples:
@@ -29,7 +30,7 @@ def add_parser(commands: Any) -> None:
         "atlas",
         help="proved branches: their pieces, and the curves",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=HelpFormatter,
     )
     parser.add_argument("certificates", type=Path, nargs="+", help="certificates of atlases (JSON)")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")

@@ -8,6 +8,7 @@ from typing import Any
 
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_branches, print_path
+from orbitproof.shared.help_text import HelpFormatter
 
 _EXAMPLES = """\
 examples:
@@ -26,7 +27,7 @@ def add_parser(commands: Any) -> None:
         "branches",
         help="new orbits at bifurcation points, beside their families",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=HelpFormatter,
     )
     parser.add_argument("branches", type=Path, metavar="FILE", help="branch file of explore branches (JSON)")
     parser.add_argument("--family", type=Path, nargs="+", default=[], metavar="FILE", help="traced families (JSON)")

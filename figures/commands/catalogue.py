@@ -8,6 +8,7 @@ from typing import Any
 
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_catalogues, print_path
+from orbitproof.shared.help_text import HelpFormatter
 
 _EXAMPLES = """\
 examples:
@@ -22,7 +23,7 @@ Exit codes: 0 written, 2 bad input.
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    raw = argparse.RawDescriptionHelpFormatter
+    raw = HelpFormatter
     words = "rows of a catalogue that a curve certifies"
     parser = commands.add_parser("catalogue", help=words, epilog=_EXAMPLES, formatter_class=raw)
     parser.add_argument("certificates", type=Path, nargs="+", metavar="FILE", help="certificates of catalogues (JSON)")

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.figures.scripting import make_data, missing_steps, print_path
+from orbitproof.shared.help_text import HelpFormatter
 
 _EXAMPLES = """\
 examples:
@@ -27,7 +28,7 @@ def add_parser(commands: Any) -> None:
         "data",
         help="make the data files of the pictures that are missing",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=HelpFormatter,
     )
     parser.add_argument("data", type=Path, metavar="DATA", help="folder of data files, created if need be")
     parser.add_argument("--only", nargs="+", metavar="FILE", help="these files, by name (with * and ?; default: all)")

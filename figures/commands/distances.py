@@ -8,6 +8,7 @@ from typing import Any
 
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_distances, print_path
+from orbitproof.shared.help_text import HelpFormatter
 
 _EXAMPLES = """\
 examples:
@@ -25,7 +26,7 @@ def add_parser(commands: Any) -> None:
         "distances",
         help="distances from the smaller primary along families, and which orbits hit it",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=HelpFormatter,
     )
     parser.add_argument("families", type=Path, nargs="+", metavar="FILE", help="family files (JSON)")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")

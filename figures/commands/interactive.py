@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.figures.scripting import write_page
+from orbitproof.shared.help_text import HelpFormatter
 
 _EXAMPLES = """\
 examples:
@@ -30,7 +31,7 @@ def add_parser(commands: Any) -> None:
         "interactive",
         help="orbits in space as one HTML file, to be turned with the mouse",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=HelpFormatter,
     )
     parser.add_argument(
         "file", type=Path, metavar="FILE", help="families, a catalogue, an atlas's certificate, tori, .. (JSON)"

@@ -9,6 +9,7 @@ from typing import Any
 
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_periodic, print_path
+from orbitproof.shared.help_text import HelpFormatter
 
 _EXAMPLES = """\
 examples:
@@ -31,7 +32,7 @@ def add_parser(commands: Any) -> None:
         "periodic",
         help="periodic orbits without symmetry, their bifurcations and families",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=HelpFormatter,
     )
     words = "candidates, certificates or families of explore periodic (JSON)"
     parser.add_argument("files", type=Path, nargs="+", metavar="FILE", help=words)

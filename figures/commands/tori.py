@@ -8,6 +8,7 @@ from typing import Any
 
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_tori, print_path
+from orbitproof.shared.help_text import HelpFormatter
 
 _EXAMPLES = """\
 examples:
@@ -25,7 +26,7 @@ def add_parser(commands: Any) -> None:
         "tori",
         help="tori around elliptic orbits, tubes of unstable ones",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=HelpFormatter,
     )
     parser.add_argument("files", type=Path, nargs="+", metavar="FILE", help="files of tori or manifolds (JSON)")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")

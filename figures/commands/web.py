@@ -8,6 +8,7 @@ from typing import Any
 
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_web, print_path
+from orbitproof.shared.help_text import HelpFormatter
 
 _EXAMPLES = """\
 examples:
@@ -23,7 +24,7 @@ Exit codes: 0 written, 2 bad input.
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    raw = argparse.RawDescriptionHelpFormatter
+    raw = HelpFormatter
     words = "families joined into a proved graph: level against x"
     parser = commands.add_parser("web", help=words, epilog=_EXAMPLES, formatter_class=raw)
     parser.add_argument("web", type=Path, help="certificate of a web (JSON)")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 import os
 import sys
+from shutil import get_terminal_size
+from textwrap import fill
 
 from orbitproof.shared.interrupts import run_command
 from orbitproof.shared.misspelt import meant
@@ -51,14 +53,21 @@ def _run() -> int:
 
 
 def _help() -> str:
-    rows = "\n".join(f"  {name:9}{text}" for name, (_, text) in _COMMANDS.items())
-    return (
-        f"usage: orbitproof {{{','.join(_COMMANDS)}}} ...\n\n"
-        "Finds bifurcations of symmetric periodic orbits and proves them.\n\n"
-        f"{rows}\n\n"
-        "options:\n  --version   print the version\n\n"
-        "Each explains itself: orbitproof verify --help\n"
-        "Exit codes of all: 0 done, 1 something not proved or not found, 2 bad input, 130 interrupted"
+    width = get_terminal_size().columns
+    rows = (
+        fill(text, width, initial_indent=f"  {name:9}", subsequent_indent=" " * 11)
+        for name, (_, text) in _COMMANDS.items()
+    )
+    codes = "Exit codes of all: 0 done, 1 something not proved or not found, 2 bad input, 130 interrupted"
+    return "\n".join(
+        [
+            f"usage: orbitproof {{{','.join(_COMMANDS)}}} ...\n",
+            "Finds bifurcations of symmetric periodic orbits and proves them.\n",
+            *rows,
+            "\noptions:\n  --version   print the version\n",
+            "Each explains itself: orbitproof verify --help",
+            fill(codes, width),
+        ]
     )
 
 

@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from orbitproof.shared import Candidate
 
+from orbitproof.shared.help_text import HelpFormatter
+
 _IMPORTS = {
     "explore": "jax.numpy, diffrax, mpmath, scipy.integrate",
     "figures": "matplotlib.pyplot, jinja2, latex2mathml.converter",
@@ -45,7 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         prog="orbitproof doctor",
         description="What is installed, which extras are missing, and whether a small proof goes through.",
         epilog="examples:\n  orbitproof doctor\n\nExit codes: 0 all is well, 1 what is installed does not all work.",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=HelpFormatter,
     )
     parser.parse_args(arguments)
     is_well = True

@@ -78,6 +78,14 @@ def test_the_reference_has_every_command_with_its_options(site: dict[str, Module
             assert all(option in page for option in action.option_strings)
 
 
+def test_help_fits_a_terminal(site: dict[str, ModuleType], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    for parser in site["reference"].parsers():
+        usage, _, text = parser.format_help().partition("\n\n")
+        assert usage.startswith("usage: ")
+        assert [line for line in text.splitlines() if len(line) > 80] == [], parser.prog
+
+
 def test_the_reference_has_every_field_of_every_format(site: dict[str, ModuleType]) -> None:
     page = site["reference"].formats_page()
     for path in (ROOT / "shared" / "schemas").glob("*.json"):

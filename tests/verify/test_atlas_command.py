@@ -245,7 +245,7 @@ def test_examples_of_the_help_parse(capsys: Any) -> None:
     with pytest.raises(SystemExit) as stopped:
         main(["--help"])
     assert stopped.value.code == 0
-    text = capsys.readouterr().out.partition("examples:")[2]
+    text = capsys.readouterr().out.partition("examples:")[2].replace("\\\n", " ")
     commands = [shlex.split(line) for line in re.findall(r"orbitproof verify atlas (.+)", text)]
     assert len(commands) >= 5
     for command in commands:

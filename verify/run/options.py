@@ -9,6 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
 
+from orbitproof.shared.help_text import HelpFormatter
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.misspelt import with_remedy
 from orbitproof.shared.processes import GRACE_SECONDS
@@ -19,7 +20,7 @@ class ArgumentParser(argparse.ArgumentParser):
     """Errors are one line, and exit code 2, like every other bad input."""
 
     def __init__(self, prog: str, description: str, examples: str) -> None:
-        layout = argparse.RawDescriptionHelpFormatter
+        layout = HelpFormatter
         super().__init__(prog=prog, description=description, epilog=examples, formatter_class=layout)
 
     def error(self, message: str) -> NoReturn:
