@@ -20,20 +20,23 @@ from support.stored import values
 from orbitproof.shared.claims import Claim
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR, FALKNER_SKAN, LIFTED, VERTICAL, record
 from orbitproof.verify.algebra import ball_polynomial
+from orbitproof.verify.curve import Place
 from orbitproof.verify.curve.tube import read_tube
 from orbitproof.verify.distances.ranges import Extreme, KnownDistances, PartOfInterval, Where, _values, ranges_between
 from orbitproof.verify.evidence import enclose, hull
 from orbitproof.verify.functions import BoundedFunction, StoredFunction
+from orbitproof.verify.index.along_curve import Interval
 from orbitproof.verify.stability import point_over
 from orbitproof.verify.stability.between_orbits import _bends
 from orbitproof.verify.stability.closer_tube import _largest
 from orbitproof.verify.stability.extrema import _Stationary
 from orbitproof.verify.stability.level import gradient
-from orbitproof.verify.stability.linear_stability import is_stable
+from orbitproof.verify.stability.linear_stability import Bound, is_stable
 from orbitproof.verify.stability.list_entries import Segment
 from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
 from orbitproof.verify.web import Arc
 from orbitproof.verify.web.arc import level_at
+from orbitproof.verify.web.meetings import _is_inside
 
 BITS = 160
 MU = Fraction(1, 80)
@@ -197,6 +200,51 @@ def test_points_and_levels_of_an_arc_hold_those_of_its_ends(sign: int) -> None:
         assert over[1].contains(enclose(y + sign * Fraction(1, 2**21)))
         at = point_over(stretch, enclose(s))
         assert at[1].contains(enclose(y + sign * Fraction(1, 2**21)))
+
+
+def test_levels_of_an_arc_are_those_of_all_its_parts_and_of_its_birth(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A function that is 0 at one orbit alone, wherever that lies on the curve, or among those that are born."""
+    atlas, results = parabola(Claim("arc", None, ("beta",)))
+    curve, end = proof(concluded((atlas, results))), Fraction(1, 8)
+    birth: Any = SimpleNamespace(
+        tube=SimpleNamespace(proved=SimpleNamespace(end=end, time=arb(7)), states=lambda s: {"beta": s})
+    )
+    arc = Arc(atlas, replace(curve, birth=birth))
+    assert arc.period.contains(2 * curve.half_period)
+    assert arc.period.contains(28)
+    born = [share * end for share in (-1, Fraction(-1, 64), Fraction(1, 64), 1)]
+    along = [1 + Fraction(share, 32) for share in (1, 3, 5, 31, 33, 61, 63, 80, 125, 127)]
+    for place in (*born, *along):
+        monkeypatch.setattr(
+            "orbitproof.verify.web.arc.level_at",
+            lambda _, point, place=place: -abs(point["beta"] - enclose(place)),
+        )
+        assert arc.levels().contains(0)
+    assert not arc.levels().contains(1)
+
+
+def test_an_orbit_is_inside_an_arc_if_it_is_certainly_none_of_its_ends() -> None:
+    atlas, results = parabola(Claim("arc", None, ("beta",)))
+    arc, names = Arc(atlas, proof(concluded((atlas, results)))), [piece.id for piece in atlas.curve_pieces()]
+    near = arb(2) ** -20
+    for name, s, inside in (
+        (names[0], arb(-1), False), (names[0], -1 + near, True), (names[0], arb(-1, near), False),
+        (names[0], -1 - near, False), (names[1], arb(-1, near), True), (names[1], arb(1, near), True),
+        (names[2], arb(1), False), (names[2], 1 - near, True), (names[2], arb(1, near), False),
+        (names[2], 1 - 2 * near + arb(0, near), True), (names[0], arb(1), True),
+    ):  # fmt: skip
+        assert _is_inside(arc, Place(name, s, False)) == inside
+
+
+def test_an_interval_of_a_curve_holds_what_lies_between_its_places_and_not_in_them() -> None:
+    low, high = Fraction(1, 4), Fraction(1, 2)
+    interval = Interval(Bound(0, low, high, ()), Bound(2, low, high, ()))
+    for stretch, s, holds in (
+        (0, 0, False), (0, low, False), (0, Fraction(3, 8), False), (0, high, False), (0, Fraction(5, 8), True),
+        (1, -1, True), (1, 1, True), (2, 0, True), (2, low, False), (2, Fraction(3, 8), False), (2, 1, False),
+        (3, 0, False),
+    ):  # fmt: skip
+        assert interval.holds(stretch, Fraction(s)) == holds
 
 
 def test_levels_of_points() -> None:

@@ -244,6 +244,8 @@ def test_a_symmetry_fixes_orbits_only_if_that_is_shown() -> None:
     assert odd_coordinate(replace(system, symmetries={"S": (-1, -1, 1, 1)}), other) is None
     uneven = replace(system, first_integral=lambda z, _: (_energy(z, _)[0] + z[2],))
     assert odd_coordinate(uneven, piece) is None
+    turned = replace(system, first_integral=lambda z, _: (z[2] * _energy(z, _)[0],))
+    assert odd_coordinate(turned, piece) is None
     bent = replace(system, vector_field=lambda z, _: (*_field(z, _)[:3], _field(z, _)[3] + z[2] * z[2]))
     assert odd_coordinate(bent, piece) is None
     with_functions = replace(PENDULA, symmetries={"S": (1, 1, -1, -1, 1, 1, -1, 1)})
