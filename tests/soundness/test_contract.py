@@ -1,0 +1,157 @@
+"""What holds for every kind of claim about a box, however it is proved: the contract of `certify` and `recheck`."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support.forgeries import Change, changes, forged, noticed
+from support.metamorphic_cases import ROWS
+
+from orbitproof.shared.claims import BoxClaim
+from orbitproof.shared.errors import InputError
+from orbitproof.shared.formats import write_candidates
+from orbitproof.verify.__main__ import main
+from orbitproof.verify.attempt import Limits
+from orbitproof.verify.certificate import (
+    Certificate,
+    Computation,
+    Level,
+    certify,
+    is_proof_of,
+    recheck,
+    rechecking,
+    tables_from_json,
+    write_certificates,
+)
+from orbitproof.verify.certificate.kinds import MODULES, kind_named, unconfirmed
+
+LIMITS = Limits(digits=10)
+FIELDS = 60
+FREE = {
+    "statement.candidate.kernel_frame.*.*": "what follows does not depend on which basis the search has chosen",
+    "statement.candidate.system.symmetries.S.*": "a symmetry that the claim does not use",
+    "computation.precision": "how the verdict was found, which another integration does not repeat",
+    "computation.order": "as the precision",
+    "computation.attempts": "as the precision",
+    "computation.steps": "as the precision",
+    "computation.seconds": "as the precision",
+    "computation.coordinates": "as the precision",
+}
+"""Fields that may be others without anything else following, and why."""
+
+
+@cache
+def claimed(name: str) -> BoxClaim:
+    return ROWS[name]()
+
+
+@cache
+def proved(name: str) -> Certificate:
+    return certify(claimed(name), LIMITS)
+
+
+def of_each_field(document: Mapping[str, Any]) -> Iterator[Change]:
+    """One change at random of each field, those of a list taken together; of so many fields at random."""
+    found: dict[str, list[Change]] = {}
+    for change in changes(document):
+        found.setdefault(change.field, []).append(change)
+    chance = random.Random(len(found))
+    yield from (chance.choice(alike) for alike in chance.sample(list(found.values()), min(FIELDS, len(found))))
+
+
+def test_there_is_a_case_of_every_kind() -> None:
+    assert {claimed(name).kind for name in ROWS} == set(MODULES)
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_an_honest_certificate_stands_at_each_level_and_proves_its_claim(name: str) -> None:
+    certificate, claim = proved(name), claimed(name)
+    assert certificate.proved, certificate.reason
+    assert isinstance(certificate.results, kind_named(claim.kind).results)
+    for integrate, level in ((False, Level.CONCLUSION), (True, Level.INTEGRATION)):
+        found = recheck(certificate, integrate)
+        assert (found.findings, found.passed, found.rendered) == ((), level, None)
+    assert Certificate.from_json(certificate.to_json()) == certificate
+    assert is_proof_of(certificate, claim)
+    others = [other for other in ROWS if claimed(other) != claim]
+    assert not any(is_proof_of(certificate, replace(claimed(other), id=claim.id)) for other in others)
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_each_field_that_is_changed_is_noticed(name: str) -> None:
+    """Without an integration, but for what nothing beside it follows from: another box, an enclosure."""
+    document = proved(name).to_json()
+    found = enclosed_again(document)
+    for change in of_each_field(document):
+        try:
+            certificate = Certificate.from_json(forged(document, change.apply))
+            if noticed(recheck(certificate)) or change.field in FREE:
+                continue
+            if change.field.startswith("enclosures."):
+                assert list(unconfirmed(enclosures_of(certificate), found, "")), change
+            else:
+                assert noticed(recheck(certificate, True)), change
+        except InputError:
+            continue
+
+
+def enclosures_of(certificate: Certificate) -> Any:
+    entry = certificate.to_json()
+    return tables_from_json(entry["enclosures"], certificate.candidate, Computation(**entry["computation"]))
+
+
+def enclosed_again(document: Mapping[str, Any]) -> Any:
+    stated = rechecking._read(document)
+    assert stated.enclosures is not None
+    return rechecking.enclose(stated.claim, next(rechecking._settings(stated.enclosures)))
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_each_part_that_is_missing_is_noticed(name: str) -> None:
+    document = proved(name).to_json()
+    for place in parts(document):
+        try:
+            certificate = Certificate.from_json(forged(document, without(place)))
+        except InputError:
+            continue
+        assert noticed(recheck(certificate)) or "symmetries" in place, place
+
+
+def parts(value: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """The first and the last entry of each list, and each key, of what is stated, enclosed and found."""
+    keys = list(value) if isinstance(value, dict) else [0, -1][: len(value)] if isinstance(value, list) else []
+    for key in keys:
+        if place or key in ("statement", "hypotheses", "enclosures", "results"):
+            yield (*place, key)
+            yield from parts(value[key], (*place, key)) if isinstance(key, str) else ()
+
+
+def without(place: tuple[Any, ...]) -> Callable[[Any], None]:
+    def change(document: Any) -> None:
+        for key in place[:-1]:
+            document = document[key]
+        del document[place[-1]]
+
+    return change
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_a_false_claim_is_not_proved_and_says_why_in_one_line(name: str, tmp_path: Path, capsys: Any) -> None:
+    claim = claimed(name)
+    beside = tuple(value + 1000 * max(claim.radii) for value in claim.centre)
+    path, output = tmp_path / "claim.json", tmp_path / "certificates.json"
+    write_candidates(path, [replace(claim, centre=beside)])
+    words = ["--max-precision", "128", "--other-boxes", "0", "--quiet"]
+    assert main([str(path), "-o", str(output), *words]) == 1
+    told = capsys.readouterr()
+    assert "not proved" in told.out
+    assert told.err == ""
+    write_certificates(output, [proved(name)])
+    assert main(["--recheck", str(output), "--quiet"]) == 0
+    assert "stands" in capsys.readouterr().out
