@@ -101,6 +101,19 @@ def test_each_field_that_is_changed_is_noticed(name: str) -> None:
             continue
 
 
+@pytest.mark.parametrize("name", ROWS)
+def test_the_certificate_of_one_kind_is_none_of_another(name: str) -> None:
+    document = proved(name).to_json()
+    for kind in sorted(set(MODULES) - {claimed(name).kind}):
+        try:
+            certificate = Certificate.from_json(
+                forged(document, lambda entry, kind=kind: entry["statement"]["candidate"].update(kind=kind))
+            )
+        except InputError:
+            continue
+        assert noticed(recheck(certificate)), kind
+
+
 def enclosures_of(certificate: Certificate) -> Any:
     entry = certificate.to_json()
     return tables_from_json(entry["enclosures"], certificate.candidate, Computation(**entry["computation"]))
