@@ -576,7 +576,10 @@ def test_what_progress_raises_passes_through() -> None:
         (lambda: enclose.poincare_map(CIRCLE, POINT, enclose.section("v"), crossings=0), "crossings"),
         (lambda: enclose.flow(CR3BP, enclose.box({**dict.fromkeys(CR3BP.state, 1), "mu": 2}), 1), "outside"),
         (lambda: enclose.flow(
-            CR3BP, enclose.box({**dict.fromkeys(CR3BP.state, 1), "mu": "1/100"}, {"mu": [1, -1]}, ["1/2", "1/2"]), 1
+            CR3BP, enclose.box({**dict.fromkeys(CR3BP.state, 1), "mu": "1/4"}, {"mu": [1, -1]}, ["1/4", "1/8"]), 1
+        ), "outside"),
+        (lambda: enclose.flow(
+            CR3BP, enclose.box({**dict.fromkeys(CR3BP.state, 1), "mu": "3/4"}, {"mu": [1, -1]}, ["1/4", "1/8"]), 1
         ), "outside"),
         (lambda: enclose.flow(CIRCLE, POINT, 1, derivatives=-1), "derivatives"),
         (lambda: enclose.interval_newton([]), "functions"),
