@@ -1,6 +1,7 @@
 from . import enclose as enclose
 from .atlas.catalogue import CatalogueCertificate as CatalogueCertificate
 from .atlas.certificate import AtlasCertificate as AtlasCertificate
+from .atlas.index import IndexCertificate as IndexCertificate
 from .atlas.listed import ListedInterval as ListedInterval
 from .atlas.listed import ListedPoint as ListedPoint
 from .atlas.places import Placed as Placed
@@ -15,7 +16,6 @@ from .evidence.balls_as_text import decimal_interval as decimal_interval
 from .evidence.outcome import Hypothesis as Hypothesis
 from .evidence.outcome import Reason as Reason
 from .run.index_command import certify_index as certify_index
-from .run.index_command import recheck_index as recheck_index
 from .run.second_proofs import Comparison as Comparison
 from .scripting import InputError as InputError
 from .scripting import certify as certify
@@ -25,11 +25,5 @@ from .scripting import certify_web as certify_web
 from .scripting import places as places
 from .scripting import prove_again as prove_again
 from .scripting import read as read
-from .scripting import read_atlas as read_atlas
-from .scripting import read_catalogue as read_catalogue
-from .scripting import read_web as read_web
 from .scripting import recheck as recheck
-from .scripting import recheck_rows as recheck_rows
-from .scripting import recheck_web as recheck_web
 from .scripting import write as write
-from .scripting import write_atlas as write_atlas

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 from orbitproof.shared.claims.web import Web
 from orbitproof.shared.codec import to_json
@@ -18,6 +19,7 @@ from orbitproof.shared.formats import (
     InSection,
     check_writable,
     read_catalogue_rows,
+    stated_format,
     table_form,
     web_from_json,
 )
@@ -29,16 +31,19 @@ from orbitproof.verify.atlas import (
     CatalogueCertificate,
     IndexCertificate,
     Placed,
+    Sealed,
     WebCertificate,
     certified_table,
     claiming_indices,
     kind_of,
     read_atlas_certificate,
     read_catalogue_certificate,
+    read_index_certificate,
     read_web_certificate,
     rows_of_curve,
     write_atlas_certificate,
     write_catalogue_certificate,
+    write_index_certificate,
     write_web_certificate,
 )
 from orbitproof.verify.certificate import Certificate, Limits, Recheck, read_certificates, repeated, write_certificates
@@ -48,9 +53,12 @@ from orbitproof.verify.run.branch_tasks import RunLimits
 from orbitproof.verify.run.branches import conclude_run, limits_of, prove_pieces, started
 from orbitproof.verify.run.catalogue_command import certify_rows, check_again
 from orbitproof.verify.run.checking_again import checked_again
+from orbitproof.verify.run.index_command import check_index_again
 from orbitproof.verify.run.rows import RowRun
 from orbitproof.verify.run.second_proofs import Comparison, SecondProofs, problem_of
 from orbitproof.verify.run.web_command import certify_the_web, check_web_again
+
+AnyCertificate = Certificate | AtlasCertificate | WebCertificate | IndexCertificate | CatalogueCertificate
 
 
 def certify(
@@ -177,23 +185,24 @@ def certify_atlas(
 
 
 def recheck(
-    certificates: Certificate | AtlasCertificate | Iterable[Certificate | AtlasCertificate],
+    certificates: AnyCertificate | Iterable[AnyCertificate],
     *,
-    curve: AtlasCertificate | None = None,
+    rests_on: AnyCertificate | Iterable[AnyCertificate] = (),
     integrate: bool = False,
     jobs: int = 1,
     timeout: float | None = None,
     memory: float = CheckLimits.memory / GIBIBYTE,
     quiet: bool = False,
 ) -> list[Recheck]:
-    """Check certificates again: whether each verdict follows from the enclosures that the certificate carries.
+    """Check certificates of any kind again: whether each verdict follows from what the certificate carries.
 
     Each is checked in a process of its own: one that hangs, or takes too much memory, cannot be checked, and that is
     all that it does.
 
     Arguments:
-        certificates: from `certify`, `certify_atlas`, `read` or `read_atlas`, each with an id of its own.
-        curve: what places of certificates on a curve rest on; it is checked as far as they are.
+        certificates: from `certify`, `certify_atlas` and so on, or `read`.
+        rests_on: certificates on which these rest, checked as far as they are: the curve on which certified orbits have
+            their places, the curve of an index or of a catalogue, the arcs, vertices and indices of a web.
         integrate: enclose again, at another precision and order, and prove again from that.
         jobs: processes side by side.
         timeout: seconds for each check; without one 300, and four hours with `integrate`.
@@ -201,15 +210,41 @@ def recheck(
         quiet: nothing on standard error.
 
     Returns one `Recheck` for each certificate, in their order; `stands` says whether all is as it should be,
-    `findings` what is not, `obstacle` why it cannot be checked. Raises `InputError` if an id appears twice,
-    `ValueError` for a limit that makes no sense.
+    `findings` what is not, `obstacle` why it cannot be checked. Raises `InputError` if an id of rows or curves appears
+    twice or what one rests on is not given, `ValueError` for a limit that makes no sense.
     """
     workplace = Workplace(_jobs(jobs), None, timeout, int(memory * GIBIBYTE), quiet)
-    given = [certificates] if isinstance(certificates, (Certificate, AtlasCertificate)) else list(certificates)
-    names = _ids(given, "certificates")
-    with closing(checked_again(given, curve, integrate, workplace)) as checks:
+    given, below = _several(certificates), _several(rests_on)
+    own = [entry for entry in given if isinstance(entry, (Certificate, AtlasCertificate))]
+    _ids(own, "certificates")
+    curve = next((entry for entry in below if isinstance(entry, AtlasCertificate)), None)
+    with closing(checked_again(own, curve, integrate, workplace)) as checks:
         found = {check.id: check for check in checks}
-    return [found[name] for name in names]
+    return [
+        found[entry.id]
+        if isinstance(entry, (Certificate, AtlasCertificate))
+        else _joined(entry, below, integrate, workplace)
+        for entry in given
+    ]
+
+
+def _joined(
+    entry: WebCertificate | IndexCertificate | CatalogueCertificate,
+    below: Sequence[AnyCertificate],
+    integrate: bool,
+    workplace: Workplace,
+) -> Recheck:
+    """What checking a certificate again shows that is nothing without others."""
+    if isinstance(entry, WebCertificate):
+        parts = [part for part in below if isinstance(part, (Certificate, AtlasCertificate, IndexCertificate))]
+        return check_web_again(entry, parts, integrate, workplace)
+    name = entry.document["rests_on"]["id"]
+    curve = next((part for part in below if isinstance(part, AtlasCertificate) and part.id == name), None)
+    if curve is None:
+        raise InputError(f"rests_on: without the curve {name!r}, on which a certificate rests; add its certificate")
+    if isinstance(entry, IndexCertificate):
+        return check_index_again(entry, curve, integrate, workplace)
+    return check_again(entry, curve, integrate, workplace)
 
 
 def places(curve: AtlasCertificate, orbits: Iterable[Certificate], *, timeout: float | None = None) -> list[Placed]:
@@ -274,29 +309,6 @@ def certify_catalogue(
     return certificate
 
 
-def recheck_rows(
-    certificate: CatalogueCertificate,
-    curve: AtlasCertificate,
-    *,
-    integrate: bool = False,
-    jobs: int = 1,
-    timeout: float | None = None,
-    memory: float = CheckLimits.memory / GIBIBYTE,
-    quiet: bool = False,
-) -> Recheck:
-    """Check the certificate of a catalogue again, by that of its curve; with `integrate` the curve is proved again.
-
-    Arguments as for `recheck`; returns a `Recheck`.
-    """
-    workplace = Workplace(_jobs(jobs), None, timeout, int(memory * GIBIBYTE), quiet)
-    return check_again(certificate, curve, integrate, workplace)
-
-
-def read_catalogue(path: str | Path) -> CatalogueCertificate:
-    """The certificate of a catalogue's rows. Raises `InputError` if the file is none, or was changed."""
-    return read_catalogue_certificate(Path(path))
-
-
 def certify_web(
     web: str | Path | Web,
     certificates: Iterable[Certificate | AtlasCertificate | IndexCertificate],
@@ -328,29 +340,6 @@ def certify_web(
     if output is not None:
         write_web_certificate(Path(output), certificate.document)
     return certificate
-
-
-def recheck_web(
-    certificate: WebCertificate,
-    certificates: Iterable[Certificate | AtlasCertificate | IndexCertificate],
-    *,
-    integrate: bool = False,
-    jobs: int = 1,
-    timeout: float | None = None,
-    memory: float = CheckLimits.memory / GIBIBYTE,
-    quiet: bool = False,
-) -> Recheck:
-    """Check the certificate of a web again, by those that it rests on; with `integrate` they are proved again.
-
-    Arguments as for `certify_web`; returns a `Recheck`.
-    """
-    workplace = Workplace(_jobs(jobs), None, timeout, int(memory * GIBIBYTE), quiet)
-    return check_web_again(certificate, list(certificates), integrate, workplace)
-
-
-def read_web(path: str | Path) -> WebCertificate:
-    """The certificate of a web. Raises `InputError` if the file is none, or was changed after it was written."""
-    return read_web_certificate(Path(path))
 
 
 def prove_again(
@@ -385,10 +374,10 @@ def prove_again(
     return [Comparison(proofs.rows[name]["verdict"], proofs.rows[name]["reason"]) for name in known]
 
 
-def read(path: str | Path) -> list[Certificate]:
-    """The certificates of a file, in its order.
+def read(path: str | Path) -> list[Any]:
+    """The certificates of a file, in its order: those of rows, or the one of a curve, a web, an index, a catalogue.
 
-    Raises `InputError`, one line with file, field and remedy, for anything else.
+    Raises `InputError`, one line with file, field and remedy, for anything else, and for what was changed.
 
     >>> from orbitproof import verify
     >>> verify.read("no-such-file.json")
@@ -396,27 +385,41 @@ def read(path: str | Path) -> list[Certificate]:
     orbitproof.shared.errors.InputError: no-such-file.json: cannot be read (No such file or directory); \
 give the path of a certificates file
     """
-    return list(read_certificates(Path(path)).values())
+    file = Path(path)
+    schema = stated_format(file, "give the path of a certificates file")
+    return [_FILES[schema][0](file)] if schema in _FILES else list(read_certificates(file).values())
 
 
-def read_atlas(path: str | Path) -> AtlasCertificate:
-    """The certificate of a branch. Raises `InputError` if the file is none, or was changed after it was written."""
-    return read_atlas_certificate(Path(path))
-
-
-def write_atlas(path: str | Path, certificate: AtlasCertificate) -> None:
-    """Write the certificate of a branch, whole or not at all. Raises `InputError` if it cannot be written."""
-    write_atlas_certificate(Path(path), certificate.document)
-
-
-def write(path: str | Path, certificates: Sequence[Certificate]) -> None:
+def write(path: str | Path, certificates: AnyCertificate | Iterable[AnyCertificate]) -> None:
     """Write certificates to a file (docs/formats.md), whole or not at all; a file that is there is replaced.
 
-    Raises `InputError` if an id appears twice, there is nothing to write or the file cannot be written.
+    A file holds any number of certificates of rows, or one of a curve, a web, an index, a catalogue. Raises
+    `InputError` if an id appears twice, there is nothing to write or the file cannot be written.
     """
-    if not _ids(certificates, str(path), "give each certificate its own id"):
+    entries = _several(certificates)
+    if not _ids(entries, str(path), "give each certificate its own id"):
         raise InputError(f"{path}: there are no certificates to write")
-    write_certificates(Path(path), certificates)
+    rows = [entry for entry in entries if isinstance(entry, Certificate)]
+    if len(rows) == len(entries):
+        write_certificates(Path(path), rows)
+        return
+    if len(entries) > 1:
+        raise InputError(f"{path}: the certificate of a curve, web, index or catalogue has a file of its own")
+    document = entries[0].document
+    _FILES[document["format"].removeprefix("orbitproof-")][1](Path(path), document)
+
+
+_FILES: Mapping[str, tuple[Callable[[Path], Any], Callable[[Path, Mapping[str, Any]], None]]] = {
+    "atlas-certificate": (read_atlas_certificate, write_atlas_certificate),
+    "web-certificate": (read_web_certificate, write_web_certificate),
+    "index-certificate": (read_index_certificate, write_index_certificate),
+    "catalogue-certificate": (read_catalogue_certificate, write_catalogue_certificate),
+}
+"""How files that hold one certificate are read and written, by their formats."""
+
+
+def _several(certificates: AnyCertificate | Iterable[AnyCertificate]) -> list[Any]:
+    return [certificates] if isinstance(certificates, (Certificate, Sealed)) else list(certificates)
 
 
 def _ids(

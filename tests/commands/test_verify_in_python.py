@@ -45,19 +45,19 @@ def test_a_branch_is_proved_as_by_the_command(curve: verify.AtlasCertificate, fo
     assert repr(curve) == f"<AtlasCertificate {curve.id!r}: proved, {len(curve.atlas.pieces)} pieces>"
     assert (curve.theorem or "").startswith("Consider the Falkner-Skan equation")
     assert (curve.reason, folder.joinpath("curve.json").exists()) == (None, True)
-    assert verify.read_atlas(folder / "curve.json").document == curve.document
+    assert verify.read(folder / "curve.json")[0].document == curve.document
     verify.write(folder / "row.json", [row])
     words = ["atlas", str(SOURCE), "-o", str(folder / "there.json"), "--bifurcations", str(folder / "row.json")]
     assert main([*words, "--quiet"]) == 0
-    assert told(verify.read_atlas(folder / "there.json").document) == told(curve.document)
+    assert told(verify.read(folder / "there.json")[0].document) == told(curve.document)
 
 
 def test_a_run_goes_on_from_its_file(curve: verify.AtlasCertificate, folder: Path, capsys: Any) -> None:
     again = verify.certify_atlas(read_atlas(SOURCE), output=folder / "curve.json")
     assert "pieces settled already, kept" in capsys.readouterr().err
     assert again.document["results"] == curve.document["results"]
-    verify.write_atlas(folder / "curve.json", curve)
-    assert verify.read_atlas(folder / "curve.json").document == curve.document
+    verify.write(folder / "curve.json", curve)
+    assert verify.read(folder / "curve.json")[0].document == curve.document
 
 
 def test_rows_and_branches_are_checked_again_in_their_order(
@@ -77,8 +77,20 @@ def test_rows_and_branches_are_checked_again_in_their_order(
 def test_a_row_is_no_orbit_with_a_place(curve: verify.AtlasCertificate, row: verify.Certificate) -> None:
     (placed,) = verify.places(curve, [row])
     assert row.id in placed.line
-    again = verify.recheck([placed.certificate], curve=curve, quiet=True)
+    again = verify.recheck([placed.certificate], rests_on=curve, quiet=True)
     assert all(check.stands for check in again)
+
+
+def test_what_one_rests_on_has_to_be_given_and_files_hold_one_or_rows(
+    curve: verify.AtlasCertificate, row: verify.Certificate, folder: Path
+) -> None:
+    index = verify.IndexCertificate({"id": curve.id, "rests_on": {"id": curve.id, "digest": ""}})
+    with pytest.raises(InputError, match=f"rests_on: without the curve '{curve.id}'"):
+        verify.recheck(index, rests_on=row, quiet=True)
+    for entries, words in (([curve, row], "a file of its own"), ([], "no certificates to write")):
+        with pytest.raises(InputError, match=words):
+            verify.write(folder / "both.json", entries)
+    assert not (folder / "both.json").exists()
 
 
 def test_what_cannot_be_asked_is_refused_in_a_line(row: verify.Certificate) -> None:

@@ -50,7 +50,7 @@ def write_web(folder: Path) -> list[Path]:
     }
     paths = [folder / name for name in ("rows.json", "curve.json", "web.json")]
     write_certificates(paths[0], [point])
-    verify.write_atlas(paths[1], curve)
+    verify.write(paths[1], curve)
     write_web_certificate(paths[2], certified_web(claim, resting(claim, [point, curve]), checks))
     return paths
 
@@ -82,7 +82,7 @@ def retrograde_web() -> WebCertificate:
 def write_indexed_web(folder: Path) -> list[Path]:
     """`dro.json`, `dro-index.json`, and `web.json`, which has that index."""
     paths = [folder / name for name in ("dro.json", "dro-index.json", "web.json")]
-    verify.write_atlas(paths[0], retrograde_curve())
+    verify.write(paths[0], retrograde_curve())
     write_index_certificate(paths[1], retrograde_index().document)
     write_web_certificate(paths[2], retrograde_web().document)
     return paths
@@ -95,7 +95,7 @@ def write_catalogue(folder: Path) -> list[Path]:
     data = stored["data"][: catalogue_cases.ON_THE_ARC]
     given.write_text(json.dumps({**stored, "data": data, "count": str(len(data))}))
     paths = [folder / name for name in ("curve.json", "rows.json")]
-    verify.write_atlas(paths[0], curve)
+    verify.write(paths[0], curve)
     write_catalogue_certificate(paths[1], certified_rows(curve, read_catalogue_rows(given)))
     given.unlink()
     return paths

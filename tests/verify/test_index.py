@@ -913,7 +913,7 @@ def test_curves_without_an_index_are_refused_before_they_are_checked(
     message = f"error: {curve}: field statement.atlas.system: no index is counted of falkner-skan; give the certificate"
     assert message in capsys.readouterr().err
     with pytest.raises(InputError, match="no index is counted"):
-        verify.certify_index(verify.read_atlas(curve), quiet=True)
+        verify.certify_index(*verify.read(curve), quiet=True)
 
 
 def test_the_command_and_python_say_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -928,7 +928,7 @@ def test_the_command_and_python_say_the_same(tmp_path: Path, capsys: pytest.Capt
     assert [orbit.index for orbit in known.orbits] == [2, 3]
     assert known.theorem is not None
     assert known.theorem in said
-    assert verify.recheck_index(output, verify.read_atlas(curve), quiet=True).stands
+    assert verify.recheck(verify.read(output), rests_on=verify.read(curve), quiet=True)[0].stands
     write_index_certificate(output, forged(known.document, FORGERIES["another index"]))
     assert main(["index", "--recheck", str(output), "--curve", str(curve), "--quiet"]) == 1
     output.write_text(output.read_text().replace('"index": 3', '"index": 5'))

@@ -256,7 +256,7 @@ def test_the_command_reads_certificates_of_indices(tmp_path: Path, capsys: pytes
     both = ["--certificates", str(curve), str(index), "--quiet"]
     assert main(["web", str(claim), *both, "-o", str(output)]) == 0
     assert "in the plane 1 and across it 2" in capsys.readouterr().out
-    assert verify.read_web(output).document == document()
+    assert verify.read(output)[0].document == document()
     assert main(["web", "--recheck", str(output), *both]) == 0
     assert main(["web", str(claim), "--certificates", str(curve), "--quiet"]) == 2
     assert "claims the index of distant-retrograde" in capsys.readouterr().err
@@ -314,6 +314,6 @@ def test_the_index_is_claimed_of_all_arcs_whose_certificates_are_given(
     files[2].write_text(json.dumps({"format": "orbitproof-web", "version": 1, **to_json(silent)}))
     given_files = ["--certificates", *map(str, files[:2]), "--quiet"]
     assert main(["web", str(files[2]), *given_files, "--indices", "-o", str(files[3])]) == 0
-    assert verify.read_web(files[3]).document == document()
+    assert verify.read(files[3])[0].document == document()
     assert main(["web", "--recheck", str(files[3]), *given_files, "--indices"]) == 2
     assert "--indices" in capsys.readouterr().err

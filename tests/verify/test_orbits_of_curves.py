@@ -36,7 +36,6 @@ from orbitproof.verify.atlas import (
     certified_rows,
     certified_table,
     check_of_conclusion,
-    read_atlas_certificate,
     recheck_catalogue,
     rows_of_curve,
     write_atlas_certificate,
@@ -554,11 +553,9 @@ def test_the_command_and_python_say_the_same(tmp_path: Path, capsys: pytest.Capt
     shorter.write_text(json.dumps({**stored, "count": "4", "data": stored["data"][:4]}))
     assert main(["catalogue", str(shorter), "--curve", str(curve), "--quiet"]) == 0
     capsys.readouterr()
-    found = verify.certify_catalogue(catalogue, verify.read_atlas(curve), within=1e-6, quiet=True)
-    assert found.rows[:1] == verify.read_catalogue(output).rows[:1] or str(found.rows) == str(
-        verify.read_catalogue(output).rows
-    )
-    assert verify.recheck_rows(found, read_atlas_certificate(curve), quiet=True).stands
+    found = verify.certify_catalogue(catalogue, *verify.read(curve), within=1e-6, quiet=True)
+    assert found.rows[:1] == verify.read(output)[0].rows[:1] or str(found.rows) == str(verify.read(output)[0].rows)
+    assert verify.recheck(found, rests_on=verify.read(curve), quiet=True)[0].stands
 
 
 @pytest.mark.parametrize(

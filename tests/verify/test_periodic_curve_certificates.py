@@ -219,7 +219,7 @@ def test_curves_run_through_the_command_and_are_checked_at_all_levels(
     assert "kept" in capsys.readouterr().out
     assert main(["--recheck", "--integrate", str(output), "--quiet"], prove_task) == 0
     assert "3 integration" in capsys.readouterr().out
-    (check,) = verify.recheck(verify.read_atlas(output), quiet=True)
+    (check,) = verify.recheck(verify.read(output), quiet=True)
     assert check.stands
 
 

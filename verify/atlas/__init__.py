@@ -32,6 +32,7 @@ from orbitproof.verify.atlas.places import Placed, check_of_conclusion, places_o
 from orbitproof.verify.atlas.recheck import Means, ProvedBefore, atlas_of, order_of, recheck_atlas
 from orbitproof.verify.atlas.rests_on import Key, Resting, RestingError, claiming_indices, key_of, resting
 from orbitproof.verify.atlas.results import Result, Settings, condition_of, covers, results_from_json
+from orbitproof.verify.atlas.sealed import Sealed
 from orbitproof.verify.atlas.web import (
     StoredArc,
     StoredVertex,

@@ -132,25 +132,5 @@ def certify_index(
     return certificate
 
 
-def recheck_index(
-    certificate: IndexCertificate | str | Path,
-    curve: AtlasCertificate,
-    *,
-    integrate: bool = False,
-    jobs: int = 1,
-    timeout: float | None = None,
-    memory: float = CheckLimits.memory / GIBIBYTE,
-    quiet: bool = False,
-) -> Recheck:
-    """Check the certificate of an index again, or a file with one, by that of its curve.
-
-    With `integrate` the curve is proved again, and the half turns are counted again. Arguments as for `recheck`;
-    returns a `Recheck`.
-    """
-    workplace = Workplace(jobs, None, timeout, int(memory * GIBIBYTE), quiet)
-    known = certificate if isinstance(certificate, IndexCertificate) else read_index_certificate(Path(certificate))
-    return check_index_again(known, curve, integrate, workplace)
-
-
 if __name__ == "__main__":
     sys.exit(run_command(main))
