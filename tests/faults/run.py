@@ -151,16 +151,16 @@ def _folder(file: str) -> str:
     return "/".join(file.split("/")[: 2 if file.startswith("verify/") else 1])
 
 
-def copied(folder: Path) -> None:
-    """A checkout in a folder whose trusted modules may be changed; everything else is a link."""
+def copied(folder: Path, more: Iterable[str] = ()) -> None:
+    """A checkout in a folder whose trusted modules, and what more is named, may be changed; the rest are links."""
     shutil.copytree(ROOT / "src", folder / "src", symlinks=True, ignore=shutil.ignore_patterns("*.egg-info"))
     for room in (*TRUSTED, "explore", "figures"):
         link = folder / "src" / "orbitproof" / room
         link.unlink(missing_ok=True)
         link.symlink_to(Path("..", "..", room), target_is_directory=True)
-    for name in TRUSTED:
-        shutil.copytree(ROOT / name, folder / name)
-    for name in LINKED:
+    for name in (*TRUSTED, *more):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in set(LINKED) - set(more):
         (folder / name).symlink_to(ROOT / name)
 
 
