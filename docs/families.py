@@ -7,6 +7,7 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
 from orbitproof.explore.catalogues.without_symmetry import triangular_catalogue
@@ -16,17 +17,21 @@ from orbitproof.explore.names import FAMILY_NAMES, WITHOUT_SYMMETRY
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 
 MASS = MASS_PARAMETERS["jpl-earth-moon"]
-STATES = 400
+STATES = 600
+LOOKS = (("#0b3c5d", "solid"), ("#c0392b", (0, (6, 2))), ("#3b8f5a", (0, (2, 1.5))))
+"""Colour and line of the orbits, from the beginning of the family on."""
 KINDS = ("butterfly", "dragonfly", "dro", "dpo", "lpo-east", "lpo-west", "resonant")
 
 
 def orbits_of(name: str) -> list[tuple[np.ndarray, float]]:
-    """First states and periods of five orbits."""
+    """First states and periods of three orbits, along the family."""
     if name in WITHOUT_SYMMETRY:
         rows, _ = triangular_catalogue(name, MASS, "jpl-earth-moon", 60)
-        return [(rows.states[i], float(rows.periods[i])) for i in np.linspace(5, len(rows) - 1, 5).astype(int)]
+        return [
+            (rows.states[i], float(rows.periods[i])) for i in np.linspace(len(rows) // 6, len(rows) - 1, 3).astype(int)
+        ]
     family = trace_family(CR3BP, name, {"mu": MASS}, Limits(120))
-    chosen = np.linspace(0, len(family.orbits) - 1, 5).astype(int)
+    chosen = np.linspace(len(family.orbits) // 6, len(family.orbits) - 1, 3).astype(int)
     found = [family.orbits[index] for index in chosen]
     return [(family.problem.initial_state(orbit.unknowns), orbit.period) for orbit in found]
 
@@ -44,25 +49,30 @@ def main() -> None:
     from matplotlib import pyplot
 
     names = [name for name in FAMILY_NAMES["cr3bp"] if any(kind in name for kind in KINDS)] + ["L4-short", "L4-long"]
-    figure, axes = pyplot.subplots(6, 4, figsize=(11, 16.5))
-    colours = pyplot.get_cmap("viridis")(np.linspace(0.0, 0.85, 5))
-    for axis, name in zip(axes.flat, names, strict=False):
-        for colour, (state, period) in zip(colours, orbits_of(name), strict=False):
-            x, y = path_of(state, period)[:, :2].T
-            axis.plot(x, y, color=colour, linewidth=0.8)
+    pyplot.rcParams.update({"font.size": 11, "axes.titlesize": 13})
+    figure, axes = pyplot.subplots(7, 3, figsize=(10.5, 24))
+    for axis, name in zip(axes.flat, names, strict=True):
+        orbits = [path_of(state, period) for state, period in orbits_of(name)]
+        # The view from above, or from the side of orbits that leave the plane.
+        up = 2 if max(np.abs(orbit[:, 2]).max() for orbit in orbits) > 1e-6 else 1
+        for (colour, style), orbit in zip(LOOKS, orbits, strict=True):
+            axis.plot(orbit[:, 0], orbit[:, up], color=colour, linestyle=style, linewidth=1.5)
         low, high = axis.get_xlim()
-        for place, marker in ((1 - float(MASS), "o"), (-float(MASS), "o")):
+        for place, body, shift, side in ((1 - float(MASS), "Moon", 4, "left"), (-float(MASS), "Earth", -4, "right")):
             if low < place < high:
-                axis.plot(place, 0, marker, color="0.4", markersize=4)
-        axis.set_title(name, fontsize=10)
+                axis.plot(place, 0, "o", color="black", markersize=4)
+                axis.annotate(body, (place, 0), (shift, 5), textcoords="offset points", fontsize=10, ha=side)
+        axis.set_title(name)
+        axis.set_xlabel("x")
+        axis.set_ylabel("xyz"[up])
         axis.set_aspect("equal", adjustable="datalim")
-        axis.tick_params(labelsize=6)
-    for axis in axes.flat[len(names) :]:
-        axis.axis("off")
+        axis.xaxis.set_major_locator(MaxNLocator(5))
+        axis.yaxis.set_major_locator(MaxNLocator(5))
+        axis.grid(color="0.9", linewidth=0.6)
     figure.tight_layout()
     # Few colours, so that the file is small.
     stream = io.BytesIO()
-    figure.savefig(stream, dpi=72)
+    figure.savefig(stream, dpi=80)
     path = Path(__file__).parent / "images" / "families.png"
     Image.open(stream).convert("RGB").quantize(32).save(path, optimize=True)
 

@@ -50,7 +50,7 @@ def _energy_figure(family: SampledFamily, placements: Sequence[Placement]) -> Fi
     fixed, level = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
     stability = figure.add_subplot(grid[1, 1], sharex=level)
     _fixed_plane(fixed, family, placements)
-    if len(family.system.state) < _SPATIAL:
+    if len(family.system.state) < _SPATIAL or _is_planar(family):
         _family_in_plane(figure.add_subplot(grid[1, 0]), family, placements)
     else:
         # A 3D axes draws its box well inside its rectangle, so the rectangle reaches beyond the grid cell.
@@ -144,12 +144,29 @@ def _claims(placements: Sequence[Placement]) -> tuple[set[tuple[int, str]], list
     return {(p.mark.k, p.mark.candidate.kind) for p in placements}, [p.mark.certified for p in placements]
 
 
-def _fixed_plane(axes: Axes, family: SampledFamily, placements: Sequence[Placement]) -> None:
+def _columns(family: SampledFamily) -> list[int]:
+    """Which two coordinates on Fix(R) are shown: the first, and the next one that is not 0 along the family."""
+    points = np.concatenate([family.points, family.second_points])
+    varying = [column for column in range(1, points.shape[1]) if np.abs(points[:, column]).max() > _FLAT]
+    return [0, *varying, 1][:2]
+
+
+def _is_planar(family: SampledFamily) -> bool:
+    """Whether z is 0 along the family, where it is a coordinate on Fix(R)."""
     names = family.system.centre_coordinates
-    axes.plot(family.second_points[:, 0], family.second_points[:, 1], color=SECOND_CURVE)
-    axes.plot(family.points[:, 0], family.points[:, 1], color=CURVE)
+    return "z" in names and names.index("z") not in _columns(family)
+
+
+_FLAT = 1e-9
+
+
+def _fixed_plane(axes: Axes, family: SampledFamily, placements: Sequence[Placement]) -> None:
+    columns = _columns(family)
+    names = [family.system.centre_coordinates[column] for column in columns]
+    axes.plot(*family.second_points[:, columns].T, color=SECOND_CURVE)
+    axes.plot(*family.points[:, columns].T, color=CURVE)
     for placement in placements:
-        draw_mark(axes, placement.mark.point[:2], placement.mark)
+        draw_mark(axes, placement.mark.point[columns], placement.mark)
     axes.margins(0.07)
     axes.xaxis.set_major_locator(MaxNLocator(6))
     axes.set_xlabel(label_of(family.system, names[0]))
@@ -161,8 +178,10 @@ def _magnify(axes: Axes, family: SampledFamily, placements: Sequence[Placement])
     """Insets around the points that hide one another most, in the emptiest places of the axes."""
     if not placements:
         return
-    curves = np.concatenate([family.points[:, :2], family.second_points[:, :2]])
-    places = np.array([placement.mark.point[:2] for placement in placements])
+    columns = _columns(family)
+    lines = [family.second_points[:, columns], family.points[:, columns]]
+    curves = np.concatenate(lines)
+    places = np.array([placement.mark.point[columns] for placement in placements])
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     axes.set_xlim(left, right)
     axes.set_ylim(low, high)
@@ -177,8 +196,8 @@ def _magnify(axes: Axes, family: SampledFamily, placements: Sequence[Placement])
         corner, _ = free_corner(axes, taken, _INSET, centre)
         inset = axes.inset_axes((*corner, *_INSET))
         taken = np.concatenate([taken, covered_by(axes, corner, _INSET)])
-        inset.plot(family.second_points[:, 0], family.second_points[:, 1], color=SECOND_CURVE)
-        inset.plot(family.points[:, 0], family.points[:, 1], color=CURVE)
+        for line, colour in zip(lines, (SECOND_CURVE, CURVE), strict=True):
+            inset.plot(*line.T, color=colour)
         for index in members:
             draw_mark(inset, places[index], placements[index].mark)
         show_around(axes, inset, _with_extent(places[members], size), margin=0.35, ticks=(1, 2))

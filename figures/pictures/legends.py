@@ -25,13 +25,15 @@ _KINDS = {
     "stable_orbit": "one orbit, stable for ever",
 }
 
+_DOUBLING = "$k=2$, period doubling"
+
 
 def legend_handles(claims: Iterable[tuple[int, str]]) -> list[Line2D]:
     """One legend entry for each claim (k, kind), by k; one for those of a k > 1, which look alike."""
     labels: dict[tuple[int, str, str, str], str] = {}
     for k, kind in sorted(set(claims)):
         look = (k, *marker_of(k, kind), kind if k == 1 else "")
-        label = _KINDS[kind].format(k=k)
+        label = _DOUBLING if (k, kind) == (2, "period_tupling") else _KINDS[kind].format(k=k)
         labels[look] = f"{labels[look]} or {label.removeprefix(f'$k={k}$, ')}" if look in labels else label
     return [
         Line2D([], [], marker=marker, color=colour, linestyle="none", markersize=marker_size(marker), label=label)

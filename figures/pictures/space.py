@@ -51,7 +51,7 @@ def set_box(
         if not ticks:
             axis.set_ticks([])
             continue
-        getattr(axes, f"set_{letter}label")(label_of(system, name, unit=False), labelpad=2 if letter == "z" else 1)
+        getattr(axes, f"set_{letter}label")(label_of(system, name, unit=False), labelpad=9 if letter == "z" else 1)
         axis.set_major_locator(FixedLocator(_ticks(float(low[i]), float(high[i]), float(extent.max()))))
         axes.tick_params(axis=letter, pad=3 if letter == "z" else 0, labelsize=6.5)
 

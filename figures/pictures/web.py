@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 
 from orbitproof.figures.certified import CertifiedPoint, Curve
 from orbitproof.figures.orbits import Array
@@ -39,7 +40,8 @@ WORDS = {
     "axial": "symmetric under the half turn",
     "vertical": "vertical",
 }
-_WIDTH, _HEIGHT = 7.2, 4.4
+STYLES: Mapping[str, Any] = {"planar": "solid", "R": (0, (7, 1.5)), "axial": (0, (1.5, 1.2)), "vertical": "dashdot"}
+_WIDTH, _HEIGHT = 7.2, 4.6
 _CHARACTERS = 95
 _NEAR = "(b)  around L1 and L2"
 _LIBRATION_POINT = "libration_point"
@@ -52,12 +54,14 @@ class DrawnArc:
     """An arc as it is drawn.
 
     Attributes:
+        name: what it is called in the picture.
         kind: of its symmetry, a key of `WORDS`.
         lines: for each piece level and x, shape (2, M).
         marks: the vertices on it, with level and x.
         stable: lines where its certificate lists that orbits are linearly stable, of a planar arc in the plane.
     """
 
+    name: str
     kind: str
     lines: tuple[Array, ...]
     marks: tuple[tuple[StoredVertex, float, float], ...]
@@ -69,7 +73,18 @@ def drawn_arcs(web: WebCertificate, curves: Mapping[str, Curve]) -> tuple[DrawnA
     if not web.is_proved:
         raise InputError(f"the web {web.id}: its certificate says {web.verdict!r}; there is nothing to draw")
     vertices = {vertex.id: vertex for vertex in web.vertices}
-    return tuple(_drawn(arc, curves[arc.id], vertices) for arc in web.arcs)
+    named = names_of([arc.id for arc in web.arcs])
+    return tuple(_drawn(arc, name, curves[arc.id], vertices) for arc, name in zip(web.arcs, named, strict=True))
+
+
+def names_of(ids: Sequence[str]) -> list[str]:
+    """The ids of arcs without the words that all of them have.
+
+    >>> names_of(["vertical-l1-earth-moon", "l2-halo-earth-moon"]), names_of(["circle"])
+    (['vertical l1', 'l2 halo'], ['circle'])
+    """
+    shared = set.intersection(*(set(each.split("-")) for each in ids)) if len(ids) > 1 else set()
+    return [" ".join(word for word in each.split("-") if word not in shared) or each for each in ids]
 
 
 def is_around_smaller_primary(arc: StoredArc) -> bool:
@@ -77,7 +92,7 @@ def is_around_smaller_primary(arc: StoredArc) -> bool:
     return any(meeting.vertex in ("L1", "L2") for meeting in arc.meets)
 
 
-def _drawn(arc: StoredArc, curve: Curve, vertices: Mapping[str, StoredVertex]) -> DrawnArc:
+def _drawn(arc: StoredArc, name: str, curve: Curve, vertices: Mapping[str, StoredVertex]) -> DrawnArc:
     kind, states = _kind_of(curve.atlas), States.of(curve)
     lines = tuple(states.level_and_x(stretch.points) for stretch in curve.stretches)
     marks = []
@@ -93,7 +108,7 @@ def _drawn(arc: StoredArc, curve: Curve, vertices: Mapping[str, StoredVertex]) -
             x = float(states.level_and_x(curve.place_of(mark)[1][None, :])[1, 0])
         marks.append((vertex, float(vertex.level.mid()), x))
     stable = [states.level_and_x(part) for interval in arc.stable for part in _between(curve, interval)]
-    return DrawnArc(kind, lines, tuple(marks), tuple(stable))
+    return DrawnArc(name, kind, lines, tuple(marks), tuple(stable))
 
 
 def _between(curve: Curve, interval: ListedInterval) -> Iterator[Array]:
@@ -205,7 +220,7 @@ def draw_web(web: WebCertificate, curves: Mapping[str, Curve]) -> Figure:
     near = [arc for known, arc in zip(web.arcs, arcs, strict=True) if is_around_smaller_primary(known)]
     claims = sorted({(vertex.k, vertex.kind) for vertex in web.vertices if vertex.kind != _LIBRATION_POINT})
     handles = [
-        Line2D([], [], color=COLOURS[kind], linewidth=1.6, label=words)
+        Line2D([], [], color=COLOURS[kind], linestyle=STYLES[kind], linewidth=1.6, label=words)
         for kind, words in WORDS.items() if any(arc.kind == kind for arc in arcs)
     ]  # fmt: skip
     if any(arc.stable for arc in arcs):
@@ -216,13 +231,52 @@ def draw_web(web: WebCertificate, curves: Mapping[str, Curve]) -> Figure:
     foot = bottom_margin(_HEIGHT, claims, [True], handles)
     panels = [("", arcs)] if len(near) in (0, len(arcs)) else [("(a)  all arcs", arcs), (_NEAR, near)]
     grid = figure.add_gridspec(1, len(panels), left=0.1, right=0.98, top=0.86, bottom=foot, wspace=0.26)
-    for number, (title, shown) in enumerate(panels):
-        axes = figure.add_subplot(grid[0, number])
+    places = [figure.add_subplot(grid[0, number]) for number in range(len(panels))]
+    unnamed: Sequence[DrawnArc] = arcs
+    # The last panel first: what is large there is named there.
+    for axes, (title, shown) in reversed(list(zip(places, panels, strict=True))):
         _draw(axes, arcs, shown)
+        unnamed = _named(axes, unnamed, arcs, everything=axes is places[0])
         axes.set_title(title, color=INK)
     figure.text(0.1, 0.955, "\n".join(wrap(web.claim.title, _CHARACTERS)), color=INK, fontweight="bold", va="center")
     legend_below(figure, claims, [True], handles)
     return figure
+
+
+def _named(axes: Axes, wanted: Sequence[DrawnArc], arcs: Sequence[DrawnArc], everything: bool) -> list[DrawnArc]:
+    """Write names on arcs, each where the others are far, and return those arcs that are mostly outside of the axes.
+
+    With `everything` these are named too, on what is seen of them.
+    """
+    limits = np.array([axes.get_xlim(), axes.get_ylim()])
+    places = {id(arc): _within(limits, np.concatenate(arc.lines, axis=1).T) for arc in arcs}
+    taken: list[Array] = []
+    left: list[DrawnArc] = []
+    for arc in wanted:
+        inside = [place for place in places[id(arc)] if (place > _EDGE).all() and (place < 1 - _EDGE).all()]
+        if len(inside) < (1 if everything else len(places[id(arc)]) / 2):
+            left.append(arc)
+            continue
+        others = np.concatenate([*(places[id(each)] for each in arcs if each is not arc), *taken, _FAR])
+        free = [float(np.min(np.linalg.norm(others - place, axis=1))) for place in inside[:: max(1, len(inside) // 60)]]
+        best = inside[:: max(1, len(inside) // 60)][int(np.argmax(free))]
+        taken.append(best + _LETTERS)
+        axes.annotate(
+            arc.name, best, (3, 4), xycoords="axes fraction", textcoords="offset points", fontsize=7,
+            color=COLOURS[arc.kind], zorder=6, path_effects=[withStroke(linewidth=2, foreground="white")],
+        )  # fmt: skip
+    return left
+
+
+def _within(limits: Array, points: Array) -> Array:
+    """Points as parts of the axes."""
+    return np.asarray((points - limits[:, 0]) / (limits[:, 1] - limits[:, 0]))
+
+
+_EDGE = 0.04
+_LETTERS = np.array([[0.0, 0.0], [0.08, 0.02], [0.16, 0.02]])
+"""Where a name is, from the place that it belongs to."""
+_FAR = np.array([[9.0, 9.0]])
 
 
 def in_the_plane(arcs: Sequence[DrawnArc]) -> str:
@@ -240,7 +294,7 @@ def _draw(axes: Axes, arcs: Sequence[DrawnArc], around: Sequence[DrawnArc]) -> N
         for level, x in arc.stable:
             axes.plot(level, x, color=COLOURS[arc.kind], **_STABLE)
         for level, x in arc.lines:
-            axes.plot(level, x, color=COLOURS[arc.kind], linewidth=1.4)
+            axes.plot(level, x, color=COLOURS[arc.kind], linestyle=STYLES[arc.kind], linewidth=1.4)
     limits = np.array([axes.get_xlim(), axes.get_ylim()])
     for vertex, level, x in (mark for arc in arcs for mark in arc.marks):
         place = np.array([level, x])

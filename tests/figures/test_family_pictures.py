@@ -320,3 +320,14 @@ def test_a_flat_box_has_one_tick_across() -> None:
         set_box(axes, CR3BP, np.array([-1.0, -1.0, -height]), np.array([1.0, 1.0, height]))
         found = list(axes.get_zticks())
         assert found == ticks if ticks else len(found) > 2
+
+
+def test_a_family_in_the_plane_fills_its_panels(families: list[SampledFamily]) -> None:
+    halo = families[0]
+    flat = np.where(np.array(halo.system.centre_coordinates) == "z", 0.0, 1.0)
+    planar = replace(halo, points=halo.points * flat, second_points=halo.second_points * flat)
+    figure = draw_family(planar, [])
+    low, high = figure.axes[0].get_ylim()
+    assert low < planar.points[:, 2].min() < planar.points[:, 2].max() < high
+    assert not any(hasattr(axes, "get_zlim") for axes in figure.axes)
+    close(figure)

@@ -10,6 +10,7 @@ from functools import cache
 from html import escape
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from flint import arb
@@ -20,7 +21,17 @@ from support.joined import retrograde_curve, retrograde_web
 from orbitproof.figures import draw_web as draw_files
 from orbitproof.figures.certified import Curve
 from orbitproof.figures.pictures import draw_web, web_page
-from orbitproof.figures.pictures.web import DrawnArc, States, _between, _kind_of, drawn_arcs, in_the_plane
+from orbitproof.figures.pictures.web import (
+    STYLES,
+    DrawnArc,
+    States,
+    _between,
+    _draw,
+    _kind_of,
+    _named,
+    drawn_arcs,
+    in_the_plane,
+)
 from orbitproof.figures.pictures.web_page import _index_at, _list_in_words
 from orbitproof.shared.claims.web import BRANCHES, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import InputError
@@ -98,7 +109,21 @@ def test_the_picture_has_filled_vertices_and_a_legend() -> None:
     assert all(line.get_markerfacecolor() == line.get_color() for line in marks.values())
     labels = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
     assert {"symmetric under R", "filled: certified"} <= set(labels)
+    assert [text.get_text() for text in axes.texts] == ["circle"]
     assert "libration point" not in labels
+
+
+def test_names_stand_on_their_arcs_apart_from_the_others_and_arcs_are_told_apart_in_grey() -> None:
+    x = np.linspace(0.0, 1.0, 50)
+    low, high = (
+        DrawnArc(name, name, (np.array([x, y + 0.1 * x]),), (), ()) for name, y in (("R", 0.0), ("axial", 1.0))
+    )
+    _, axes = plt.subplots()
+    _draw(axes, (low, high), (low, high))
+    assert _named(axes, (low, high), (low, high), everything=True) == []
+    texts = {text.get_text(): text.xy for text in axes.texts}
+    assert texts["R"][1] < 0.3 < 0.7 < texts["axial"][1]
+    assert len({str(style) for style in STYLES.values()}) == len(STYLES)
 
 
 def test_the_page_has_arcs_with_orbits_vertices_and_the_theorem(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -220,5 +245,5 @@ def test_stability_that_is_proved_of_a_planar_arc_is_told_to_be_in_the_plane() -
     line = np.zeros((2, 2))
     kinds = [_kind_of(atlas) for atlas in (line_in_plane()[0], symmetric_loop()[0])]
     assert kinds == ["planar", "R"]
-    told = [in_the_plane([DrawnArc(kind, (line,), (), stable)]) for kind in kinds for stable in ((line,), ())]
+    told = [in_the_plane([DrawnArc("arc", kind, (line,), (), stable)]) for kind in kinds for stable in ((line,), ())]
     assert told == [", planar ones in the plane", "", "", ""]
