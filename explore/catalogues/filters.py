@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from orbitproof.explore.catalogues.columns import ALTITUDE, LEAST
+from orbitproof.explore.catalogues.columns import ALTITUDE, HITS, LEAST
 from orbitproof.explore.names import SECONDS, split_unit
 from orbitproof.shared.formats import InputError
 
@@ -39,6 +39,12 @@ def chosen_rows(catalogue: Catalogue, limits: Mapping[str, tuple[str, str]]) -> 
     for quantity, (low, high) in limits.items():
         catalogue = between(catalogue, quantity, low, high)
     return catalogue
+
+
+def without_hits(catalogue: Catalogue) -> Catalogue:
+    """The rows whose orbits do not meet the smaller primary, as far as a column says so."""
+    told = catalogue.more.get(HITS)
+    return catalogue if told is None else catalogue.chosen(np.flatnonzero([value != "yes" for value in told]))
 
 
 def _values(catalogue: Catalogue, quantity: str) -> Any:

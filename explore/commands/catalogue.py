@@ -76,6 +76,8 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("--min-distance", type=common.positive, metavar="R", help="to a primary, where the family ends")
     parser.add_argument("--distances", action="store_true", help="of a FILE: compute distances, altitudes and hits")
+    words = "keep rows whose orbits hit the smaller primary, which are left out otherwise"
+    parser.add_argument("--all", action="store_true", help=words)
     common.add_accept(parser)
     rows = parser.add_argument_group(
         "rows between two limits, each a number, or with a unit: 6.5d, 12h, 3000km; or inf"
@@ -136,7 +138,8 @@ def run(options: argparse.Namespace) -> int:
                         report.error(f"{options.file}: {line}")
                     complete = not told
                 catalogue = with_distances(catalogue, 4, symmetric=symmetric_about_plane(catalogue))
-            return 0 if _write(chosen_rows(catalogue, limits), options.output, catalogue.title, report, complete) else 1
+            chosen = _kept(chosen_rows(catalogue, limits), options.all, catalogue.title, report)
+            return 0 if _write(chosen, options.output, catalogue.title, report, complete) else 1
         bounds = Limits(options.max_orbits, min_distance=options.min_distance)
         if requests is None:
             records = [record for record in read_families(options.from_family) if record.system in THREE_BODY]
@@ -171,7 +174,8 @@ def run(options: argparse.Namespace) -> int:
             path = options.output
             if len(tasks) > 1:
                 path = path.with_name(f"{path.stem}-{task.title.replace(' ', '-')}{path.suffix}")
-            complete &= _write(chosen_rows(made.catalogue, limits), path, task.title, report)
+            chosen = _kept(chosen_rows(made.catalogue, limits), options.all, task.title, report)
+            complete &= _write(chosen, path, task.title, report)
     return 0 if complete else 1
 
 
@@ -201,12 +205,23 @@ def _requests(options: argparse.Namespace) -> list[tuple[Any, str, str, Any]]:
     return found
 
 
+def _kept(catalogue: Catalogue, everything: bool, title: str, report: Reporter) -> Catalogue:
+    """The rows that a spacecraft could fly, or all; says how many hit the smaller primary."""
+    from orbitproof.explore.catalogues import without_hits
+
+    kept = catalogue if everything else without_hits(catalogue)
+    if len(kept) < len(catalogue):
+        hit = f"{len(catalogue) - len(kept)} of {counted(len(catalogue), 'row')}"
+        report.message(f"{title}: {hit} hit the smaller primary and are left out; --all keeps them")
+    return kept
+
+
 def _write(catalogue: Catalogue, path: Path, title: str, report: Reporter, complete: bool = True) -> bool:
     """Whether there was a row to write, and the rows are complete."""
     from orbitproof.explore.catalogues import libration_places, table_of
 
     if not len(catalogue):
-        report.error(f"{title}: no row lies between the limits; nothing is written")
+        report.error(f"{title}: no row is left; nothing is written")
         return False
     table_of(catalogue, libration_places(float(catalogue.mass_ratio))).write(path)
     side = {"N": "northern ", "S": "southern "}.get(catalogue.branch, "")

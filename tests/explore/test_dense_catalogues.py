@@ -13,6 +13,7 @@ import pytest
 from orbitproof import explore
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.catalogues import Catalogue, correct_catalogue, read_catalogue
+from orbitproof.explore.catalogues.columns import HITS
 from orbitproof.explore.names import time_given
 from orbitproof.explore.orbits import PeriodicSolution
 from orbitproof.shared import InputError
@@ -150,3 +151,19 @@ def test_a_command_writes_the_rows_between_limits(halo: Catalogue, tmp_path: Pat
     assert main([*arguments, "--scheduler", "127.0.0.1:1"]) == 2
     assert main(["catalogue", "--family", "zzz", "--mass", "jpl-earth-moon", "-o", str(out)]) == 2
     assert main(["catalogue", str(tmp_path / "halo.json"), "-o", str(tmp_path / "a.txt")]) == 2
+
+
+def test_rows_that_hit_the_body_are_left_out_and_counted(
+    halo: Catalogue, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    hits = tuple("yes" if number < 3 else "no" for number in range(len(halo)))
+    path, out = tmp_path / "halo.json", tmp_path / "part.json"
+    replace(halo, more={**halo.more, HITS: hits}).write(path)
+    assert main(["catalogue", str(path), "-o", str(out)]) == 0
+    assert len(read_catalogue(out)) == len(halo) - 3
+    assert (
+        f"3 of {len(halo)} rows hit the smaller primary and are left out; --all keeps them" in capsys.readouterr().err
+    )
+    assert main(["catalogue", str(path), "--all", "-o", str(out)]) == 0
+    assert len(read_catalogue(out)) == len(halo)
+    assert "left out" not in capsys.readouterr().err
