@@ -15,6 +15,8 @@ from flint import arb
 from orbitproof.shared.formats import BoxClaim, Candidate, InSection, PeriodicBifurcation
 from orbitproof.verify.bifurcation import coordinates_in_box
 from orbitproof.verify.evidence import (
+    GREATEST_PRECISION,
+    LEAST_PRECISION,
     IntegrationFailure,
     NotProved,
     Outcome,
@@ -32,8 +34,6 @@ from orbitproof.verify.poincare import Returns, box_of, default_order
 
 Verdict = Outcome[Any]
 
-LEAST_PRECISION = 64
-GREATEST_PRECISION = 65536
 LEVELS = ("auto", "integral", "coordinates")
 
 if TYPE_CHECKING:

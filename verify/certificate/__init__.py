@@ -1,6 +1,6 @@
 """From a candidate to its certificate, and checking a certificate again (sections 10 and 13)."""
 
-from orbitproof.verify.attempt.precision import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits
+from orbitproof.verify.attempt.precision import LEVELS, Limits
 from orbitproof.verify.certificate.certificate import (
     Certificate,
     digest,
@@ -10,7 +10,7 @@ from orbitproof.verify.certificate.certificate import (
     repeated,
     write_certificates,
 )
-from orbitproof.verify.certificate.certifying import Integrator, broken_off, certify, not_proved
+from orbitproof.verify.certificate.certifying import Integrator, certify, not_proved
 from orbitproof.verify.certificate.document import Computation
 from orbitproof.verify.certificate.earlier import taken_names
 from orbitproof.verify.certificate.kinds import contradictions, numbers, tables_from_json, tables_to_json
@@ -33,6 +33,7 @@ from orbitproof.verify.certificate.levels import (
     overlap,
     unknown_reason,
 )
+from orbitproof.verify.certificate.own_box import broken_off
 from orbitproof.verify.certificate.rechecking import (
     NOT_INTEGRATED,
     UNCHECKED_REASON,

@@ -13,7 +13,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from orbitproof.shared.formats import BoxClaim, Candidate, InputError
+from orbitproof.shared.formats import BoxClaim, Candidate
 from orbitproof.verify.attempt.precision import (
     Limits,
     Verdict,
@@ -21,14 +21,11 @@ from orbitproof.verify.attempt.precision import (
     missing_bits,
     more_precision,
 )
-from orbitproof.verify.bifurcation import (
-    BifurcationResults,
-    check_own_box,
-    level_spread,
-)
+from orbitproof.verify.bifurcation import level_spread
 from orbitproof.verify.certificate.certificate import Certificate, make_certificate
 from orbitproof.verify.certificate.document import Computation
 from orbitproof.verify.certificate.kinds import Found, check_exactly, enclose, kind_of, level_form, prove, theorem_of
+from orbitproof.verify.certificate.own_box import broken_off, for_origin
 from orbitproof.verify.evidence import (
     Checklist,
     NotEstablishedError,
@@ -93,20 +90,6 @@ def certify(
 def not_proved(candidate: BoxClaim, reason: Reason, seconds: float) -> Certificate:
     """The certificate of a candidate of which nothing but a reason is known."""
     return make_certificate(candidate, NotProved(reason), Computation(0, 0, 0, 1, round(seconds, 3)))
-
-
-def broken_off(stage: str, error: Exception) -> Reason:
-    """The reason of a stage that ended with an exception that no hypothesis accounts for."""
-    message = " ".join(f"the {stage} broke off: {type(error).__name__}: {error}".split()).removesuffix(":")
-    if isinstance(error, MemoryError):
-        remedy = "free memory, or give fewer `jobs` or `max_precision` less"
-    elif isinstance(error, InputError):
-        remedy = "correct the candidate"
-    elif isinstance(error, (ArithmeticError, ValueError)):
-        remedy = "smaller radii or another centre"
-    else:
-        remedy = "report it together with the candidate: this is a defect of the verifier"
-    return Reason(stage, message, remedy)
 
 
 def _certify(
@@ -179,7 +162,7 @@ def _escalate(
             report(0.0)
             attempt = _attempt(candidate, precision, accuracy, report, integrate)
             if form is not None:
-                attempt = replace(attempt, outcome=for_origin(origin, attempt.outcome, precision))
+                attempt = replace(attempt, outcome=_for_origin(origin, attempt.outcome, precision))
         except _OutOfTime:
             best = _stopped(best, precision, limits)
             break
@@ -260,25 +243,15 @@ def _attempt(
         return _Attempt(outcome, precision, found.order, found.steps, found)
 
 
-def for_origin(origin: BoxClaim, outcome: Verdict, precision: int) -> Verdict:
-    """The outcome for a candidate whose level form was checked: that it holds for its own box has to be shown too."""
-    if isinstance(outcome, NotProved):
-        return outcome
-    form = level_form(origin)
-    if form is None or not (isinstance(origin, Candidate) and isinstance(outcome.results, BifurcationResults)):
-        reason = Reason("level-box", "the candidate has no level form", "verify it with `level` coordinates")
-        return NotProved(reason, outcome.hypotheses)
-    theorem = theorem_of(origin, form)
-    if isinstance(theorem, Reason):
-        return NotProved(theorem, outcome.hypotheses)
-    checklist = Checklist()
-    checklist.hypotheses += outcome.hypotheses
-    with guarded(precision):
-        try:
-            check_own_box(checklist, origin, form, outcome.results.point)
-        except NotEstablishedError as error:
-            reason, missing = error.reason, missing_bits(origin, outcome.results.point)
-            if reason.condition == "candidate-box" and missing is not None:
-                reason = replace(reason, needs_precision=True, enough_precision=precision + missing)
-            return NotProved(reason, tuple(checklist.hypotheses))
-    return Proved(theorem, outcome.results, tuple(checklist.hypotheses))
+def _for_origin(origin: BoxClaim, outcome: Verdict, precision: int) -> Verdict:
+    """The outcome for the candidate's own box; where the box is left for want of bits, with how many are missing."""
+    own = for_origin(origin, outcome, precision)
+    if not isinstance(own, NotProved) or not isinstance(outcome, Proved) or not isinstance(origin, Candidate):
+        return own
+    if own.reason.condition == "candidate-box":
+        with guarded(precision):
+            missing = missing_bits(origin, outcome.results.point)
+        if missing is not None:
+            reason = replace(own.reason, needs_precision=True, enough_precision=precision + missing)
+            return replace(own, reason=reason)
+    return own

@@ -9,12 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flint import arb
 
 from orbitproof.shared.formats import InputError
-from orbitproof.shared.processes import Failure
 from orbitproof.verify.evidence import (
     STOPS,
     ball_from_json,
@@ -27,6 +26,9 @@ from orbitproof.verify.evidence import (
     quoted,
     quoted_name,
 )
+
+if TYPE_CHECKING:
+    from orbitproof.shared.processes import Failure
 
 _SHOWN_DIGITS = 45
 _LONGEST_SHOWN = 100

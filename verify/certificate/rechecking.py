@@ -17,9 +17,7 @@ import numpy as np
 
 from orbitproof.shared.formats import BoxClaim, Candidate, claim_from_json, validate_document
 from orbitproof.shared.systems import SYSTEMS, shown
-from orbitproof.verify.attempt.precision import GREATEST_PRECISION, LEAST_PRECISION
 from orbitproof.verify.certificate.certificate import Certificate, digest, make_certificate
-from orbitproof.verify.certificate.certifying import broken_off, for_origin
 from orbitproof.verify.certificate.document import Computation
 from orbitproof.verify.certificate.earlier import taken_names
 from orbitproof.verify.certificate.kinds import (
@@ -45,9 +43,12 @@ from orbitproof.verify.certificate.levels import (
     other_software,
     unknown_reason,
 )
+from orbitproof.verify.certificate.own_box import broken_off, for_origin
 from orbitproof.verify.certificate.stated_system import named_as, systems_with
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.evidence import (
+    GREATEST_PRECISION,
+    LEAST_PRECISION,
     Checklist,
     IntegrationFailure,
     NotEstablishedError,

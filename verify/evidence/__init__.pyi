@@ -59,7 +59,9 @@ from .outcome_as_json import outcome_to_json as outcome_to_json
 from .outcome_as_json import quoted as quoted
 from .outcome_as_json import quoted_name as quoted_name
 from .outcome_as_json import reason_to_json as reason_to_json
+from .precision import GREATEST_PRECISION as GREATEST_PRECISION
 from .precision import GUARD_BITS as GUARD_BITS
+from .precision import LEAST_PRECISION as LEAST_PRECISION
 from .precision import guarded as guarded
 from .sources import ON_WHICH_NOTHING_RESTS as ON_WHICH_NOTHING_RESTS
 from .sources import completed_here as completed_here

@@ -1,7 +1,6 @@
-"""Precision of the ball arithmetic: bits beyond those of what the balls come from.
+"""Precision of the ball arithmetic: what proofs may be made with, and bits beyond that keep rounding from widening them.
 
-Any precision gives enclosures (section 7.1); these bits keep rounding from widening them.
-"""
+Any precision gives enclosures (section 7.1)."""
 
 from __future__ import annotations
 
@@ -10,6 +9,7 @@ from contextlib import AbstractContextManager
 from flint import ctx
 
 GUARD_BITS = 64
+LEAST_PRECISION, GREATEST_PRECISION = 64, 65536
 
 
 def guarded(bits: int) -> AbstractContextManager[None]:

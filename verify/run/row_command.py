@@ -13,14 +13,8 @@ from typing import TYPE_CHECKING
 
 from orbitproof.shared.formats import ORBIT_KINDS, InputError, read_claims, refused, select_ids
 from orbitproof.shared.systems import shown
-from orbitproof.verify.certificate import (
-    GREATEST_PRECISION,
-    LEAST_PRECISION,
-    LEVELS,
-    Limits,
-    Recheck,
-    read_certificates,
-)
+from orbitproof.verify.certificate import LEVELS, Limits, Recheck, read_certificates
+from orbitproof.verify.evidence import GREATEST_PRECISION, LEAST_PRECISION
 from orbitproof.verify.run import CHECK_SECONDS, ArgumentParser, Workplace, interrupted, whole_number
 from orbitproof.verify.run.checking_again import checked_again
 from orbitproof.verify.run.row_tables import recheck_table, verdict_text, verdicts_as_json
