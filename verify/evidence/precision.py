@@ -1,4 +1,4 @@
-"""Precision of the ball arithmetic: what proofs may be made with, and bits beyond that keep rounding from widening them.
+"""Precision of the ball arithmetic: that of proofs, and bits beyond it that keep rounding from widening them.
 
 Any precision gives enclosures (section 7.1)."""
 
