@@ -21,6 +21,8 @@ from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify import second_proof as package
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate import Certificate, Limits, certify, write_certificates
+from orbitproof.verify.evidence import ball_to_json
+from orbitproof.verify.run.second_periodic import compare_multipliers
 from orbitproof.verify.run.second_proofs import compare
 from orbitproof.verify.second_proof import BadCertificate, NotProved, ProvedPeriodic, second_proof
 
@@ -589,3 +591,18 @@ def test_crossings_of_all_legs_are_counted(recorded: Any, monkeypatch: pytest.Mo
         proof = periodic.PeriodicProof(stated, bits, start)
         monkeypatch.setattr(proof, "leg", lambda state, *more: (state, 2))
         assert proof.followed(proof.centre, 1).crossings == 2 * len(start.shares)
+
+
+def test_both_parts_of_a_multiplier_are_compared_each_with_its_own() -> None:
+    balls = [acb(arb(2, 0.25), arb(3, 0.5)), acb(arb(2, 0.25), arb(-3, 0.5))]
+    parts = [{"real": ball_to_json(ball.real), "imaginary": ball_to_json(ball.imag)} for ball in balls]
+    stored = {"trivial": 1, "inside": 0, "on": 0, "outside": 2, "undecided": 0, "values": parts}
+    mine: Any = SimpleNamespace(inside=0, on=0, outside=2, multipliers=(acb(2, -3), acb(2, 3)))
+    found = compare_multipliers(stored, mine, on_level=False)
+    assert isinstance(found, dict)
+    for number, ball in enumerate(mine.multipliers, start=1):
+        for part, value in (("real", ball.real), ("imaginary", ball.imag)):
+            here, there = found[f"multiplier {number}, {part} part"]
+            assert here == value
+            assert there.contains(value)
+            assert not there.contains(value + 1)

@@ -245,9 +245,9 @@ def test_where_stability_is_not_decided_a_place_is_named() -> None:
 def test_that_places_are_open_is_said_with_the_list() -> None:
     gap = Gap(0, "p", Fraction(0), Fraction(1), Matter.COMBINATIONS, "bounds too wide")
     atlas: Any = SYSTEMS["two"](2).atlas(6)
-    for open_, but in (((gap,), True), ((), False)):
-        found: Any = SimpleNamespace(combinations=Combinations((), open_), gaps=(), parameters=2)
+    for open_, gaps, but in (((gap,), (), True), ((), (gap,), True), ((gap,), (gap,), True), ((), (), False)):
+        found: Any = SimpleNamespace(combinations=Combinations((), open_), gaps=gaps, parameters=2)
         text = "\n".join(_combinations(atlas, found))
         assert (", but for the places named below," in text) == but
-        assert ("Whether there are more of these is not decided:" in text) == but
+        assert ("Whether there are more of these is not decided:" in text) == bool(open_)
     assert not may_change_stability(Matter.COMBINATIONS)

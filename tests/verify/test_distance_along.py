@@ -166,6 +166,25 @@ def test_the_extrema_of_a_family_of_polynomials_are_enclosed() -> None:
                 assert each.time.rad() < 1e-2
 
 
+@pytest.mark.parametrize("length", [Fraction(1, 8), Fraction(1), Fraction(16)])
+def test_the_value_at_an_extremum_is_that_of_each_function_however_long_the_step_is(length: Fraction) -> None:
+    """3 x^2 + b x and 3 x^2 - b x, x = theta - 1/2: both are 0 in the middle of their zeros of the rate."""
+    x = fmpq_poly([fmpq(-1, 2), 1])
+    for b in (fmpq(1, 4), fmpq(1, 2**20)):
+        members = [3 * x * x + sign_ * b * x for sign_ in (1, -1)]
+        functions = []
+        for _ in range(3):
+            functions.append(Family(tuple(map(arb_poly, members))))
+            members = [poly.derivative() / rational(length) for poly in members]
+        step = Step(*functions, enclose(length), lambda theta: theta * enclose(length))  # type: ignore[arg-type]
+        found = step.zero(arb(0), arb(1))
+        assert found is not None
+        for place in (fmpq(1, 2) - b / 6, fmpq(1, 2) + b / 6):
+            assert found.time.contains(place * rational(length))
+        assert found.value.contains(-b * b / 12)
+        assert found.value.rad() < 4 * b * b
+
+
 @pytest.mark.parametrize(
     "slope",
     [

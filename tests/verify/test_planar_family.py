@@ -8,6 +8,7 @@ import random
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from itertools import combinations
 from math import comb, floor
 from pathlib import Path
 from typing import Any
@@ -69,6 +70,34 @@ def test_symmetry_breakings_over_a_part_of_a_piece_are_those_of_all_of_its_dista
                 at = _breaking(piece, sheets, (distance, distance))
                 assert isinstance(at, tuple)
                 assert all(wide.contains(ball.mid()) for wide, ball in zip(over, at, strict=True))
+
+
+def test_over_a_part_a_sheet_is_asked_from_the_first_to_the_last_of_its_masses(piece: LibrationPiece) -> None:
+    asked = list[tuple[Fraction, Fraction]]()
+
+    class Asked:
+        """Its parameter is 2 s, whose places are known up to 1/1024."""
+
+        parameter = Fraction(0), Fraction(2)
+
+        def place(self, value: Fraction) -> tuple[Fraction, Fraction]:
+            return value / 2 - Fraction(1, 1024), value / 2 + Fraction(1, 1024)
+
+        def point(self, low: Fraction, high: Fraction) -> list[arb]:
+            asked.append((low, high))
+            return [arb(0.7), arb(0), arb(1.3)]
+
+    middle, half = piece.distance
+    sheets: Any = [Asked()]
+    places = [middle + half * Fraction(share, 4) for share in (-4, 0, 3, 4)]
+    assert all(isinstance(_breaking(piece, sheets, (b, b)), tuple) for b in places)
+    singly = [*asked]
+    for first, last in combinations(range(len(places)), 2):
+        asked.clear()
+        assert isinstance(_breaking(piece, sheets, (places[first], places[last])), tuple)
+        ((low, high),) = asked
+        assert low <= min(each[0] for each in singly[first : last + 1])
+        assert high >= max(each[1] for each in singly[first : last + 1])
 
 
 @pytest.mark.parametrize("point", ["L1", "L2"])
@@ -163,6 +192,11 @@ def _without_the_point(pieces: list[LibrationPiece], results: list[dict[str, Any
     pieces[0] = replace(pieces[0], size=(middle + half / 4, half * 3 / 4))
 
 
+def _beyond_the_point(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
+    _, half = pieces[0].size
+    pieces[0] = replace(pieces[0], size=(-2 * half, half))
+
+
 def _gap_before_the_surface(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
     middle, half = pieces[0].size
     pieces[0] = replace(pieces[0], size=(middle - half / 4, half * 3 / 4))
@@ -211,6 +245,7 @@ REFUSED: dict[str, tuple[Change, str]] = {
     "the pieces are about both libration points": (_two_points, "two libration points"),
     "the distances have the wrong side": (_other_side, "other side of the smaller mass"),
     "the family does not reach the libration point": (_without_the_point, "does not reach the libration point"),
+    "the family is beyond the libration point": (_beyond_the_point, "does not reach the libration point"),
     "the family ends before the surface": (_gap_before_the_surface, "not shown to be among the sizes"),
     "sizes are missing": (_gap_in_size, "is not proved from s = 0.125"),
     "masses are missing": (_gap_in_mass, "there is a gap"),
