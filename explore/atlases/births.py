@@ -14,7 +14,8 @@ import numpy as np
 
 from orbitproof.explore.atlases.lyapunov import LibrationFailure
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
-from orbitproof.explore.refinement import IntegrationFailure, JetBasis, section_crossings, working_context
+from orbitproof.explore.numerics import working_context
+from orbitproof.explore.refinement import IntegrationFailure, JetBasis, section_crossings
 from orbitproof.shared.formats import BirthPiece
 from orbitproof.shared.systems import CR3BP, REGULARISATIONS
 

@@ -18,12 +18,14 @@ import mpmath
 import numpy as np
 
 from orbitproof.explore.flow import Matrix, Vector
+from orbitproof.explore.numerics import fraction, mpf, working_context
 from orbitproof.explore.refinement import (
     Frame,
     IntegrationFailure,
     JetBasis,
     RefinementFailure,
     branch_geometry,
+    operations,
     section_crossings,
     start_jets,
 )
@@ -103,8 +105,7 @@ class BranchPoint:
         return self._difference(point, level_in_section)
 
     def _difference(self, point: Vector, level: Callable[..., Any]) -> tuple[float, float]:
-        context = mpmath.MPContext()
-        context.prec = BITS
+        context = working_context(BITS)
         exact = [context.mpf(float(value)) for value in point]
         values = [level(self.system, self.parameters, exact, context)]
         for i, value in enumerate(exact):
@@ -112,16 +113,15 @@ class BranchPoint:
             values.append(level(self.system, self.parameters, [*exact[:i], value + unit, *exact[i + 1 :]], context))
         here = values[0]
         noise = sum(abs(float(value - here)) for value in values[1:])
-        return float(here - context.mpf(self.level.numerator) / self.level.denominator), 4 * noise
+        return float(here - mpf(self.level, context)), 4 * noise
 
 
 def centre_of(candidate: Candidate) -> Vector:
     """The centre of a claim on Fix(R), shape (1 + n,), without a parameter that varies where two resonances meet."""
     if candidate.level_sign is None:
         return np.array([*map(float, candidate.centre[candidate.resonances_meet :])])
-    context = mpmath.MPContext()
-    context.prec = BITS
-    centre, *frame = ([_number(value, context) for value in row] for row in (candidate.centre, *candidate.frame))
+    context = working_context(BITS)
+    centre, *frame = ([mpf(value, context) for value in row] for row in (candidate.centre, *candidate.frame))
     return _floats([_without_level(candidate, centre, frame, context)[0]])[0]
 
 
@@ -133,15 +133,14 @@ def branch_point(candidate: Candidate) -> BranchPoint:
         raise NoBranch(f"no branch is followed from a claim of the kind {candidate.kind}")
     if candidate.crossings != 1 and candidate.kind != REVERSOR_BREAKING:
         raise NoBranch(f"its half orbit meets the section {candidate.crossings} times; branches of one are followed")
-    context = mpmath.MPContext()
-    context.prec = BITS
+    context = working_context(BITS)
     system, parameters = candidate.system, candidate.parameters
-    centre = [_number(value, context) for value in candidate.centre]
-    frame = [[_number(value, context) for value in row] for row in candidate.frame]
+    centre = [mpf(value, context) for value in candidate.centre]
+    frame = [[mpf(value, context) for value in row] for row in candidate.frame]
     if candidate.level_sign is not None:
         centre, frame = _without_level(candidate, centre, frame, context)
-    exact = [_fraction(value) for value in centre]
-    kernel = context.matrix([[_number(value, context) for value in row] for row in candidate.kernel_frame])
+    exact = [round_dyadic(fraction(value), BITS) for value in centre]
+    kernel = context.matrix([[mpf(value, context) for value in row] for row in candidate.kernel_frame])
     try:
         start, parameter = start_jets(system, centre, [], JetBasis.graded((1,), 0))
         crossings = section_crossings(system, parameters, start, parameter, context)
@@ -164,7 +163,7 @@ def branch_point(candidate: Candidate) -> BranchPoint:
         symmetry=candidate.symmetry,
         point=_floats([centre])[0],
         frame=_floats(frame),
-        level=_fraction(level),
+        level=round_dyadic(fraction(level), BITS),
         times=tuple(after - before for before, after in pairwise(times)),
         slope=slope,
     )
@@ -208,17 +207,11 @@ def _level(
     program = system.first_integral_program
     assert program is not None
     state = [coordinates.get(index, context.mpf(0)) for index in range(len(system.state))]
-    fixed = [_number(parameters[name], context) for name in system.parameters]
-
-    def number(value: Fraction) -> Any:
-        return _number(value, context)
-
-    def power(base: Any, exponent: Fraction) -> Any:
-        return context.mpf(base) ** number(exponent)
-
+    fixed = [mpf(parameters[name], context) for name in system.parameters]
+    constant, power = operations(context)
     functions = {name: getattr(context, name) for name in ("sin", "cos", "exp", "log")}
-    state = with_functions(system, state, fixed, functions, number, power)
-    return program.evaluate([*state, *fixed], number, power)[0]
+    state = with_functions(system, state, fixed, functions, constant, power)
+    return program.evaluate([*state, *fixed], constant, power)[0]
 
 
 def _without_level(
@@ -256,15 +249,6 @@ def _without_level(
         for j in range(len(names))
     ]
     return point, rows
-
-
-def _number(value: Fraction, context: mpmath.MPContext) -> Any:
-    return context.mpf(value.numerator) / value.denominator
-
-
-def _fraction(value: Any) -> Fraction:
-    sign, mantissa, exponent, _ = value._mpf_
-    return round_dyadic((-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent, BITS)
 
 
 def _floats(rows: Sequence[Sequence[Any]]) -> Matrix:

@@ -20,7 +20,8 @@ from typing import Any
 
 import mpmath
 
-from orbitproof.explore.refinement import Jet, JetBasis, section_crossings, working_context
+from orbitproof.explore.numerics import mpf, working_context
+from orbitproof.explore.refinement import Jet, JetBasis, operations, section_crossings
 from orbitproof.shared.systems import CR3BP
 
 VARIABLES = 3
@@ -128,7 +129,7 @@ def expand(point: Sequence[Fraction], degree: int, settings: Settings) -> Expans
     context = working_context(settings.bits)
     exponents = [m for m in product(range(degree + 1), repeat=VARIABLES) if sum(m) <= degree]
     basis = JetBasis.of([(*m, across) for m in exponents for across in (0, 1)])
-    values = [context.mpf(u.numerator) / u.denominator for u in point]
+    values = [mpf(u, context) for u in point]
     jets = [basis.constant(value) for value in values]
     for i, jet in enumerate(jets):
         jet.coefficients[basis.variable(i)] = context.mpf(1)
@@ -150,12 +151,7 @@ def expand(point: Sequence[Fraction], degree: int, settings: Settings) -> Expans
     program = CR3BP.first_integral_program
     assert program is not None
 
-    def number(value: Fraction) -> Any:
-        return context.mpf(value.numerator) / value.denominator
-
-    def power(base: Any, exponent: Fraction) -> Any:
-        return base.power(exponent, power) if isinstance(base, Jet) else context.mpf(base) ** number(exponent)
-
-    level = program.evaluate([*start, jets[MU]], number, power)[0]
+    constant, power = operations(context)
+    level = program.evaluate([*start, jets[MU]], constant, power)[0]
     equations = (part(crossing.jets[names.index("vx")], 0), part(crossing.jets[names.index("vz")], 1))
     return Expansion(equations, part(level, 0), crossing.time, context)

@@ -15,6 +15,7 @@ from typing import Any
 from orbitproof.explore.engines import Progress
 from orbitproof.explore.masses.charts import Chart
 from orbitproof.explore.masses.expansion import MU, VARIABLES, VY, Expansion, Settings, X, dot, expand
+from orbitproof.explore.numerics import fraction
 from orbitproof.explore.refinement import IntegrationFailure
 
 MAXIMAL_ITERATIONS = 12
@@ -178,7 +179,7 @@ def _newton(
     curvature = None
     if degree > 1:
         tangent = check.tangent
-        curvature = exact(dot(check.determinant_gradient(), tangent) / tangent[MU] ** 2)
+        curvature = fraction(dot(check.determinant_gradient(), tangent) / tangent[MU] ** 2)
         change = float(abs(check.level.coefficients[0] - at.level.coefficients[0]))
     else:
         change = float(abs(slopes[1] - slopes[0]) / max(1, abs(slopes[1])))
@@ -194,8 +195,8 @@ def _newton(
         x=point[X],
         vy=point[VY],
         half_period=check.half_period,
-        jacobi_constant=exact(check.level.coefficients[0]),
-        jacobi_derivative=exact(slopes[1]),
+        jacobi_constant=fraction(check.level.coefficients[0]),
+        jacobi_derivative=fraction(slopes[1]),
         jacobi_curvature=curvature,
         residual=residual,
         derivative_change=change,
@@ -222,12 +223,6 @@ def _correction(expansion: Expansion, unknowns: int) -> list[Any]:
     return [-c for c in context.lu_solve(context.matrix(rows), context.matrix(values))]
 
 
-def exact(value: Any) -> Fraction:
-    """The exact value of an mpmath number."""
-    sign, mantissa, exponent, _ = value._mpf_
-    return Fraction(int(-mantissa if sign else mantissa)) * Fraction(2) ** int(exponent)
-
-
 def _moved(value: Fraction, correction: Any, bits: int) -> Fraction:
     scale = 1 << bits
-    return Fraction(round((value + exact(correction)) * scale), scale)
+    return Fraction(round((value + fraction(correction)) * scale), scale)

@@ -1,4 +1,4 @@
-"""Zeros, prediction along a curve, and when Newton's method ends."""
+"""Zeros, prediction along a curve, when Newton's method ends, and numbers with many digits."""
 
 import lazy_loader
 

@@ -2,6 +2,9 @@ from .newton import BREAKING as BREAKING
 from .newton import SEGMENTS as SEGMENTS
 from .newton import SHOOTING as SHOOTING
 from .newton import NewtonRule as NewtonRule
+from .precision import fraction as fraction
+from .precision import mpf as mpf
+from .precision import working_context as working_context
 from .prediction import predict as predict
 from .zeros import Samples as Samples
 from .zeros import Touch as Touch

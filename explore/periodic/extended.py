@@ -15,7 +15,8 @@ from typing import Any
 
 import mpmath
 
-from orbitproof.explore.periodic.refinement import evaluated, flow_jets, number
+from orbitproof.explore.numerics import mpf
+from orbitproof.explore.periodic.refinement import evaluated, flow_jets
 from orbitproof.explore.periodic.symmetries import Symmetry
 from orbitproof.explore.refinement import Jet, JetBasis
 from orbitproof.shared.systems import System
@@ -132,7 +133,7 @@ class _Jets:
         flown = flow_jets(system.system, fixed, [*start, *given], unknowns[n], context)
         self.spread = max(float(abs(value)) for jet in flown for value in jet.coefficients[1:])
         values = [
-            self._rounded(given[0]) if name == system.name else number(system.parameters[name], context)
+            self._rounded(given[0]) if name == system.name else mpf(system.parameters[name], context)
             for name in system.system.parameters
         ]
         velocity = evaluated(system.system.program, [*flown, *values], context)
@@ -150,7 +151,7 @@ class _Jets:
             (self.integral,) = evaluated(program, [*map(self._rounded, start), *values], context)
 
     def _rounded(self, jet: Jet) -> Jet:
-        return Jet(self.basis, [number(value, self.context) for value in jet.coefficients])
+        return Jet(self.basis, [mpf(value, self.context) for value in jet.coefficients])
 
     def slope(self, jet: Jet, *variables: int) -> Any:
         """A derivative by different variables."""
@@ -161,24 +162,24 @@ def _return(system: ExtendedSystem, unknowns: Sequence[Fraction], jets: _Jets) -
     """S phi_T(x) = x."""
     n, equations = system.size, []
     for i, value in enumerate(system.point(unknowns)):
-        slopes = {k: jets.slope(jets.end[i], k) - number(system.frame[i][k], jets.context) for k in range(n)}
+        slopes = {k: jets.slope(jets.end[i], k) - mpf(system.frame[i][k], jets.context) for k in range(n)}
         slopes[n] = jets.velocity[i].coefficients[0]
         if jets.parameter is not None:
             slopes[n + 1] = jets.slope(jets.end[i], jets.parameter)
-        equations.append((jets.end[i].coefficients[0] - number(value, jets.context), slopes))
+        equations.append((jets.end[i].coefficients[0] - mpf(value, jets.context), slopes))
     return equations
 
 
 def _eigenvector(system: ExtendedSystem, unknowns: Sequence[Fraction], jets: _Jets, j: int) -> list[Equation]:
     """S (D phi A w_j + t_j f) = the combination of A w that the eigenvalue says."""
     n, context, v = system.size, jets.context, jets.vectors[j]
-    time = number(unknowns[2 * n + 2 + j * (n + 1)], context)
+    time = mpf(unknowns[2 * n + 2 + j * (n + 1)], context)
     if system.eigenvalue is not None:
         factors = [context.mpf(system.eigenvalue)]
     else:
-        cosine, sine = (number(value, context) for value in unknowns[-2:])
+        cosine, sine = (mpf(value, context) for value in unknowns[-2:])
         factors = [cosine, -sine] if j == 0 else [sine, cosine]
-    images = [[number(value, context) for value in image] for image in jets.images]
+    images = [[mpf(value, context) for value in image] for image in jets.images]
     equations = []
     for i in range(n + 1):
         end, velocity = jets.end[i], jets.velocity[i]
@@ -192,7 +193,7 @@ def _eigenvector(system: ExtendedSystem, unknowns: Sequence[Fraction], jets: _Je
             for k in range(n):
                 own = jets.slope(end, k) if other == j else 0
                 place = n + 2 + other * (n + 1) + k
-                slopes[place] = own - factor * number(system.frame[i][k], context)
+                slopes[place] = own - factor * mpf(system.frame[i][k], context)
         slopes[2 * n + 2 + j * (n + 1)] = speed
         if system.eigenvalue is None:
             slopes[len(unknowns) - 2] = -images[j][i]
@@ -203,8 +204,8 @@ def _eigenvector(system: ExtendedSystem, unknowns: Sequence[Fraction], jets: _Je
 
 def _normalised(system: ExtendedSystem, unknowns: Sequence[Fraction], context: mpmath.MPContext) -> list[Equation]:
     """<weights, w> = 1; for u + i v with weights (a, b): <a, u> + <b, v> = 1, <a, v> = <b, u>, cos^2 + sin^2 = 1."""
-    n, weights = system.size, [[number(value, context) for value in row] for row in system.weights]
-    vectors = [[number(value, context) for value in system.vector(unknowns, j)] for j in range(system.vectors)]
+    n, weights = system.size, [[mpf(value, context) for value in row] for row in system.weights]
+    vectors = [[mpf(value, context) for value in system.vector(unknowns, j)] for j in range(system.vectors)]
     places = [n + 2 + j * (n + 1) for j in range(system.vectors)]
 
     def product(pairs: Sequence[tuple[int, int, int]], goal: int) -> Equation:
@@ -216,7 +217,7 @@ def _normalised(system: ExtendedSystem, unknowns: Sequence[Fraction], context: m
 
     if system.eigenvalue is not None:
         return [product([(1, 0, 0)], 1)]
-    cosine, sine = (number(value, context) for value in unknowns[-2:])
+    cosine, sine = (mpf(value, context) for value in unknowns[-2:])
     last = len(unknowns)
     circle = cosine * cosine + sine * sine - 1, {last - 2: 2 * cosine, last - 1: 2 * sine}
     return [product([(1, 0, 0), (1, 1, 1)], 1), product([(1, 0, 1), (-1, 1, 0)], 0), circle]
@@ -230,7 +231,7 @@ def _on_level(system: ExtendedSystem, unknowns: Sequence[Fraction], jets: _Jets)
     level = unknowns[n + 1] if system.level is None else system.level
     slopes = {k: jets.slope(integral, k) for k in range(n)}
     slopes[n + 1] = context.mpf(-1) if jets.parameter is None else jets.slope(integral, jets.parameter)
-    equations: list[Equation] = [(integral.coefficients[0] - number(level, context), slopes)]
+    equations: list[Equation] = [(integral.coefficients[0] - mpf(level, context), slopes)]
     for j, v in enumerate(jets.vectors):
         across = {k: jets.slope(integral, v, k) for k in range(n)}
         if jets.parameter is not None:

@@ -15,6 +15,7 @@ import mpmath
 import numpy as np
 
 from orbitproof.explore.engines import Progress
+from orbitproof.explore.numerics import fraction, mpf, working_context
 from orbitproof.explore.periodic.flow import Matrix
 from orbitproof.explore.periodic.section import AffineSection
 from orbitproof.explore.refinement import (
@@ -24,7 +25,7 @@ from orbitproof.explore.refinement import (
     JetStepper,
     RefinementFailure,
     Tape,
-    working_context,
+    operations,
 )
 from orbitproof.shared.formats import PeriodicOrbit
 from orbitproof.shared.numbers import round_dyadic
@@ -178,19 +179,19 @@ def _linearised(task: PeriodicTask, unknowns: Sequence[Fraction], context: mpmat
         start[i].coefficients[basis.variable(i)] = Fraction(1)
     end = flow_jets(task.system, task.parameters, start, time, context)
     derivative = [[jet.coefficients[basis.variable(j)] for j in range(size)] for jet in end]
-    given = [number(task.parameters[name], context) for name in task.system.parameters]
+    given = [mpf(task.parameters[name], context) for name in task.system.parameters]
     velocity = evaluated(task.system.program, [*(jet.coefficients[0] for jet in end), *given], context)
     rows = [[*(derivative[i][j] - int(i == j) for j in range(size)), velocity[i]] for i in range(size)]
-    values = [end[i].coefficients[0] - number(x[i], context) for i in range(size)]
+    values = [end[i].coefficients[0] - mpf(x[i], context) for i in range(size)]
     normal = task.section.normal
-    rows.append([*(number(a, context) for a in normal), 0])
-    values.append(number(sum(a * u for a, u in zip(normal, x, strict=True)) - task.section.offset, context))
+    rows.append([*(mpf(a, context) for a in normal), 0])
+    values.append(mpf(sum(a * u for a, u in zip(normal, x, strict=True)) - task.section.offset, context))
     if task.level is not None:
         assert task.system.first_integral_program is not None
-        here = [Jet(basis, [number(value, context) for value in jet.coefficients]) for jet in start]
+        here = [Jet(basis, [mpf(value, context) for value in jet.coefficients]) for jet in start]
         (integral,) = evaluated(task.system.first_integral_program, [*here, *given], context)
         rows.append([*(integral.coefficients[basis.variable(j)] for j in range(size)), 0])
-        values.append(integral.coefficients[0] - number(task.level, context))
+        values.append(integral.coefficients[0] - mpf(task.level, context))
     spread = max(float(abs(entry)) for row in derivative for entry in row)
     return context.matrix(values), context.matrix(rows), spread
 
@@ -239,25 +240,7 @@ def flow_jets(
 
 def evaluated(program: Program, inputs: Sequence[Any], context: mpmath.MPContext) -> list[Any]:
     """A program at numbers of `context` and jets of them."""
-
-    def power(base: Any, exponent: Fraction) -> Any:
-        if isinstance(base, Jet):
-            return base.power(exponent, power)
-        return base ** number(exponent, context)
-
-    return list(program.evaluate(list(inputs), lambda value: number(value, context), power))
-
-
-def number(value: Any, context: mpmath.MPContext) -> Any:
-    """An exact number with the precision of `context`."""
-    exact = Fraction(value)
-    return context.mpf(exact.numerator) / exact.denominator
-
-
-def fraction(value: Any) -> Fraction:
-    """A number of mpmath, exactly."""
-    sign, mantissa, exponent, _ = mpmath.mpf(value)._mpf_ if isinstance(value, int) else value._mpf_
-    return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
+    return list(program.evaluate(list(inputs), *operations(context)))
 
 
 def box_exponent(digits: int, spread: float) -> int:

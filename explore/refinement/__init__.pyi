@@ -9,6 +9,7 @@ from .half_return import section_jets as section_jets
 from .half_return import start_jets as start_jets
 from .jets import Jet as Jet
 from .jets import JetBasis as JetBasis
+from .jets import operations as operations
 from .krein import refine_collision as refine_collision
 from .newton import RefinedPoint as RefinedPoint
 from .newton import refine as refine
@@ -17,7 +18,6 @@ from .orbit import refine_orbit as refine_orbit
 from .orbit import refine_orbits as refine_orbits
 from .reduction import branch_geometry as branch_geometry
 from .resonance import resonance_slope as resonance_slope
-from .resonance import working_context as working_context
 from .tape import Tape as Tape
 from .tasks import Refined as Refined
 from .tasks import Task as Task

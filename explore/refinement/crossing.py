@@ -16,7 +16,8 @@ from typing import Any
 
 import mpmath
 
-from orbitproof.explore.refinement.jets import Jet, JetBasis
+from orbitproof.explore.numerics import mpf, working_context
+from orbitproof.explore.refinement.jets import Jet, JetBasis, operations
 from orbitproof.explore.refinement.tape import Tape
 from orbitproof.explore.refinement.taylor import IntegrationFailure, JetStepper, Series, StepResult
 from orbitproof.shared.systems import (
@@ -127,8 +128,7 @@ def section_crossings(
         if number % every:
             continue
         if regularisation is None:
-            elapsed = context.mpf(before.numerator) / before.denominator
-            yield Crossing(tuple(jets), time, steps, tau * context.ldexp(1, result.exponent) + elapsed)
+            yield Crossing(tuple(jets), time, steps, tau * context.ldexp(1, result.exponent) + mpf(before, context))
         else:
             image = _evaluate_program(regularisation.projection_program, jets, system, parameters, context)
             duration = jets[regularisation.time_index]
@@ -146,8 +146,7 @@ def shorter_coordinates(
     regularisation = REGULARISATIONS.get(system.name)
     if regularisation is None or regularisation.system is not system:
         return None
-    context = mpmath.MPContext()
-    context.prec = _CHOICE_BITS
+    context = working_context(_CHOICE_BITS)
     basis = JetBasis.graded([1], 0)
     start = [basis.constant(context.mpf(0)) for _ in system.state]
     for index, value in zip(system.fixed_coordinates, point, strict=True):
@@ -194,19 +193,14 @@ def _with_functions(
     if not system.defined:
         return list(start)
     basis = start[0].basis
-
-    def number(value: Fraction) -> Any:
-        return context.mpf(value.numerator) / value.denominator
-
-    def power(base: Any, exponent: Fraction) -> Any:
-        return base.power(exponent, power) if isinstance(base, Jet) else context.mpf(base) ** number(exponent)
+    constant, power = operations(context)
 
     def function(name: str) -> Callable[[Any], Jet]:
         return lambda value: (value if isinstance(value, Jet) else basis.constant(value)).function(name, context)
 
-    given = [number(parameters[name]) if name in parameters else parameter for name in system.parameters]
+    given = [constant(parameters[name]) if name in parameters else parameter for name in system.parameters]
     functions = {each.function: function(each.function) for each in system.defined}
-    return with_functions(system, start, given, functions, number, power)
+    return with_functions(system, start, given, functions, constant, power)
 
 
 def _on_level(
@@ -220,21 +214,16 @@ def _on_level(
     level = system.fixed_level
     assert level is not None
     place, basis = system.state.index(str(system.level_coordinate)), start[0].basis
-
-    def number(value: Fraction) -> Any:
-        return context.mpf(value.numerator) / value.denominator
-
-    def power(base: Any, exponent: Fraction) -> Any:
-        return base.power(exponent, power) if isinstance(base, Jet) else context.mpf(base) ** number(exponent)
+    constant, power = operations(context)
 
     def run(program: Program, w: Jet) -> list[Jet]:
         state = [w if i == place else jet for i, jet in enumerate(start)]
-        given = [number(parameters[name]) if name in parameters else parameter for name in system.parameters]
-        found = program.evaluate([*state, *given], number, power)
+        given = [constant(parameters[name]) if name in parameters else parameter for name in system.parameters]
+        found = program.evaluate([*state, *given], constant, power)
         return [value if isinstance(value, Jet) else basis.constant(value) for value in found]
 
     assert system.first_integral_program is not None
-    jets, value = list(start), basis.constant(number(level.value))
+    jets, value = list(start), basis.constant(constant(level.value))
     if level.between is not None:
         both = with_slope(system.first_integral_program, str(system.level_coordinate))
 
@@ -282,19 +271,11 @@ def _evaluate_program(
     context: mpmath.MPContext,
 ) -> list[Jet]:
     """A straight-line program of jets and the parameters, which do not vary."""
-
-    def number(value: Fraction) -> Any:
-        return context.mpf(value.numerator) / value.denominator
-
-    def power(base: Any, exponent: Fraction) -> Any:
-        if isinstance(base, Jet):
-            return base.power(exponent, power)
-        return context.mpf(base) ** number(exponent)
-
+    constant, power = operations(context)
     basis = arguments[0].basis
-    fixed = [number(parameters[name]) for name in system.parameters]
+    fixed = [constant(parameters[name]) for name in system.parameters]
     try:
-        values = program.evaluate([*arguments, *fixed], number, power)
+        values = program.evaluate([*arguments, *fixed], constant, power)
     except ZeroDivisionError:
         raise IntegrationFailure("division by zero: the orbit meets a singularity") from None
     return [value if isinstance(value, Jet) else basis.constant(value) for value in values]

@@ -15,11 +15,10 @@ from math import ceil, gcd, isfinite, log2
 from typing import Any
 
 from orbitproof.explore.engines import Progress
+from orbitproof.explore.numerics import fraction, mpf, working_context
 from orbitproof.explore.refinement.crossing import section_crossings
 from orbitproof.explore.refinement.frames import RefinementFailure
 from orbitproof.explore.refinement.jets import Jet, JetBasis
-from orbitproof.explore.refinement.one_point import fraction
-from orbitproof.explore.refinement.resonance import working_context
 from orbitproof.explore.refinement.taylor import IntegrationFailure
 from orbitproof.shared.formats import DOUBLE_RESONANCE, Candidate
 from orbitproof.shared.numbers import round_dyadic
@@ -143,7 +142,7 @@ class _Place:
         basis = JetBasis.graded((1,) * size, degree)
         variables = []
         for place, value in enumerate(point):
-            jet = basis.constant(context.mpf(value.numerator) / value.denominator)
+            jet = basis.constant(mpf(value, context))
             jet.coefficients[basis.variable(place)] = context.mpf(1)
             variables.append(jet)
         start = [basis.constant(context.mpf(0)) for _ in system.state]

@@ -16,6 +16,7 @@ from typing import Any
 
 import mpmath
 
+from orbitproof.explore.numerics import mpf
 from orbitproof.explore.refinement.crossing import Crossing, section_crossings
 from orbitproof.explore.refinement.jets import Jet, JetBasis
 from orbitproof.shared.systems import Regularisation, ReversibleSystem
@@ -130,7 +131,7 @@ def _image(
     regularisation: Regularisation | None,
     every: int,
 ) -> tuple[list[Jet], float]:
-    values = [context.mpf(u.numerator) / u.denominator for u in point]
+    values = [mpf(u, context) for u in point]
     start, parameter = start_jets(system, values, directions, basis)
     crossing = next(
         section_crossings(system, parameters, start, parameter, context, regularisation=regularisation, every=every)

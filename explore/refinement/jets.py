@@ -14,6 +14,10 @@ from functools import cached_property
 from itertools import product
 from typing import Any
 
+import mpmath
+
+from orbitproof.explore.numerics import mpf
+
 Monomial = tuple[int, ...]
 
 
@@ -191,3 +195,15 @@ class Jet:
             if self.coefficients[position] != 0:
                 result = result + powers[monomial] * self.coefficients[position]
         return result
+
+
+def operations(context: mpmath.MPContext) -> tuple[Callable[[Any], Any], Callable[[Any, Fraction], Any]]:
+    """How a straight-line program reads its constants and takes powers, of numbers and of jets with such numbers."""
+
+    def constant(value: Any) -> Any:
+        return mpf(value, context)
+
+    def power(base: Any, exponent: Fraction) -> Any:
+        return base.power(exponent, power) if isinstance(base, Jet) else context.mpf(base) ** constant(exponent)
+
+    return constant, power

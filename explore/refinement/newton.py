@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from orbitproof.explore.numerics import fraction, working_context
 from orbitproof.explore.refinement.crossing import shorter_coordinates
 from orbitproof.explore.refinement.frames import Frame, Parity, RefinementFailure, parity_of
 from orbitproof.explore.refinement.half_return import LinearIterates
@@ -32,7 +33,6 @@ from orbitproof.explore.refinement.resonance import (
     linearise,
     newton_correction,
     resonance_slope,
-    working_context,
 )
 from orbitproof.explore.refinement.taylor import IntegrationFailure
 from orbitproof.shared.formats import KINDS, LEADING_POWERS, ONCE, Candidate
@@ -186,7 +186,7 @@ def refine(
     accuracy = max(residual, 10.0 ** -(digits_of_centre + MARGIN_DIGITS))
     value = None
     if system.family_parameter is None:
-        value = round_dyadic(_fraction(problem.level(point, at.context, 0).coefficients[0]), at.context.prec)
+        value = round_dyadic(fraction(problem.level(point, at.context, 0).coefficients[0]), at.context.prec)
     report("done", 1.0)
     return RefinedPoint(
         system=system,
@@ -225,11 +225,6 @@ def _checked(
         what = "symmetry breaking" if k == 1 else "period tupling with k = 3"
         raise RefinementFailure(f"{what} needs a symmetry of {system.name}, not {symmetry}")
     return parity_of(system, symmetry), symmetry
-
-
-def _fraction(value: Any) -> Fraction:
-    sign, mantissa, exponent, _ = value._mpf_
-    return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
 
 
 @dataclass(frozen=True)
@@ -410,13 +405,13 @@ def _relative_size(correction: Sequence[Any], point: Sequence[Fraction]) -> floa
 
 
 def _moved(value: Fraction, correction: Any, bits: int) -> Fraction:
-    moved = value + _fraction(correction)
+    moved = value + fraction(correction)
     scale = 1 << bits
     return Fraction(round(moved * scale), scale)
 
 
 def _exact_rows(matrix: Any) -> tuple[tuple[Fraction, ...], ...]:
-    return tuple(tuple(_fraction(matrix[i, j]) for j in range(matrix.cols)) for i in range(matrix.rows))
+    return tuple(tuple(fraction(matrix[i, j]) for j in range(matrix.cols)) for i in range(matrix.rows))
 
 
 def _checked_iterates(problem: Resonance, frame: Frame, iterates: LinearIterates) -> tuple[float, ...]:

@@ -15,11 +15,11 @@ from typing import Any
 import mpmath
 
 from orbitproof.explore.engines import Progress
+from orbitproof.explore.numerics import fraction, mpf, working_context
 from orbitproof.explore.refinement.crossing import level_jet, shorter_coordinates
 from orbitproof.explore.refinement.frames import RefinementFailure
 from orbitproof.explore.refinement.half_return import HalfReturn, start_jets
 from orbitproof.explore.refinement.jets import JetBasis
-from orbitproof.explore.refinement.resonance import working_context
 from orbitproof.explore.refinement.taylor import IntegrationFailure
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.numbers import round_dyadic
@@ -147,7 +147,7 @@ def _candidate(
     names, centre, sign = system.centre_coordinates, list(point), None
     if system.family_parameter is None:
         context, basis = working_context(bits), JetBasis.graded((1,), 0)
-        values = [context.mpf(value.numerator) / value.denominator for value in point]
+        values = [mpf(value, context) for value in point]
         start, _ = start_jets(system, values, [], basis)
         level = level_jet(system, place.parameters, start, None, context).coefficients[0]
         position = names.index(str(system.level_coordinate))
@@ -167,9 +167,3 @@ def _candidate(
         crossings=place.crossings,
         provenance={"digits": digits, **provenance},
     )
-
-
-def fraction(value: Any) -> Fraction:
-    """A number of mpmath, exactly."""
-    sign, mantissa, exponent, _ = mpmath.mpf(value)._mpf_ if isinstance(value, int) else value._mpf_
-    return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent

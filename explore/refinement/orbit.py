@@ -12,12 +12,12 @@ import mpmath
 import numpy as np
 
 from orbitproof.explore.engines import Job, Lost, Progress, run_all
+from orbitproof.explore.numerics import fraction, mpf, working_context
 from orbitproof.explore.orbits import fallen
 from orbitproof.explore.refinement.crossing import level_jet, section_crossings, shorter_coordinates
 from orbitproof.explore.refinement.frames import RefinementFailure
 from orbitproof.explore.refinement.half_return import section_jets, start_jets
 from orbitproof.explore.refinement.jets import JetBasis
-from orbitproof.explore.refinement.resonance import working_context
 from orbitproof.explore.refinement.taylor import IntegrationFailure
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, ORBIT, Candidate, Equation
 from orbitproof.shared.numbers import round_dyadic
@@ -113,7 +113,7 @@ def _refined(task: OrbitTask, regularisation: Regularisation | None, report: Pro
         values, matrix, spread = _linearised(task, point, context, regularisation)
         correction = context.lu_solve(matrix, -values)
         size = max(float(abs(value)) for value in correction)
-        exact = [round_dyadic(_fraction(value), bits) for value in correction]
+        exact = [round_dyadic(fraction(value), bits) for value in correction]
         point = [value + change for value, change in zip(point, exact, strict=True)]
         far = max(abs(float(p) - g) / max(1.0, abs(g)) for p, g in zip(point, task.guess, strict=True))
         if far > _FARTHEST:
@@ -151,7 +151,7 @@ def _linearised(
     size = 1 + n
     basis = JetBasis.graded((1,) * size, 1)
     directions = [[int(i == j) for i in range(1 + 2 * n)] for j in range(size)]
-    values = [context.mpf(u.numerator) / u.denominator for u in point]
+    values = [mpf(u, context) for u in point]
     start, parameter = start_jets(system, values, directions, basis)
     crossing = next(
         section_crossings(
@@ -169,15 +169,10 @@ def _linearised(
         quantity.coefficients[basis.variable(index)] = context.mpf(1)
     else:
         quantity = level_jet(system, task.parameters, start, parameter, context)
-    functions = [*image[size:], quantity - context.mpf(equation.value.numerator) / equation.value.denominator]
+    functions = [*image[size:], quantity - mpf(equation.value, context)]
     slopes = [[jet.coefficients[basis.variable(j)] for j in range(size)] for jet in functions]
     spread = max(float(abs(jet.coefficients[basis.variable(j)])) for jet in image for j in range(size))
     return context.matrix([jet.coefficients[0] for jet in functions]), context.matrix(slopes), spread
-
-
-def _fraction(value: Any) -> Fraction:
-    sign, mantissa, exponent, _ = mpmath.mpf(value)._mpf_ if isinstance(value, int) else value._mpf_
-    return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
 
 
 def _candidate(task: OrbitTask, point: Sequence[Fraction], bits: int, spread: float, steps: int) -> Candidate:

@@ -14,6 +14,7 @@ from typing import Any
 
 import mpmath
 
+from orbitproof.explore.numerics import mpf
 from orbitproof.explore.refinement.crossing import level_jet, section_crossings
 from orbitproof.explore.refinement.frames import Frame, RefinementFailure
 from orbitproof.explore.refinement.half_return import section_jets, start_jets
@@ -83,7 +84,7 @@ def branch_geometry(
     basis = JetBasis.graded([2, 1, *heavy], 3) if tangential else JetBasis.graded([1, 1, *heavy], 2)
     reduced = JetBasis.graded([2, 1], 3) if tangential else JetBasis.graded([1, 1], 2)
     directions = [[frame.columns[i, j] for i in range(n + 1)] + [0] * n for j in range(n + 1)]
-    point = [context.mpf(u.numerator) / u.denominator for u in centre]
+    point = [mpf(u, context) for u in centre]
     start, parameter = start_jets(system, point, directions, basis)
     iterates = []
     for crossing in section_crossings(
@@ -164,7 +165,7 @@ def fold_geometry(
     n = len(system.kernel_coordinates)
     basis = JetBasis.graded([2, 1, *[2] * (n - 1)], 2)
     directions = [[frame.columns[i, j] for i in range(n + 1)] + [0] * n for j in range(n + 1)]
-    point = [context.mpf(u.numerator) / u.denominator for u in centre]
+    point = [mpf(u, context) for u in centre]
     start, parameter = start_jets(system, point, directions, basis)
     crossing = next(
         section_crossings(system, parameters, start, parameter, context, regularisation=regularisation, every=every)

@@ -22,6 +22,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
+from orbitproof.explore.numerics import mpf, working_context
 from orbitproof.explore.refinement.crossing import level_jet
 from orbitproof.explore.refinement.frames import (
     Frame,
@@ -42,12 +43,6 @@ from orbitproof.explore.refinement.half_return import (
 )
 from orbitproof.explore.refinement.jets import Jet, JetBasis
 from orbitproof.shared.systems import Regularisation, ReversibleSystem
-
-
-def working_context(bits: int) -> mpmath.MPContext:
-    context = mpmath.MPContext()
-    context.prec = bits
-    return context
 
 
 @dataclass(frozen=True)
@@ -100,7 +95,7 @@ class Resonance:
         basis = JetBasis.graded([1] * size, degree)
         n = size - 1
         unit = [[context.mpf(int(i == j)) for i in range(size + n)] for j in range(size)]
-        values = [context.mpf(u.numerator) / u.denominator for u in point]
+        values = [mpf(u, context) for u in point]
         start, parameter = start_jets(self.system, values, unit, basis)
         # Monomials of degree 1 come in the order of the variables, so these are the value and the gradient.
         return level_jet(self.system, self.parameters, start, parameter, context)

@@ -20,9 +20,9 @@ from dataclasses import dataclass
 from operator import mul
 from typing import Any
 
-import mpmath
 from flint import fmpz_mat, fmpz_poly
 
+from orbitproof.explore.numerics import mpf, working_context
 from orbitproof.explore.refinement.jets import JetBasis
 from orbitproof.explore.refinement.tape import Operation, Tape
 
@@ -98,8 +98,7 @@ class JetStepper:
         self._unit = 1 << bits
         self._constants = [round(operation.value * self._unit) for operation in tape.operations]
         self._needed = self._multiplied()
-        self._context = mpmath.MPContext()
-        self._context.prec = bits + 64
+        self._context = working_context(bits + 64)
 
     def _multiplied(self) -> list[bool]:
         needed = [False] * len(self.tape.operations)
@@ -213,7 +212,7 @@ class JetStepper:
         if a <= 0:
             raise IntegrationFailure("power of a number <= 0: the orbit meets a singularity")
         context = self._context
-        exponent = context.mpf(operation.value.numerator) / operation.value.denominator
+        exponent = mpf(operation.value, context)
         return int(context.ldexp(context.ldexp(context.mpf(a), -self.bits) ** exponent, self.bits))
 
     def _jets(

@@ -10,11 +10,11 @@ from typing import Any
 import mpmath
 
 from orbitproof.explore.engines import Job, Lost, Progress, run_all
+from orbitproof.explore.numerics import working_context
 from orbitproof.explore.refinement.crossing import shorter_coordinates
 from orbitproof.explore.refinement.frames import RefinementFailure
 from orbitproof.explore.refinement.half_return import half_return
 from orbitproof.explore.refinement.orbit import OrbitTask, refine_orbit
-from orbitproof.explore.refinement.resonance import working_context
 from orbitproof.explore.refinement.taylor import IntegrationFailure
 from orbitproof.shared.formats import COORDINATE, Candidate, Equation
 from orbitproof.shared.numbers import round_dyadic

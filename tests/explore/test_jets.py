@@ -10,6 +10,7 @@ import mpmath
 import pytest
 from support.independent_flow import CONSTANTS, EARTH_MOON, crossings, extrapolated_crossings
 
+from orbitproof.explore.numerics import working_context
 from orbitproof.explore.refinement import (
     Crossing,
     IntegrationFailure,
@@ -20,7 +21,6 @@ from orbitproof.explore.refinement import (
     section_crossings,
     section_jets,
     start_jets,
-    working_context,
 )
 from orbitproof.explore.refinement.crossing import shorter_coordinates
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, Regularisation, ReversibleSystem, record

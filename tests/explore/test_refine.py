@@ -13,7 +13,8 @@ import pytest
 from support.claims import PUBLISHED_POINTS
 from support.independent_flow import CONSTANTS, EARTH_MOON, LINEAR, crossings, extrapolated_crossings
 
-from orbitproof.explore.refinement import RefinedPoint, RefinementFailure, linear_iterates, refine, working_context
+from orbitproof.explore.numerics import working_context
+from orbitproof.explore.refinement import RefinedPoint, RefinementFailure, linear_iterates, refine
 from orbitproof.explore.refinement.half_return import half_return
 from orbitproof.shared.formats import candidate_from_json, candidate_to_json
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from orbitproof.explore.__main__ import main as explore
-from orbitproof.explore.refinement import SIDES, OrbitTask, refine_turn, stability_parameters, working_context
+from orbitproof.explore.numerics import working_context
+from orbitproof.explore.refinement import SIDES, OrbitTask, refine_turn, stability_parameters
 from orbitproof.explore.refinement.half_return import half_return
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS, REGULARISATIONS
 

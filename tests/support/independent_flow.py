@@ -8,7 +8,8 @@ from typing import Any
 
 import mpmath
 
-from orbitproof.explore.refinement import Jet, JetBasis, section_crossings, section_jets, start_jets, working_context
+from orbitproof.explore.numerics import working_context
+from orbitproof.explore.refinement import Jet, JetBasis, section_crossings, section_jets, start_jets
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS, ReversibleSystem
 
 EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}

@@ -15,8 +15,8 @@ import pytest
 from flint import arb, ctx
 from support.told import in_full
 
+from orbitproof.explore.numerics import working_context
 from orbitproof.explore.points import refine_at
-from orbitproof.explore.refinement import working_context
 from orbitproof.explore.refinement.double_resonance import _Place
 from orbitproof.shared.claims import DOUBLE_RESONANCE, Candidate
 from orbitproof.shared.errors import InputError

@@ -1,0 +1,31 @@
+"""Numbers of mpmath with so many bits, made from exact numbers and read back."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+
+
+def working_context(bits: int) -> mpmath.MPContext:
+    """Arithmetic of its own with so many bits."""
+    context = mpmath.MPContext()
+    context.prec = bits
+    return context
+
+
+def mpf(value: Any, context: mpmath.MPContext) -> Any:
+    """An exact number, rounded to the precision of `context`."""
+    exact = Fraction(value)
+    return context.mpf(exact.numerator) / exact.denominator
+
+
+def fraction(value: Any) -> Fraction:
+    """A number of mpmath or an integer, exactly; raises `ValueError` unless it is finite."""
+    if isinstance(value, int):
+        return Fraction(value)
+    sign, mantissa, exponent, _ = value._mpf_
+    if not mantissa and exponent:
+        raise ValueError("a number is not finite")
+    return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
