@@ -60,7 +60,7 @@ class _Argument(str):
 
 
 class _Option(str):
-    """The same as an option."""
+    """The argument as an option of a command."""
 
     def __format__(self, option: str) -> str:
         return option or f"--{self.replace('_', '-')}"

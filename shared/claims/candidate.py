@@ -25,9 +25,9 @@ LEADING_POWERS = {kind: 1 if kind == "touch_and_go" else 2 for kind in KINDS}
 ORBIT = "orbit"
 """What a claim about one orbit says in place of the kind of a bifurcation; k = 1."""
 STABLE_ORBIT = "stable_orbit"
-"""The same of an orbit that is stable for ever."""
+"""What a claim about one orbit says that is stable for ever."""
 INVARIANT_TORI = "invariant_tori"
-"""The same of an orbit at which invariant tori accumulate."""
+"""What a claim about one orbit says at which invariant tori accumulate."""
 ORBIT_KINDS = (ORBIT, STABLE_ORBIT, INVARIANT_TORI)
 """Claims about one orbit that an equation singles out."""
 REVERSOR_BREAKING = "reversor_breaking"

@@ -56,7 +56,7 @@ _WITHOUT_SYMMETRY = "is about a periodic orbit without symmetry"
 
 
 def read_candidates(path: Path) -> list[Candidate]:
-    """The same of a file whose claims are all about symmetric orbits. Raises `InputError` for others too."""
+    """The candidates of a file whose claims are all about symmetric orbits. Raises `InputError` for others too."""
     candidates: list[Candidate] = []
     for claim in read_claims(path):
         if isinstance(claim, InSection):

@@ -69,4 +69,4 @@ HILL = ReversibleSystem(
 HILL_AXIAL = HILL.under(AXIAL)
 
 IN_HILL_UNITS = (HILL, HILL_AXIAL)
-"""The same equations with their two reversing symmetries."""
+"""Hill's units, with the two reversing symmetries."""

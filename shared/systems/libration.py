@@ -216,7 +216,7 @@ AROUND: Mapping[str, ReversibleSystem] = {point: _around(point, *known) for poin
 """The system of planar orbits around each collinear libration point, by the name of the point."""
 
 VERTICAL: Mapping[str, ReversibleSystem] = {point: _vertical(point, *known) for point, known in _POINTS.items()}
-"""That of vertical orbits around each of them."""
+"""The systems of vertical orbits, by the point around which they are."""
 
 SIDES: Mapping[str, int] = {"L1": -1, "L2": 1}
 """On which side of the smaller mass the libration point lies."""
@@ -231,4 +231,4 @@ BRANCH_SYSTEMS: Mapping[str, ReversibleSystem] = {
 """Systems whose branches can be proved, by name; those that are not in `SYSTEMS` not by candidates."""
 
 UNLISTED = (HILL_VARIED,)
-"""Those of whose curves no list of resonances is made."""
+"""Systems of whose curves no list of resonances is made."""

@@ -68,7 +68,7 @@ class FixedLevel:
 
     @property
     def ends(self) -> tuple[Fraction | None, Fraction | None]:
-        """Of the interval of w that is meant; `None` stands for no end."""
+        """Ends of the interval of w that is meant; `None` stands for no end."""
         if self.between is not None:
             return self.between
         return (Fraction(0), None) if self.sign == 1 else (None, Fraction(0))
@@ -279,7 +279,7 @@ class ReversibleSystem(System):
             )
 
     def under(self, name: str) -> ReversibleSystem:
-        """The same system with one of its further reversors for R. Raises `ValueError` for a name of none."""
+        """This system with one of its further reversors for R. Raises `ValueError` for a name of none."""
         if name not in self.reversors:
             known = ", ".join(self.reversors) or "none"
             raise ValueError(f"{self.name}: no further reversing symmetry {name!r}; known: {known}")

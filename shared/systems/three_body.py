@@ -62,7 +62,7 @@ CR3BP_AXIAL = CR3BP.under(AXIAL)
 
 
 def _pulls_in_plane(state: Sequence[Any], parameters: Sequence[Any]) -> tuple[Any, Any]:
-    """Of the larger and the smaller primary, (1 - mu)/r_1^3 and mu/r_2^3."""
+    """Pulls of the larger and the smaller primary, (1 - mu)/r_1^3 and mu/r_2^3."""
     x, y, *_ = state
     (mu,) = parameters
     larger, square = x + mu, y * y
@@ -117,4 +117,4 @@ CR3BP_PLANAR = ReversibleSystem(
 )
 
 THREE_BODY = (CR3BP, CR3BP_AXIAL)
-"""The same equations with their two reversing symmetries: R, and R S, the half turn about the x axis."""
+"""The spatial problem with its two reversing symmetries: R, and R S, the half turn about the x axis."""

@@ -57,7 +57,7 @@ class Grading:
 
     @cached_property
     def inner_factors(self) -> Factors:
-        """Of these pairs, those without the constant."""
+        """The pairs without the constant."""
         return tuple(tuple(pair for pair in pairs if 0 not in pair) for pairs in self.factors)
 
     @cached_property

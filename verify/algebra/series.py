@@ -333,7 +333,7 @@ class Series:
         return self.with_errors([inflate(self.errors[0] + fraction_above(radius)), *self.errors[1:]])
 
     def with_errors(self, errors: GradedNorm) -> Series:
-        """The same known part with other errors."""
+        """This known part with other errors."""
         result = Series(self.arithmetic, self.coefs, errors)
         result._known = self._known
         return result

@@ -96,7 +96,7 @@ def certified_table(rows: CatalogueRows, document: Mapping[str, Any]) -> Catalog
 
 
 def _radius(rows: CatalogueRows) -> arb | None:
-    """Of the smaller primary in units of length, if the file names both; `None` also if that is no length."""
+    """The smaller primary's radius in units of length, if the file names both; `None` also if that is no length."""
     details = rows.system_details
     if "lunit" not in details or "radius_secondary" not in details:
         return None

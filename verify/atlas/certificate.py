@@ -144,7 +144,7 @@ class AtlasCertificate(Sealed):
 
     @property
     def id(self) -> str:
-        """That of the atlas."""
+        """The id of the atlas."""
         return self.atlas.id
 
     @property

@@ -26,7 +26,7 @@ from orbitproof.verify.surface import SurfaceResult
 
 @dataclass(frozen=True, kw_only=True)
 class BranchStatement(StatedWithSymmetry):
-    """That of an atlas; see atlas.schema.json.
+    """The statement of an atlas; see atlas.schema.json.
 
     Attributes:
         derived_parameters: for each parameter that follows from the others the function whose zero it is.
@@ -40,7 +40,7 @@ class BranchStatement(StatedWithSymmetry):
 
 @dataclass(frozen=True, kw_only=True)
 class PeriodicCurveStatement(Stated):
-    """That of an atlas that uses no symmetry; the first integral only if it is used."""
+    """The statement of an atlas that uses no symmetry; the first integral only if it is used."""
 
     claim: Mapping[str, Any] = stored("atlas")
 

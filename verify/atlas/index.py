@@ -73,7 +73,7 @@ _SPARE = Fraction(1, 4)
 _MORE_BITS = 32
 """Of another integration; what it does not confirm is followed with the bits above."""
 _ORDER = 2
-"""Of the list: points with k = 1 are all that is wanted."""
+"""Order of the list: points with k = 1 are all that is wanted."""
 _MOST_ORBITS = 6
 """So many orbits of an interval are tried."""
 

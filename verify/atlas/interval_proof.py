@@ -152,7 +152,7 @@ def _proved(
 
 
 def _periodic(argument: Mapping[str, Any], stepped: Callable[[float], None]) -> Result:
-    """The same of a piece of a curve that uses no symmetry."""
+    """The result on an interval of a piece of a curve that uses no symmetry."""
     system = system_without_symmetry(argument["system"], "system", BRANCH_SYSTEMS)
     claim = from_json(PeriodicCurveClaim, argument["claim"], "claim")
     piece = periodic_piece_from_json(argument["piece"], claim.coordinates(system), system.name, "piece")

@@ -69,7 +69,7 @@ def claiming_indices(web: Web, given: Sequence[Resting]) -> Web:
 
 
 def resting(web: Web, given: Sequence[Resting]) -> tuple[Resting, ...]:
-    """Those of the certificates that a web needs, in its order. Raises `InputError` if one is not there, or twice."""
+    """The certificates that a web needs, in its order. Raises `InputError` if one is not there, or twice."""
     wanted = keys_of(web)
     found: dict[Key, Resting] = {}
     for entry in given:

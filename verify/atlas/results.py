@@ -18,7 +18,7 @@ Result = IntervalResult
 `SurfaceResult`."""
 
 Settings = Mapping[str, int]
-"""Of the integrator, by name, as they stand in a result's `Computation`."""
+"""Settings of the integrator by name, as they stand in a result's `Computation`."""
 
 
 def results_from_json(atlas: AnyAtlas, entries: Sequence[Mapping[str, Any]]) -> tuple[Result, ...]:

@@ -42,7 +42,7 @@ class Sealed:
 
     @property
     def id(self) -> str:
-        """That of the claim, or of the curve that it is about."""
+        """The id of the claim, or of the curve that it is about."""
         return str(self.document["id"])
 
     @property

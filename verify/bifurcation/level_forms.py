@@ -40,7 +40,7 @@ _RADIUS_BITS = 12
 
 
 def level_form(candidate: Candidate) -> Candidate | None:
-    """The same bifurcation, with the level of the first integral as parameter, in a box that contains the old one.
+    """The bifurcation with the level of the first integral as parameter, in a box that contains the old one.
 
     `None` if there is no level coordinate, if the frame is singular, if the family does not cross the levels
     at the centre, or if the new box was not shown to contain the old one.

@@ -157,7 +157,7 @@ def conclude(
     return_times: Sequence[arb],
     tell: Tell,
 ) -> Outcome[BifurcationResults]:
-    """The same for any theorem about a box, whose conditions `check` looks at, one by one."""
+    """What follows for any theorem about a box, whose conditions `check` looks at, one by one."""
     if isinstance(theorem, Reason):
         return NotProved(theorem, tuple(checklist.hypotheses))
     problem: Problem | None = None

@@ -131,7 +131,7 @@ class Certificate:
 
     @property
     def periodic(self) -> PeriodicResults | None:
-        """The same of a periodic orbit without symmetry."""
+        """What is proved of a periodic orbit without symmetry; `None` for other claims, or if nothing is proved."""
         orbit: PeriodicResults | None = self.results if self.kind == PERIODIC else None
         return orbit
 
@@ -156,13 +156,13 @@ class Certificate:
         return entry
 
     def with_place(self, place: Mapping[str, Any] | None) -> Certificate:
-        """The same with another place on a proved curve, as JSON, or with none."""
+        """This certificate with another place on a proved curve, as JSON, or with none."""
         entry = {key: value for key, value in self.to_json().items() if key not in ("place", "digest")}
         entry |= {} if place is None else {"place": dict(place), "software": completed_here(entry.get("software", {}))}
         return Certificate.from_json({**entry, "digest": digest(entry)}, f"certificate {self.id!r}")
 
     def without_place(self) -> Certificate:
-        """The same without its place on a curve; one that was changed after it was written stays what it is."""
+        """This certificate without its place on a curve; one that was changed after it was written stays what it is."""
         entry = self.to_json()
         return self.with_place(None) if "place" in entry and entry.get("digest") == digest(entry) else self
 

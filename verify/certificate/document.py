@@ -79,7 +79,7 @@ class StatedFunction:
 
 @dataclass(frozen=True, kw_only=True)
 class StatedWithSymmetry(Stated):
-    """The same of symmetric orbits.
+    """A claim about symmetric orbits, with the system that it is about.
 
     Attributes:
         functions: the last state coordinates, if these are functions of the others at all states that are meant.
@@ -97,7 +97,7 @@ class StatedWithSymmetry(Stated):
 
 @dataclass(frozen=True, kw_only=True)
 class Statement(StatedWithSymmetry):
-    """That of a candidate.
+    """The statement of a candidate about symmetric orbits.
 
     Attributes:
         level_form: the candidate rewritten with the first integral as parameter: the hypotheses, the theorem and its
@@ -115,7 +115,7 @@ class Statement(StatedWithSymmetry):
 
 @dataclass(frozen=True, kw_only=True)
 class StatementWithoutSymmetry(Stated):
-    """That of a candidate which uses no symmetry."""
+    """The statement of a candidate which uses no symmetry."""
 
     claim: Annotated[Mapping[str, Any], rules(required=("kind",), properties={"kind": {"enum": KINDS_IN_SECTION}})] = (
         stored("candidate")

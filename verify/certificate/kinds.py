@@ -88,7 +88,7 @@ def theorem_of(candidate: BoxClaim, form: Candidate | None = None) -> Theorem | 
 
 
 def level_form(candidate: BoxClaim) -> Candidate | None:
-    """The same claim with the level of the first integral as parameter, if there is one."""
+    """The claim with the level of the first integral as parameter, if there is one."""
     form: Candidate | None = kind_of(candidate).level_form(candidate)
     return form
 
@@ -122,7 +122,7 @@ def tables_to_json(found: Found) -> dict[str, Any] | None:
 
 
 def tables_from_json(entry: Mapping[str, Any], candidate: BoxClaim, computation: Computation) -> Found:
-    """The same enclosures, those of a claim. Raises `ValueError` that names what cannot be read."""
+    """The enclosures of a claim from their JSON. Raises `ValueError` that names what cannot be read."""
     kind = kind_of(candidate)
     try:
         found: Found = from_json(kind.enclosures, entry, "enclosures")

@@ -188,7 +188,7 @@ def not_checked(name: str, verdict: str, failure: Failure) -> Recheck:
 
 
 def not_finished(check: Recheck, failure: Failure) -> Recheck:
-    """The same of one that had come so far."""
+    """A check that had come so far and was not brought to an end."""
     return replace(check, obstacle=f"{failure.message}; {_REMEDIES[failure.kind]}")
 
 

@@ -28,7 +28,7 @@ def ball_to_text(ball: arb) -> str:
 
 
 def ball_from_text(text: str) -> arb:
-    """The same ball. Raises `ValueError` for a text that `ball_to_text` does not write."""
+    """The ball that a text of a table stands for. Raises `ValueError` for a text that `ball_to_text` does not write."""
     middle, separator, radius = text.partition(_SEPARATOR)
     if not separator:
         raise ValueError(f"{text[:40]!r} is not a ball")
@@ -48,7 +48,7 @@ def table_to_json(table: DerivativeTable) -> dict[str, list[str]]:
 
 
 def table_from_json(entry: Mapping[str, Sequence[str]]) -> DerivativeTable:
-    """The same table. Raises `ValueError` that names the derivative that cannot be read."""
+    """The table that its JSON stands for. Raises `ValueError` that names the derivative that cannot be read."""
     return DerivativeTable(_part(entry, "box"), _part(entry, "centre"))
 
 

@@ -18,7 +18,7 @@ from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 from orbitproof.shared.systems import Program
 
 _MOST_BITS = 20_000
-"""Of the coefficients of a polynomial, as of the numbers in a formula (`shared.systems.formulas`)."""
+"""Bits of the coefficients of a polynomial, as of the numbers in a formula (`shared.systems.formulas`)."""
 _MOST_DEGREE = 10_000
 _MOST_WORDS = 2 * 10**7
 """Of 64 bits, in the product of two polynomials before equal terms are collected."""

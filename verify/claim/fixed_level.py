@@ -14,7 +14,7 @@ from orbitproof.verify.claim.functions import behind_functions, enclose_function
 from orbitproof.verify.evidence import Checklist, enclose, excludes_zero, hull, is_below, power, symmetric
 
 _MOST_PARTS = 2048
-"""Of the interval of the level coordinate, on which the derivative of the first integral is enclosed one by one."""
+"""Parts of the interval of the level coordinate, on each of which the derivative of the first integral is enclosed."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class LevelEquation:
 
     @classmethod
     def of(cls, system: ReversibleSystem) -> LevelEquation:
-        """That of a system with a fixed level. Raises `ValueError` if w is in a function that H depends on."""
+        """The equation of a system with a fixed level. Raises `ValueError` if w is in a function that H depends on."""
         program, name, level = system.first_integral_program, system.level_coordinate, system.fixed_level
         if program is None or name is None or level is None or level.between is None:
             raise ValueError("no interval of a coordinate is given in which it follows from the level")

@@ -95,7 +95,7 @@ def claim_in_words(candidate: Candidate) -> Candidate:
 
 
 def atlas_in_words(atlas: Atlas) -> Atlas:
-    """The same of an atlas; its pieces are left alone."""
+    """An atlas with the names that sentences may use; its pieces are left alone."""
     system, names = system_in_words(atlas.system), names_in_words(atlas.system)
     if system is atlas.system:
         return atlas

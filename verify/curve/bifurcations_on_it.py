@@ -113,7 +113,7 @@ class Bifurcation:
     stability: tuple[acb, ...] = ()
 
     def found(self, place: Place | str) -> Bifurcation:
-        """The same where it lies on the curve, or with why not."""
+        """The bifurcation with its place on the curve, or with why it has none."""
         return replace(self, place=place) if isinstance(place, Place) else replace(self, reason=place)
 
 

@@ -83,7 +83,7 @@ def in_units_of_orbit(
 def jacobi_constant(
     system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Mapping[str, arb]
 ) -> arb | None:
-    """That of the orbit of the CR3BP for which a point of a curve in other units stands; else `None`."""
+    """The level of the orbit of the CR3BP for which a point of a curve in other units stands; else `None`."""
     if system is LIFTED:
         from orbitproof.verify.curve.lifted_family import lifted_jacobi_constant
 

@@ -100,7 +100,7 @@ class Results(Protocol):
     """What is known of a piece on an interval that is proved."""
 
     def stored(self, piece: str, computation: Computation) -> IntervalResult:
-        """The same as it is stored; all numbers that carry proof are exact."""
+        """The proved interval as it is stored; all numbers that carry proof are exact."""
 
 
 Known = TypeVar("Known", bound=Results, covariant=True)
@@ -142,7 +142,7 @@ class PieceResult(Generic[Known]):
 
     @property
     def stored(self) -> IntervalResult:
-        """The same as it is stored; balls are wider than they were found (13.3)."""
+        """The result as it is stored; balls are wider than they were found (13.3)."""
         if isinstance(self.outcome, Proved):
             return spared(self.outcome.results.stored(self.piece, self.computation))
         return IntervalResult(self.piece, self.interval, NOT_PROVED, self.computation, self.outcome.reason)

@@ -42,7 +42,7 @@ class ProvedInterval:
         return IntervalResult(piece, (self.start, self.end), PROVED, computation, None, *numbers)
 
     def mirrored(self) -> ProvedInterval:
-        """The same for -s, which S gives on a symmetric piece."""
+        """What S gives for -s on a symmetric piece."""
         return ProvedInterval(-self.end, -self.start, self.deviation, self.slope_deviation, self.time)
 
 

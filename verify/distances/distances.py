@@ -198,7 +198,7 @@ class Cells:
 
     @classmethod
     def of(cls, element: Series) -> Cells:
-        """Those of an element of the algebra in theta and sigma."""
+        """The cells of an element of the algebra in theta and sigma."""
         arithmetic = element.arithmetic
         assert isinstance(arithmetic, WideArithmetic)
         known = arithmetic.unpack(element.coefs[0], arithmetic.scales[0], arithmetic.degree + 1)

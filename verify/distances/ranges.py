@@ -38,7 +38,7 @@ class Extreme:
 
     @property
     def as_found(self) -> Extreme:
-        """The same with the bounds that were found, if these are what `DistanceAlongCurve` has made of them."""
+        """The extreme with the bounds that were found, if these are what `DistanceAlongCurve` has made of them."""
         low, high = self.square.lower() / enclose(1 - SLACK), self.square.upper() / enclose(1 + SLACK)
         return Extreme(hull(low, high), self.where)
 
@@ -67,7 +67,7 @@ class KnownDistances:
     parts: tuple[PartOfInterval, ...]
 
     def mirrored(self) -> KnownDistances:
-        """Those of -s."""
+        """The distances of -s."""
         parts = [PartOfInterval(-p.upper, -p.lower, p.least, p.greatest) for p in reversed(self.parts)]
         return KnownDistances(self.here.mirrored(), self.there.mirrored(), tuple(parts))
 
@@ -190,7 +190,7 @@ class Ranges:
 
 
 def together(parts: Sequence[Ranges]) -> Ranges | None:
-    """Those of several parts of the curve; `None` if there are no parts."""
+    """The ranges of several parts of the curve together; `None` if there are no parts."""
     if not parts:
         return None
     least = [part.least for part in parts if part.least is not None]

@@ -30,7 +30,7 @@ def ball_to_json(ball: arb) -> dict[str, str]:
 
 
 def ball_from_json(entry: Mapping[str, str]) -> arb:
-    """The same ball. Raises `ValueError` if the entry is not a ball that `ball_to_json` writes."""
+    """The ball that an entry stands for. Raises `ValueError` if the entry is not a ball that `ball_to_json` writes."""
     middle, radius = parse_exact(entry["mid"]), parse_exact(entry["rad"])
     if radius < 0:
         raise ValueError("the radius of a ball is not negative")

@@ -33,7 +33,7 @@ class IntegrationFailure(NotEstablishedError):
         super().__init__(Reason(condition, message, remedy, needs_precision, enough_precision))
 
     def at(self, time: float) -> IntegrationFailure:
-        """The same, with the time at which it happened."""
+        """This failure with the time at which it happened."""
         self.reason = replace(self.reason, reached=time)
         return self
 

@@ -21,7 +21,7 @@ Value = TypeVar("Value")
 
 
 def spared(value: Value, share: Fraction = _SHARE, negligible: Fraction = Fraction(0)) -> Value:
-    """The same with every ball in it that is no exact number wider by a share of its radius.
+    """A value in which every ball that is no exact number is wider by a share of its radius.
 
     A ball that contains zero and has a radius below `negligible` becomes several times as wide.
     """

@@ -186,7 +186,7 @@ class BoundedFunction:
 
     @property
     def as_found(self) -> BoundedFunction:
-        """The same with the bound that was found, if this is what `StoredFunction.of` has made of it."""
+        """The function with the bound that was found, if this is what `StoredFunction.of` has made of it."""
         return BoundedFunction(self.polynomial, self.error / _SPARE)
 
     def contains(self, other: BoundedFunction) -> bool:

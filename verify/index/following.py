@@ -73,7 +73,7 @@ class Part:
     theta: arb
 
     def at(self, theta: arb) -> Part:
-        """The same step at other times."""
+        """This step at other times."""
         return replace(self, theta=theta)
 
 
@@ -107,7 +107,7 @@ class _HalfOrbit:
         self.turning = [[Turning(value) for value in self._determinants(block, begun)] for block in self.blocks]
 
     def _blocks(self, count: int) -> list[Block]:
-        """Those of a planar orbit are two: of the axes x and y, and of z."""
+        """The blocks of the variations; those of a planar orbit are two: of the axes x and y, and of z."""
         numbers = range(len(self.directions))
         if not self.start.is_planar:
             return [Block((0, 1, 2), tuple(numbers[:count]), tuple(numbers[count:]), True)]
@@ -135,7 +135,7 @@ class _HalfOrbit:
         return [arb(value) for value in values]
 
     def _gradient(self, state: Sequence[arb]) -> list[arb]:
-        """Of the energy (vx^2 + vy^2 + vz^2)/2 - Omega, by the vector field."""
+        """Gradient of the energy (vx^2 + vy^2 + vz^2)/2 - Omega, by the vector field."""
         field, (vx, vy, vz) = self._field(state), state[3:]
         return [2 * vy - field[3], -2 * vx - field[4], -field[5], vx, vy, vz]
 

@@ -102,7 +102,7 @@ def excludes_zero_of(value: acb) -> bool:
 
 
 def real_parts(rows: Vectors) -> Vectors:
-    """The same with the imaginary parts left out."""
+    """Vectors with the imaginary parts left out."""
     return tuple(tuple(acb(entry.real) for entry in row) for row in rows)
 
 

@@ -35,7 +35,7 @@ from orbitproof.verify.stability import (
 )
 
 LEAST_ORDER = 4
-"""Of the list of resonances: up to this order they are exceptions."""
+"""Resonances up to this order of the list are exceptions."""
 _NOT_KNOWN = "the twist of the orbits was not enclosed there"
 _BESIDE = "the twist may vanish next to a resonance"
 

@@ -142,7 +142,7 @@ def _jet(tube: TubeOfOrbits, element: Series, width: Fraction) -> Jet:
 
 
 def _restricted(jet: Jet) -> Jet:
-    """The same as functions of tau."""
+    """The functions of s as functions of tau."""
     return FunctionJet({index: restricted(value, SHARE) for index, value in jet.coefficients.items()})
 
 

@@ -17,7 +17,7 @@ from orbitproof.verify.stability import PRECISION, ListConclusion, ListTheorem, 
 
 @dataclass(frozen=True)
 class LastingTheorem(ListTheorem):
-    """The same with the stability for ever of the orbits (Theorem 29.9)."""
+    """The theorem of a list, and where the orbits are stable for ever (Theorem 29.9)."""
 
 
 @dataclass(frozen=True)

@@ -99,7 +99,7 @@ def normal_form(first: FunctionJet[T], second: FunctionJet[T], s: T, one: T, odd
         return _Ring(real, imaginary, square)
 
     def component(p: _Ring[T], q: _Ring[T]) -> _Ring[T]:
-        """That of (p, q) along the coordinate, (c, i S)."""
+        """The component of (p, q) along the coordinate, (c, i S)."""
         return p.times(c) + q.turned
 
     def along(jet: FunctionJet[T]) -> _Ring[T]:

@@ -163,7 +163,7 @@ def fixed_coefficients(
 
 
 def rescaled(coefficients: Sequence[Sequence[int]], bits: int, share: Fraction) -> list[list[int]]:
-    """The same orbit over a part of the step, 0 < share <= 1."""
+    """Coefficients of the orbit over a part of the step, 0 < share <= 1."""
     unit = bits + _SPARE_BITS
     powers = [1 << unit]
     for _ in coefficients[0][1:]:

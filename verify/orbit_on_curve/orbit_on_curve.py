@@ -133,7 +133,7 @@ class OrbitsOfCurve:
         return fixed
 
     def _signs(self, mirrored: bool) -> tuple[int, ...]:
-        """Those of S on Fix(R), or of the identity. Raises `ValueError` if mirror images are not on the curve."""
+        """Signs of S on Fix(R), or of the identity. Raises `ValueError` if mirror images are not on the curve."""
         system, claim = self.atlas.system, self.atlas.claim
         if not mirrored:
             return (1,) * len(system.centre_coordinates)

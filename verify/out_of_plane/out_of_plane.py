@@ -96,7 +96,7 @@ def variations_across(
 
 
 def _flat(element: Series) -> Series:
-    """The same as an element of an algebra without time."""
+    """An element that does not depend on time, in an algebra without time."""
     arithmetic = element.arithmetic
     assert isinstance(arithmetic, WideArithmetic)
     return Series(replace(arithmetic, degree=0), element.coefs, element.errors)

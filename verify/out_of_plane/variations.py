@@ -21,7 +21,7 @@ class KnownVariations:
         return one * four + two * three
 
     def mirrored(self) -> KnownVariations:
-        """Those of -s."""
+        """The variations of -s."""
         return KnownVariations(tuple(entry.mirrored() for entry in self.entries))
 
 

@@ -13,7 +13,7 @@ from orbitproof.verify.periodic.enclosures import Linearised, PeriodicEnclosures
 from orbitproof.verify.poincare import IntegratorSettings, Oracle, default_order
 
 _DEGREE = 1
-"""Of the polynomials in p that are kept: first derivatives over a narrow box are all that is asked for."""
+"""Degree of the polynomials in p: first derivatives over a narrow box are all that is asked for."""
 
 
 def enclose_periodic(

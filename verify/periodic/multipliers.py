@@ -107,7 +107,7 @@ def _of_pair(matrix: Matrix) -> list[acb]:
 
 
 def _with_real_ones(values: Sequence[acb]) -> list[acb]:
-    """The same, those real that are.
+    """The values, those as real numbers that are certainly real.
 
     The eigenvalues of a real matrix come with their conjugates: if the mirror image of a ball meets no other ball,
     the conjugate of the one eigenvalue in it is in it too, so it is this eigenvalue.

@@ -57,7 +57,7 @@ def is_complete(table: DerivativeTable, indices: Sequence[MultiIndex]) -> bool:
 
 
 def with_variable(table: DerivativeTable, wanted: int) -> DerivativeTable:
-    """The same function of `wanted` variables; on the last of them it does not depend if it had one less."""
+    """The function as one of `wanted` variables; on the last of them it does not depend if it had one less."""
 
     def extended(source: Mapping[MultiIndex, arb]) -> dict[MultiIndex, arb]:
         return {index: source[index[:-1]] if index[-1] == 0 else arb(0) for index in indices}

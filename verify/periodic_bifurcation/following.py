@@ -15,7 +15,7 @@ from orbitproof.verify.periodic_bifurcation.enclosures import BifurcationEnclosu
 from orbitproof.verify.poincare import BOX_RATIO, IntegratorSettings, Oracle, at_start, default_order, derivative_table
 
 _DEGREE = 3
-"""Of the polynomials in p and s that are kept: third derivatives are asked for."""
+"""Degree of the polynomials in p and s: third derivatives are asked for."""
 
 
 def enclose_periodic_bifurcation(

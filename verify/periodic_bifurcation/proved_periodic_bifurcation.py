@@ -199,7 +199,7 @@ def _criticality(
 def _other_multipliers(
     claim: PeriodicBifurcation, equations: PointEquations, place: Place, is_fixed: bool | None
 ) -> Multipliers:
-    """Those of the orbit other than 1 for the flow, 1 for the levels, and the one that bifurcates (section 25.7)."""
+    """Multipliers other than 1 for the flow, 1 for the levels, and the one that bifurcates (section 25.7)."""
     system, sigma = claim.system, multiplier_of(claim)
     trivial = 1 if claim.level is None else 2
     matrix = [function.gradient(place.where, 0)[:-1] for function in equations.returns]

@@ -143,7 +143,7 @@ def _characteristic(matrix: Sequence[Sequence[BoundedFunction]]) -> list[Bounded
 
 
 def _without_one(coefficients: Sequence[BoundedFunction]) -> list[BoundedFunction]:
-    """Those of the quotient by lambda - 1, which is a factor."""
+    """Coefficients of the quotient by lambda - 1, which is a factor."""
     found: list[BoundedFunction] = []
     for coefficient in coefficients[:-1]:
         found.append(coefficient + (found[-1] if found else BoundedFunction(arb_poly([1]), arb(0))))
@@ -158,7 +158,7 @@ def _sum(functions: Sequence[BoundedFunction]) -> BoundedFunction:
 
 
 def _stored(function: BoundedFunction) -> StoredFunction:
-    """The same in tau."""
+    """The function in tau, as it is stored."""
     coefficients = function.polynomial(arb_poly([0, enclose(_SHARE)])).coeffs()
     if not all_finite([function.error, *coefficients]):
         raise IntegrationFailure("multipliers", "the derivative of the return was not enclosed", "a narrower piece")

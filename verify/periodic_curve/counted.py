@@ -158,14 +158,14 @@ def _counted(
 
 
 def counts_of_pair_of_area(first: arb) -> Counts | None:
-    """Of the zeros of lambda^2 + c lambda + 1."""
+    """How many zeros of lambda^2 + c lambda + 1 lie where."""
     if is_below(abs(first), arb(2)):
         return Counts(0, 2, 0)
     return Counts(1, 0, 1) if is_below(arb(2), abs(first)) else None
 
 
 def counts_of(coefficients: Sequence[arb]) -> Counts | None:
-    """Of the zeros of lambda^n + c_1 lambda^(n-1) + .. + c_n for all numbers in the balls; `None` if not decided.
+    """How many zeros of lambda^n + c_1 lambda^(n-1) + .. + c_n lie where, for all numbers in the balls; `None` if open.
 
     If they are decided, no zero lies on the circle (Lemma 26.6).
     """

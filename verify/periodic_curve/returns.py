@@ -74,7 +74,7 @@ class TubeOfOrbits:
         ]
 
     def others(self, state: Sequence[Series]) -> tuple[Series, ...]:
-        """Those of the state but for the pivot."""
+        """The coordinates of the state but for the pivot."""
         return tuple(element for i, element in enumerate(state) if i != self.claim.pivot)
 
     def across(self, coordinates: Coordinates) -> Series:

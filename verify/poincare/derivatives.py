@@ -30,7 +30,7 @@ def derivative_table(element: Series, scales: Sequence[Fraction], ratio: Fractio
 def table_of(
     grading: Grading, coefficients: Sequence[arb], errors: GradedNorm, scales: Sequence[Fraction], ratio: Fraction
 ) -> DerivativeTable:
-    """The same from the coefficients of the kept monomials and the errors by grade.
+    """Derivatives from the coefficients of the kept monomials and the errors by grade.
 
     The unknown part of grade g is a power series with l1 norm at most e_g on the closed unit
     polydisc, so by Cauchy's estimate its derivative d^alpha on the smaller polydisc is at most

@@ -107,7 +107,7 @@ def check_breaking_exactly(checklist: Checklist, candidate: Candidate) -> None:
 
 
 def check_maps_exactly(checklist: Checklist, candidate: Candidate, theorem: object) -> None:
-    """Those of a theorem about a family of half returns, or the reason why there is none."""
+    """The theorem about a family of half returns, or the reason why there is none."""
     if isinstance(theorem, Reason):
         raise NotEstablishedError(theorem)
     check_symmetries(checklist, candidate.system, None)
@@ -304,7 +304,7 @@ def parameter_of(candidate: Candidate, where: Sequence[arb]) -> arb:
 
 
 def period_of(found: BreakingEnclosures, where: Sequence[arb]) -> arb:
-    """Of the orbits of these points, if they are symmetric."""
+    """The period of the orbits of these points, if they are symmetric."""
     return 2 * _value(found.half_period, where)
 
 

@@ -10,7 +10,7 @@ from orbitproof.verify.evidence import Checklist, NotEstablishedError, dot, encl
 from orbitproof.verify.reversor_breaking.proved_reversor_breaking import BreakingResults
 
 _BITS = 512
-"""Of the balls: more than points of certificates have."""
+"""Bits of the balls: more than points of certificates have."""
 
 
 def is_shifted_by(candidate: Candidate, found: BreakingResults, name: str) -> bool:

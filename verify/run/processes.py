@@ -47,7 +47,7 @@ class Processes:
 
 
 def as_text(source: Source) -> Source:
-    """The same tasks with JSON text for their arguments."""
+    """Tasks with JSON text for their arguments."""
 
     def next_text() -> Task | None:
         task = source()

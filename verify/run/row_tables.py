@@ -73,7 +73,7 @@ def _found(certificate: Certificate) -> Iterator[str]:
 
 
 def verdicts_as_json(candidates: Sequence[BoxClaim], certificates: Mapping[str, Certificate]) -> list[dict[str, Any]]:
-    """The same for programs: the fields of the certificates that say what is proved."""
+    """The table for programs: the fields of the certificates that say what is proved."""
     done = (certificates[each.id] for each in candidates if each.id in certificates)
     rows = []
     for certificate in done:

@@ -135,7 +135,7 @@ def _values(results: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _values_here(certificate: Mapping[str, Any], result: Proved) -> dict[str, arb]:
-    """The same of a second proof, as far as they are about the same coordinates."""
+    """The balls of a second proof, as far as they are about the same coordinates."""
     # h_fp' is a derivative in p_0, and p_0 of a level form is not that of the candidate.
     foreign = {"h_fp'"} if "level_form" in certificate["statement"] else set()
     form = {f"normal_form.{name}": ball for name, ball in result.normal_form.items() if name not in foreign}

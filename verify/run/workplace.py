@@ -17,10 +17,10 @@ GIBIBYTE = 2**30
 CHECK_SECONDS = 300.0
 """A check without integration takes so long at most if nothing else is said; it takes seconds."""
 LONG_CHECK_SECONDS = 3600.0
-"""The same of a curve or surface: its intervals are put together, and all resonances on it are looked for."""
+"""Seconds for a curve or surface: its intervals are put together, and all resonances on it are looked for."""
 
 INTEGRATION_SECONDS = 4 * 3600.0
-"""The same of an integration again, for each row or each interval of a piece: the slowest that we know take minutes."""
+"""Seconds for an integration again, of each row or each interval of a piece: the slowest that we know take minutes."""
 
 
 @dataclass(frozen=True)

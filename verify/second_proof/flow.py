@@ -112,7 +112,7 @@ class Linear(NamedTuple):
         return [_joined(x, (d[i] for i in range(n - h))) for x, d in zip(vector, change, strict=True)]
 
     def refined(self, rates: Sequence[Jet], n: int, with_inverse: bool) -> Linear:
-        """The same below t^n, n at most twice the length; the coefficients of v_j in `rates` are column j of A."""
+        """The solution below t^n, n at most twice the length; the coefficients of v_j in `rates` are column j of A."""
         h, rest, matrix, inverse = self.length, [rate.varying().items() for rate in rates], [], []
         for column in self.matrix:
             padded = [_joined(x, [arb(0)] * (n - h)) for x in column]

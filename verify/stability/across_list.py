@@ -48,7 +48,7 @@ def _away_from_centre(point: Point) -> Point:
 
 
 def _jacobi_constant(atlas: Atlas, point: Point) -> arb | None:
-    """That of an orbit of a family around a libration point; `None` for others."""
+    """Jacobi constant of an orbit of a family around a libration point; `None` for others."""
     if not atlas.system.derived_parameters:
         return None
     from orbitproof.verify.curve import jacobi_constant

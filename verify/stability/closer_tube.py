@@ -19,7 +19,7 @@ _SHARPER, _ABOVE_NOISE, _WORTH_SHARPENING = 2.0**-32, 2.0**12, 2.0**-8
 """A tube so many times as narrow is followed about a polynomial that is closer to the curve, or of so many times the
 error of the first return, if that makes it narrower than the last one says."""
 _PARTS = 64
-"""Of the interval, on which the distance of two polynomials is bounded."""
+"""Parts of the interval, on which the distance of two polynomials is bounded."""
 
 
 def sharpened(

@@ -53,7 +53,7 @@ class Segment:
         return (s - self.middle) / self.radius
 
     def tau_of(self, s: arb) -> arb:
-        """The same of a ball."""
+        """The values of tau for the numbers in a ball."""
         return (s - enclose(self.middle)) / enclose(self.radius)
 
     def s_of(self, tau: arb) -> arb:
@@ -74,7 +74,7 @@ class Segment:
 
     @cached_property
     def discriminant(self) -> BoundedFunction | None:
-        """That of the characteristic polynomial for n = 2; `None` for n = 1, where it is 1, and n >= 3."""
+        """The discriminant of the characteristic polynomial for n = 2; `None` for n = 1, where it is 1, and n >= 3."""
         if len(self.characteristic) != 2:
             return None
         trace, determinant = self.characteristic

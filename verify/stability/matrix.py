@@ -128,7 +128,7 @@ class TubeOfOrbits:
         return HalfReturn.of(system, start, widths, self.coordinates, self.oracle, None, progress, self.crossings)
 
     def _format(self, width: Fraction, error: Fraction = Fraction(0)) -> WideArithmetic:
-        """That of an integration of a tube of this width, whose points are known with this error."""
+        """The format of an integration of a tube of this width, whose points are known with this error."""
         limits, count = self.limits, len(self.piece.tube)
         bits, order = limits.precision, limits.order
         slope_bits = stability_slope_bits(bits)

@@ -31,7 +31,7 @@ class Enclosed(Protocol):
 
 
 class EnclosedTwice(Enclosed, Protocol):
-    """The same with its second derivative."""
+    """A function that is enclosed with its second derivative too."""
 
     def curvature(self, part: arb) -> arb:
         """Of its second derivative."""

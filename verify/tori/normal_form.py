@@ -42,13 +42,13 @@ class EllipticPoint:
 
 
 def determinant_of(jets: Sequence[Jet]) -> arb:
-    """Of the derivative of a map."""
+    """Determinant of the derivative of a map."""
     found: arb = arb_mat(_derivative(jets)).det()
     return found
 
 
 def trace_and_determinant(jets: Sequence[Jet]) -> tuple[arb, arb]:
-    """Of the p, p part of the derivative: s_1 + s_2 and s_1 s_2 (Lemma 30.1)."""
+    """Trace and determinant of the p, p part of the derivative: s_1 + s_2 and s_1 s_2 (Lemma 30.1)."""
     m = _derivative(jets)
     return m[0][0] + m[1][1], m[0][0] * m[1][1] - m[0][1] * m[1][0]
 

@@ -48,7 +48,7 @@ class Arc:
 
     @property
     def id(self) -> str:
-        """That of the atlas."""
+        """The id of the atlas."""
         return self.atlas.id
 
     @property

@@ -51,7 +51,7 @@ def _with_bifurcations(theorem: CurveTheorem, curve: ProvedCurve, bifurcations: 
 
 
 def branch_in_full(atlas: AnyAtlas, statement: str) -> str:
-    """The same so that it stands alone: the system in formulas before it (section 10.4)."""
+    """The statement so that it stands alone: the system in formulas before it (section 10.4)."""
     if not isinstance(atlas, Atlas):
         return periodic_curve_in_full(atlas, statement)
     words = setting(atlas.system, atlas.parameters, atlas.claim.symmetry, atlas.claim.crossings)

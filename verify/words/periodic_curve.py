@@ -62,7 +62,7 @@ def periodic_curve_in_words(theorem: PeriodicCurveTheorem, curve: ProvedPeriodic
 
 
 def periodic_curve_in_full(atlas: PeriodicAtlas, statement: str) -> str:
-    """The same so that it stands alone: the system in formulas before it."""
+    """The statement so that it stands alone: the system in formulas before it."""
     system, names = atlas.system, names_in_words(atlas.system)
     state = [names.get(name, name) for name in system.state]
     lines = [f"The {system.title}:"]
