@@ -3,7 +3,7 @@
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
-.PHONY: help demo branches web theorems examples report archive release-check figures docs notebooks test lint test-slow campaign faults reading-list bench clean
+.PHONY: help demo branches web theorems examples report archive release-check figures docs notebooks test lint check test-slow campaign faults reading-list bench clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -32,6 +32,7 @@ help:
 	@echo "make docs       this project as a site (into $(SITE)/)"
 	@echo "make notebooks  run the notebooks, and keep their outputs in them"
 	@echo "make test       everything that has to pass: lint, format, types, tests"
+	@echo "make check      tests that a change can reach, the nearest first, for a minute"
 	@echo "make test-slow  the longer proofs and campaigns"
 	@echo "make campaign   10,000 false claims, 2,000 forged certificates, claims told otherwise (campaign.json; hours, goes on where it stopped)"
 	@echo "make faults     faults made on purpose, one line each, and which tests notice them (faults.json; hours, goes on where it stopped)"
@@ -254,6 +255,9 @@ test: $(VENV)/dev.stamp
 	@said=$$(mktemp) && trap 'rm -f "$$said"' EXIT && trap 'exit 130' INT TERM; \
 	$(MAKE) --no-print-directory lint >"$$said" 2>&1 & lint=$$!; \
 	$(PYTEST); tests=$$?; wait $$lint; lint=$$?; cat "$$said"; [ $$tests -eq 0 ] && [ $$lint -eq 0 ]
+
+check: $(VENV)/dev.stamp
+	@$(BIN)/python tests/check.py
 
 test-slow: $(VENV)/dev.stamp
 	$(PYTEST) -m slow
