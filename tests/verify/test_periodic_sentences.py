@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import random
+import re
 from dataclasses import replace
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from flint import arb, ctx
+from flint import acb, arb, ctx
 from support import periodic_cases as cases
 
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import PeriodicOrbit, define_system
+from orbitproof.shared.systems.formulas import evaluate_formula
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Proved, enclose, guarded
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic import (
@@ -21,8 +25,9 @@ from orbitproof.verify.periodic import (
     multipliers_of,
     prove_periodic,
 )
+from orbitproof.verify.periodic.multipliers import Multipliers
 from orbitproof.verify.poincare import IntegratorSettings
-from orbitproof.verify.words.periodic import periodic_found, periodic_in_words
+from orbitproof.verify.words.periodic import linear_in_words, periodic_found, periodic_in_words, setting_in_section
 
 BITS = 200
 ZERO, ONE = Fraction(0), Fraction(1)
@@ -65,6 +70,34 @@ def test_an_orbit_among_orbits_of_twice_its_period_is_not_called_isolated() -> N
     said = periodic_in_words(proof.theorem)  # type: ignore[arg-type]
     assert "isolated" not in said
     assert "Whether orbits near it close after more crossings is not said." in said
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_section_is_told_as_it_is(seed: int) -> None:
+    """Its linear function, read again, has the coefficients; the sense is that of the direction."""
+    chance, names = random.Random(seed), ["x", "y", "u", "v"]
+    factors = tuple(Fraction(chance.choice((-3, -2, -1, 0, 1, 2)), chance.choice((1, 2))) for _ in names)
+    read = re.sub(r"([0-9]) (?=[a-z])", r"\1*", linear_in_words(factors, names))
+    for place, factor in enumerate(factors):
+        point = {name: Fraction(int(number == place)) for number, name in enumerate(names)}
+        assert evaluate_formula(read, point) == factor
+    claim = cases.in_plane(HALF_TURN, 1, [ONE, ZERO, ZERO, ZERO], WIDTH)
+    for direction, word in ((1, "grows"), (-1, "falls")):
+        told = "\n".join(setting_in_section(replace(claim, direction=direction)))
+        assert f"where the left side {word} in time." in told
+
+
+@pytest.mark.parametrize(("inside", "on", "outside", "undecided"), [
+    (2, 0, 0, 0), (1, 0, 1, 0), (0, 0, 2, 0), (1, 0, 0, 1), (0, 2, 0, 0), (0, 0, 1, 1), (0, 0, 0, 2),
+])  # fmt: skip
+def test_an_orbit_is_told_to_be_stable_or_unstable_by_its_multipliers(
+    inside: int, on: int, outside: int, undecided: int
+) -> None:
+    counted = Multipliers((acb(0), acb(1)), inside, on, outside, undecided, 1)
+    found: Any = SimpleNamespace(point={"x": arb(1)}, period=arb(2), multipliers=counted)
+    told = list(periodic_found(cases.in_plane(HALF_TURN, 1, [ONE, ZERO, ZERO, ZERO], WIDTH), found))
+    assert ("The orbit is unstable." in told) == (outside > 0)
+    assert ("The orbit is asymptotically stable, with asymptotic phase." in told) == (inside == 2)
 
 
 def test_in_the_plane_no_multiplier_is_left_on_a_level() -> None:
