@@ -13,7 +13,7 @@ from orbitproof.verify.evidence import NotKnown
 from orbitproof.verify.functions import BoundedFunction, StoredFunction
 from orbitproof.verify.lasting import LastingResult
 from orbitproof.verify.out_of_plane import KnownVariations, VariationFunctions
-from orbitproof.verify.periodic_curve import PeriodicResult
+from orbitproof.verify.periodic_curve import PeriodicIntervalResult
 from orbitproof.verify.stability import StabilityFunctions, unconfirmed
 from orbitproof.verify.surface import ProvedPart, SurfaceResult
 
@@ -23,7 +23,7 @@ def value_of(entry: Mapping[str, Any] | Result) -> Result:
     if isinstance(entry, IntervalResult):
         return entry
     kind: type[Result] = LastingResult if "parts" not in entry else SurfaceResult
-    kind = PeriodicResult if "multipliers" in entry else kind
+    kind = PeriodicIntervalResult if "multipliers" in entry else kind
     whole = {key: value for key, value in entry.items() if value is not None}
     whole["computation"] = {"seconds": 0.0, **entry.get("computation", {})}
     return from_json(kind, whole, "the result")

@@ -20,7 +20,7 @@ from support.stored import values
 from orbitproof.shared.claims import Claim
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR, FALKNER_SKAN, LIFTED, VERTICAL, record
 from orbitproof.verify.algebra import ball_polynomial
-from orbitproof.verify.curve import Place
+from orbitproof.verify.curve import PlaceOnCurve
 from orbitproof.verify.curve.tube import read_tube
 from orbitproof.verify.distances.ranges import Extreme, KnownDistances, PartOfInterval, Where, _values, ranges_between
 from orbitproof.verify.evidence import enclose, hull
@@ -233,7 +233,7 @@ def test_an_orbit_is_inside_an_arc_if_it_is_certainly_none_of_its_ends() -> None
         (names[2], arb(1), False), (names[2], 1 - near, True), (names[2], arb(1, near), False),
         (names[2], 1 - 2 * near + arb(0, near), True), (names[0], arb(1), True),
     ):  # fmt: skip
-        assert _is_inside(arc, Place(name, s, False)) == inside
+        assert _is_inside(arc, PlaceOnCurve(name, s, False)) == inside
 
 
 def test_an_interval_of_a_curve_holds_what_lies_between_its_places_and_not_in_them() -> None:

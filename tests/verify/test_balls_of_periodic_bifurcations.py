@@ -42,7 +42,7 @@ from orbitproof.verify.periodic_bifurcation import (
 )
 from orbitproof.verify.periodic_bifurcation.coefficients import flip_coefficients, fold_coefficients
 from orbitproof.verify.periodic_bifurcation.equations import equations_of
-from orbitproof.verify.periodic_bifurcation.extended_system import Place, check_extended, extended_matrix
+from orbitproof.verify.periodic_bifurcation.extended_system import BifurcationPoint, check_extended, extended_matrix
 from orbitproof.verify.periodic_bifurcation.proved_periodic_bifurcation import _squared, quotient
 from orbitproof.verify.periodic_bifurcation.symmetry import _image_of, check_mirrored, signs_on_box
 from orbitproof.verify.periodic_bifurcation.torus_system import check_torus_point, torus_matrix
@@ -238,12 +238,12 @@ def test_coefficients_depend_on_each_derivative_by_itself(kind: str, setting: st
     chance = random.Random(kind + setting)
     claim, centres = known(kind, setting, 5)
     size = len(claim.radii)
-    place = Place(tuple(arb(0) for _ in range(size + 1)), tuple(map(enclose, claim.kernel[0])))
+    place = BifurcationPoint(tuple(arb(0) for _ in range(size + 1)), tuple(map(enclose, claim.kernel[0])))
     coefficients = fold_coefficients if kind == "periodic-fold" else flip_coefficients
 
     def found(centres: Centres, kernel: Any) -> Any:
         equations = equations_of(claim, enclosures(claim, centres))
-        given = coefficients(equations, Place(place.where, tuple(kernel)), place.kernel)
+        given = coefficients(equations, BifurcationPoint(place.where, tuple(kernel)), place.kernel)
         # Which component of l is 1 is chosen by the middles of balls.
         return given.opening, given.pairing / given.speed
 
@@ -305,7 +305,7 @@ def test_where_a_symmetry_takes_the_point_and_its_eigenvector(kind: str) -> None
         assert (signs is None) is (kind == "moved")
         p = [Fraction(chance.randint(-8, 8), 8) for _ in range(size)]
         kernel = tuple(map(enclose, claim.kernel[0]))
-        place = Place((*map(enclose, p), arb(0)), kernel)
+        place = BifurcationPoint((*map(enclose, p), arb(0)), kernel)
         state = [x + sum((a * b for a, b in zip(row, p, strict=True)), Fraction(0))
                  for x, row in zip(claim.centre, claim.frame, strict=True)]  # fmt: skip
         image = [sum((a * b for a, b in zip(row, state, strict=True)), Fraction(0)) for row in rows]
@@ -316,7 +316,7 @@ def test_where_a_symmetry_takes_the_point_and_its_eigenvector(kind: str) -> None
         assert all(ball.rad() < 1e-30 for ball in back)
 
         def mirrored(where: Any, kernel: Any, claim: PeriodicBifurcation = claim) -> Any:
-            return checked(check_mirrored, claim, Place(tuple(where), tuple(kernel)))
+            return checked(check_mirrored, claim, BifurcationPoint(tuple(where), tuple(kernel)))
 
         if kind == "moved":
             assert not broken_inclusions(partial(mirrored, kernel=kernel), (list(place.where),), chance)

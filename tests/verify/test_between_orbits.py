@@ -11,7 +11,7 @@ import pytest
 from flint import acb, arb, arb_poly, ctx
 from support.flow_checks import ball
 
-from orbitproof.verify.curve import Bifurcation, Place
+from orbitproof.verify.curve import Bifurcation, PlaceOnCurve
 from orbitproof.verify.evidence import EmptyIntersectionError
 from orbitproof.verify.functions import REACH, BoundedFunction
 from orbitproof.verify.stability import Extremum, Gap, Matter, Segment, extrema_on, is_in_band
@@ -55,7 +55,7 @@ class Curve:
     def orbit(self, s: Fraction, piece: str = "p", shift: Fraction = Fraction(0)) -> Bifurcation:
         """The certified orbit at s, of which is said that its stability parameters are larger by `shift`."""
         values = tuple(acb(polynomial(ball(s)) + ball(shift)) for polynomial in self.parameters)
-        place = Place(piece, ball(s) + arb(0, 1) / 10**25, False)
+        place = PlaceOnCurve(piece, ball(s) + arb(0, 1) / 10**25, False)
         return Bifurcation(f"orbit at {float(s)}", "orbit", 1, place, "", {}, stability=values[::-1])
 
     def beside(self, distance: Fraction = APART) -> list[Bifurcation]:
@@ -106,7 +106,7 @@ def test_orbits_that_are_not_on_this_piece_or_nowhere_say_nothing() -> None:
     assert curve.narrowed(orbits, ("another",)) == curve.extrema
     assert curve.narrowed([replace(entry, place=None) for entry in orbits]) == curve.extrema
     assert curve.narrowed([replace(entry, kind="doubling") for entry in orbits]) == curve.extrema
-    beyond = [replace(entry, place=Place("p", arb(2), False)) for entry in orbits]
+    beyond = [replace(entry, place=PlaceOnCurve("p", arb(2), False)) for entry in orbits]
     assert curve.narrowed(beyond) == curve.extrema
 
 

@@ -40,7 +40,7 @@ from orbitproof.verify.atlas.places import _to_json as place_to_json
 from orbitproof.verify.atlas.recheck import _contradictions, _interval_findings
 from orbitproof.verify.certificate import Certificate, Finding, Level, Recheck
 from orbitproof.verify.certificate import not_proved as unproved
-from orbitproof.verify.curve import Bifurcation, IntervalResult, Place
+from orbitproof.verify.curve import Bifurcation, IntervalResult, PlaceOnCurve
 from orbitproof.verify.evidence import Reason, ball_to_json
 from orbitproof.verify.functions import StoredFunction
 from orbitproof.verify.run.branch_tasks import reusable, task_again
@@ -377,6 +377,6 @@ def test_a_place_is_told_as_it_was_found() -> None:
     atlas, results = of_parabola()
     curve = AtlasCertificate(atlas, atlas_certificate(atlas, results))
     for mirrored, other_point in ((False, True), (True, False)):
-        place = Place("p001", arb(1, 2**-9), mirrored, other_point)
+        place = PlaceOnCurve("p001", arb(1, 2**-9), mirrored, other_point)
         told = place_to_json(curve, Bifurcation("a", "orbit", 1, place, "", {}, "period", None))
         assert (told["piece"], told["mirrored"], told["other_point"]) == ("p001", mirrored, other_point)

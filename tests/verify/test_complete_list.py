@@ -21,7 +21,7 @@ from support.stored import value_of, values
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.formats import read_atlas
 from orbitproof.verify.atlas import make_atlas_certificate
-from orbitproof.verify.curve import Bifurcation, Place, conclude
+from orbitproof.verify.curve import Bifurcation, PlaceOnCurve, conclude
 from orbitproof.verify.evidence import EmptyIntersectionError, Proved
 from orbitproof.verify.functions import REACH, BoundedFunction
 from orbitproof.verify.stability import Kind, Point, Segment, extrema_on, is_stable, open_on
@@ -227,7 +227,7 @@ def test_a_narrow_interval_counts_where_a_wide_one_says_less() -> None:
 
 
 def certified(k: int, s: float, piece: str = "p015") -> Bifurcation:
-    return Bifurcation("row", "touch_and_go", k, Place(piece, ball(Fraction(s)), False), "", {})
+    return Bifurcation("row", "touch_and_go", k, PlaceOnCurve(piece, ball(Fraction(s)), False), "", {})
 
 
 @pytest.mark.parametrize("k", [3, 5])
@@ -237,10 +237,10 @@ def test_certificates_are_matched_by_where_they_are(k: int) -> None:
     chain = outcome.results.chain
     plain = complete_list(atlas(), chain, values(results()), 6)
     (at,) = [point for point in plain.points if point.k == k]
-    entry = replace(certified(k, float(at.s.mid())), place=Place(at.piece, at.s, False))
+    entry = replace(certified(k, float(at.s.mid())), place=PlaceOnCurve(at.piece, at.s, False))
     (found,) = [p for p in complete_list(atlas(), chain, values(results()), 6, [entry]).points if p.k == k]
     assert found.certificates == ("row",)
-    beside = Place(at.piece, at.s + 1e-3, False)
+    beside = PlaceOnCurve(at.piece, at.s + 1e-3, False)
     for wrong in (replace(entry, k=k + 1), replace(entry, k=2 * k), replace(entry, place=beside)):
         if wrong.k <= 6:
             with pytest.raises(EmptyIntersectionError):
@@ -257,7 +257,7 @@ def test_two_certificates_of_a_resonance_of_order_six_are_matched_with_its_point
     at = ball(Fraction(1, 3))
     point = Point(0, "p001", 6, 1, Kind.RESONANCE, at, at, at, {})
     entries = [
-        Bifurcation(name, "period_tupling", 6, Place("p001", at, False, other), "", {})
+        Bifurcation(name, "period_tupling", 6, PlaceOnCurve("p001", at, False, other), "", {})
         for name, other in (("row", False), ("row-second", True))
     ]
     (found,) = with_certificates([point], [], entries)
@@ -265,8 +265,8 @@ def test_two_certificates_of_a_resonance_of_order_six_are_matched_with_its_point
     for wrong in (
         replace(entries[0], k=3),
         replace(entries[0], k=2),
-        replace(entries[0], place=Place("p002", at, False)),
-        replace(entries[0], place=Place("p001", at + 1, False)),
+        replace(entries[0], place=PlaceOnCurve("p002", at, False)),
+        replace(entries[0], place=PlaceOnCurve("p001", at + 1, False)),
     ):
         with pytest.raises(EmptyIntersectionError):
             with_certificates([point], [], [wrong])
@@ -296,7 +296,7 @@ def test_bifurcations_out_of_the_plane_are_not_looked_for_in_the_plane() -> None
 def test_folds_symmetry_breakings_and_losses_of_r_are_matched_by_kind(kind: str, found: Kind, fits: bool) -> None:
     at = ball(Fraction(1, 3))
     point = Point(0, "p001", 1, 0, found, at, at, at, {})
-    entry = Bifurcation("row", kind, 1, Place("p001", at, False), "", {})
+    entry = Bifurcation("row", kind, 1, PlaceOnCurve("p001", at, False), "", {})
     if fits:
         assert with_certificates([point], [], [entry])[0].certificates == ("row",)
     else:
@@ -312,7 +312,7 @@ def test_krein_collisions_are_matched_with_listed_ones() -> None:
     collision = Point(0, "p001", 0, 0, Kind.COLLISION, at, at, at, {})
     others = [replace(collision, k=1, kind=Kind.LOSS), replace(collision, kind=Kind.OPPOSITE)]
     entries = [
-        Bifurcation(name, "krein_collision", 1, Place("p001", at, False, other), "", {})
+        Bifurcation(name, "krein_collision", 1, PlaceOnCurve("p001", at, False, other), "", {})
         for name, other in (("row", False), ("row-second", True))
     ]
     found = with_certificates([*others, collision], [], entries)
@@ -341,7 +341,7 @@ def test_doubling_is_certified_at_the_point_of_the_orbit_where_it_is_found(other
     chain = outcome.results.chain
     (at,) = [point for point in complete_list(atlas(), chain, values(results()), 2).points if point.k == 2]
     assert at.kind is Kind.HERE
-    place = Place(at.piece, at.s, False, other_point)
+    place = PlaceOnCurve(at.piece, at.s, False, other_point)
     entry = Bifurcation("row", "period_tupling", 2, place, "", {})
     if other_point:
         with pytest.raises(EmptyIntersectionError):

@@ -18,7 +18,7 @@ from support.stored import values
 
 from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Claim
-from orbitproof.verify.curve import Bifurcation, Chain, Place, conclude
+from orbitproof.verify.curve import Bifurcation, Chain, PlaceOnCurve, conclude
 from orbitproof.verify.evidence import EmptyIntersectionError, Proved, exact_interval_text
 from orbitproof.verify.functions import REACH, BoundedFunction
 from orbitproof.verify.stability import (
@@ -126,7 +126,7 @@ def test_stability_is_the_same_whatever_order_is_asked_for() -> None:
 def test_a_certificate_is_not_of_a_point_beside_a_gap_in_which_it_may_be() -> None:
     at = ball(Fraction(1, 3))
     point = Point(0, "p001", 5, 2, Kind.RESONANCE, at, at, at, {})
-    entry = Bifurcation("row", "period_tupling", 5, Place("p001", at, False), "", {})
+    entry = Bifurcation("row", "period_tupling", 5, PlaceOnCurve("p001", at, False), "", {})
     subjects: list[tuple[Subject, bool]] = [
         (Resonance(5, 1), True), (Matter.EVERYTHING, True), (Resonance(4, 1), False), (Matter.COLLISION, False)
     ]  # fmt: skip

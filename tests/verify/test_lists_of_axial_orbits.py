@@ -37,7 +37,7 @@ from orbitproof.verify.atlas import (
     make_atlas_certificate,
 )
 from orbitproof.verify.certificate import Level
-from orbitproof.verify.curve import Bifurcation, HalfReturn, PieceLimits, Place, prove_piece
+from orbitproof.verify.curve import Bifurcation, HalfReturn, PieceLimits, PlaceOnCurve, prove_piece
 from orbitproof.verify.evidence import EmptyIntersectionError, IntegrationFailure, Proved
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.oracle import ORACLE
@@ -245,7 +245,7 @@ def test_of_the_piece_of_a_birth_the_list_says_nothing() -> None:
 
 def test_certified_births_are_in_the_list() -> None:
     at_ = ball(Fraction(1, 3))
-    entry = Bifurcation("birth", "symmetry_breaking", 1, Place("p001", at_, False), "", {})
+    entry = Bifurcation("birth", "symmetry_breaking", 1, PlaceOnCurve("p001", at_, False), "", {})
     of_vertical = replace(entry, kind=REVERSOR_BREAKING)
     assert about_the_list(arc(), [entry, of_vertical], 12) == [entry]
     for k, kind, s, holds in (

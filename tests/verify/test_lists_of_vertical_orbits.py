@@ -29,7 +29,7 @@ from orbitproof.shared.systems import AROUND, CR3BP, LIFTED, VERTICAL
 from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
 from orbitproof.verify.atlas.index import certified_index
 from orbitproof.verify.certificate import Level
-from orbitproof.verify.curve import Bifurcation, PieceLimits, Place, prove_piece
+from orbitproof.verify.curve import Bifurcation, PieceLimits, PlaceOnCurve, prove_piece
 from orbitproof.verify.curve.lyapunov_family import libration_point
 from orbitproof.verify.evidence import EmptyIntersectionError, IntegrationFailure, Proved, ball_from_json
 from orbitproof.verify.functions import REACH, BoundedFunction
@@ -247,7 +247,7 @@ def test_units_are_those_of_either_end() -> None:
 
 def test_a_certified_loss_of_r_is_at_a_point_at_which_the_square_is_1() -> None:
     at_ = ball(Fraction(1, 3))
-    entry = Bifurcation("loss", REVERSOR_BREAKING, 1, Place("p003", at_, False), "", {})
+    entry = Bifurcation("loss", REVERSOR_BREAKING, 1, PlaceOnCurve("p003", at_, False), "", {})
     tupling = replace(entry, kind="period_tupling", k=2)
     assert about_the_list(arc(), [entry, tupling], 12) == [entry]
     for k, kind, here in (
@@ -275,7 +275,9 @@ def test_a_list_takes_certified_losses_of_r_for_square_roots() -> None:
     curve = conclude(arc(), ARC["results"]).outcome
     assert isinstance(curve, Proved)
     (birth,) = [point for point in listed(12)["complete"]["points"] if point["k"] <= 2]
-    entry = Bifurcation("loss", REVERSOR_BREAKING, 1, Place(birth["piece"], ball_from_json(birth["s"]), False), "", {})
+    entry = Bifurcation(
+        "loss", REVERSOR_BREAKING, 1, PlaceOnCurve(birth["piece"], ball_from_json(birth["s"]), False), "", {}
+    )
     found = complete_list(arc(), curve.results.chain, values(ARC["results"]), 2, [entry])
     assert [point.certificates for point in found.points] == [("loss",)]
 

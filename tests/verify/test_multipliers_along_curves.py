@@ -32,7 +32,7 @@ from orbitproof.verify.periodic_curve import (
     CountedPart,
     Counts,
     MultiplierFunctions,
-    PeriodicResult,
+    PeriodicIntervalResult,
     characteristic,
     conclude_periodic,
     unconfirmed_multipliers,
@@ -67,7 +67,7 @@ def _of_two(first: float, second: float) -> list[float]:
 def test_the_multipliers_of_exact_curves_lie_in_the_enclosures(name: str) -> None:
     source = random.Random(name)
     for number, result in enumerate(proved(name)):
-        assert isinstance(result, PeriodicResult)
+        assert isinstance(result, PeriodicIntervalResult)
         assert isinstance(result.multipliers, MultiplierFunctions)
         for _ in range(50):
             s = Q(source.randrange(-(2**30), 2**30), 2**30)
@@ -83,7 +83,7 @@ def test_on_parts_of_a_piece_they_are_those_of_its_orbits() -> None:
     atlas = replace(turning_atlas(), pieces=turning_atlas().pieces[:1])
     results = tuple(attempt(atlas, interval=ends).stored for ends in ((Q(-1), Q(1, 4)), (Q(1, 4), Q(1))))
     result = results[1]
-    assert isinstance(result, PeriodicResult)
+    assert isinstance(result, PeriodicIntervalResult)
     assert isinstance(result.multipliers, MultiplierFunctions)
     for s in (Q(1, 4), Q(1, 2), Q(1)):
         ball = result.multipliers.coefficients[0].enclosed.value(enclose((s - Q(5, 8)) / (Q(3, 8) * REACH)))
@@ -283,7 +283,7 @@ def test_the_level_is_that_of_points_of_the_section() -> None:
 
 def test_multipliers_of_what_is_not_proved_are_not_counted() -> None:
     first, second = proved("turning")
-    assert isinstance(first, PeriodicResult)
+    assert isinstance(first, PeriodicIntervalResult)
     reason = Reason("newton", "for a test", "")
     refused = replace(first, verdict="not proved", reason=reason, multipliers=_doubled(first))
     alone, together = (counted(turning_atlas(), (first, second, *others)) for others in ((), (refused,)))
@@ -292,7 +292,7 @@ def test_multipliers_of_what_is_not_proved_are_not_counted() -> None:
 
 def test_where_all_multipliers_are_1_nothing_is_stored_or_said() -> None:
     stored = attempt(oscillator_atlas()).stored
-    assert isinstance(stored, PeriodicResult)
+    assert isinstance(stored, PeriodicIntervalResult)
     assert (stored.verdict, stored.multipliers) == ("proved", None)
     assert counted(oscillator_atlas(), (stored,)) == ()
 
@@ -313,7 +313,7 @@ UNKNOWN: dict[str, Any] = {
 @pytest.mark.parametrize("name", UNKNOWN)
 def test_what_is_not_known_on_one_piece_is_not_counted_there(name: str) -> None:
     first, second = proved("turning")
-    assert isinstance(first, PeriodicResult)
+    assert isinstance(first, PeriodicIntervalResult)
     lacking = replace(first, multipliers=UNKNOWN[name] if name != "too many" else _doubled(first))
     gap, rest = counted(turning_atlas(), (lacking, second))
     assert (gap.counts, rest.counts) == (None, Counts(1, 0, 0))
@@ -323,16 +323,16 @@ def test_what_is_not_known_on_one_piece_is_not_counted_there(name: str) -> None:
     assert "differ" not in words
 
 
-def _doubled(result: PeriodicResult) -> MultiplierFunctions:
+def _doubled(result: PeriodicIntervalResult) -> MultiplierFunctions:
     assert isinstance(result.multipliers, MultiplierFunctions)
     return MultiplierFunctions(result.multipliers.coefficients * 2)
 
 
 def test_new_integrations_confirm_what_is_stored_and_nothing_narrower() -> None:
     (stored,) = proved("levels")
-    assert isinstance(stored, PeriodicResult)
+    assert isinstance(stored, PeriodicIntervalResult)
     fresh = attempt(ATLASES["levels"], limits=replace(LIMITS, precision=112, order=44)).stored
-    assert isinstance(fresh, PeriodicResult)
+    assert isinstance(fresh, PeriodicIntervalResult)
     assert list(unconfirmed_multipliers(stored, fresh)) == []
     assert isinstance(stored.multipliers, MultiplierFunctions)
     (function,) = stored.multipliers.coefficients

@@ -25,7 +25,7 @@ from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR
 from orbitproof.verify.atlas import make_atlas_certificate
-from orbitproof.verify.curve import Bifurcation, PieceLimits, Place, conclude, derived_parameter
+from orbitproof.verify.curve import Bifurcation, PieceLimits, PlaceOnCurve, conclude, derived_parameter
 from orbitproof.verify.evidence import EmptyIntersectionError, Proved
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.oracle import ORACLE
@@ -194,7 +194,7 @@ def test_what_is_not_known_is_named() -> None:
 
 
 def certified(s: float, kind: str = "symmetry_breaking") -> Bifurcation:
-    return Bifurcation("halo", kind, 1, Place("p001", ball(Fraction(s)), False), "", {})
+    return Bifurcation("halo", kind, 1, PlaceOnCurve("p001", ball(Fraction(s)), False), "", {})
 
 
 def test_a_certified_symmetry_breaking_is_the_birth_or_contradicts_the_list() -> None:

@@ -32,7 +32,7 @@ from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.certificate import digest
 from orbitproof.verify.certificate.stored_balls import to_json
-from orbitproof.verify.periodic_curve import MultiplierFunctions, PeriodicResult, conclude_periodic
+from orbitproof.verify.periodic_curve import MultiplierFunctions, PeriodicIntervalResult, conclude_periodic
 from orbitproof.verify.run.branch_command import main
 
 Document = dict[str, Any]
@@ -177,7 +177,7 @@ def test_forged_certificates_do_not_stand(name: str) -> None:
 
 def test_multipliers_that_an_integration_does_not_find_do_not_stand_it() -> None:
     atlas, (first, second) = ATLASES["turning"], proved("turning")
-    assert isinstance(first, PeriodicResult)
+    assert isinstance(first, PeriodicIntervalResult)
     assert isinstance(first.multipliers, MultiplierFunctions)
     true = honest([to_json(first), to_json(second)])
     (function,) = first.multipliers.coefficients

@@ -17,7 +17,14 @@ from orbitproof.shared.claims import REVERSOR_BREAKING, Atlas, Claim, Covers, Pi
 from orbitproof.shared.claims.web import Meeting
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, LIFTED, VERTICAL, ReversibleSystem
 from orbitproof.verify.atlas.conclusion import conclusion_of
-from orbitproof.verify.curve import CertifiedPoint, Conclusion, Place, ProvedCurve, certified_systems, jacobi_constant
+from orbitproof.verify.curve import (
+    CertifiedPoint,
+    Conclusion,
+    PlaceOnCurve,
+    ProvedCurve,
+    certified_systems,
+    jacobi_constant,
+)
 from orbitproof.verify.curve import conclude as concluded
 from orbitproof.verify.curve.lyapunov_family import libration_point
 from orbitproof.verify.curve.vertical_family import (
@@ -297,7 +304,7 @@ def test_an_arc_of_vertical_orbits_ends_at_its_point_has_four_quarters_and_all_l
 
 
 def test_words_of_a_place_do_not_say_that_a_point_of_the_three_body_problem_is_one_of_a_curve_in_other_units() -> None:
-    place = Place("p001", arb(1) / 8, False)
+    place = PlaceOnCurve("p001", arb(1) / 8, False)
     for units in (atlas(), atlas(system=AROUND["L1"])):
         words = place_in_words(units, place, "curve", "sha256:0")
         assert "point x lies on the curve" not in words

@@ -26,7 +26,7 @@ from orbitproof.verify.atlas.interval_proof import question
 from orbitproof.verify.certificate import Limits, certify, contradictions, rechecking
 from orbitproof.verify.certificate.kinds import numbers
 from orbitproof.verify.certificate.tables import ball_to_text
-from orbitproof.verify.curve import Bifurcation, Computation, PieceResult, Place, ProvedInterval, conclude
+from orbitproof.verify.curve import Bifurcation, Computation, PieceResult, PlaceOnCurve, ProvedInterval, conclude
 from orbitproof.verify.distances import DistanceFunctions, Extreme, Extremes, Ranges, Where
 from orbitproof.verify.distances.distances import PARTS
 from orbitproof.verify.evidence import (
@@ -102,7 +102,14 @@ def test_every_number_that_is_stored_of_a_box_is_compared_with_that_of_another_i
 
 def test_what_is_stored_of_a_curve_and_of_points_on_it_is_what_is_known() -> None:
     on_it = Bifurcation(
-        "a", "fold", 1, Place("p015", arb(1, 2**-9), True, True), "", {"beta": arb(2), "y": arb(3)}, "beta", arb(4)
+        "a",
+        "fold",
+        1,
+        PlaceOnCurve("p015", arb(1, 2**-9), True, True),
+        "",
+        {"beta": arb(2), "y": arb(3)},
+        "beta",
+        arb(4),
     )
     beside = Bifurcation("b", "period_tupling", 2, None, "elsewhere", {}, "", None, True)
     curve = replace(conclude(atlas(), values(results())), bifurcations=(on_it, beside))

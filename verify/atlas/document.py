@@ -20,7 +20,7 @@ from orbitproof.verify.certificate.document import (
 )
 from orbitproof.verify.evidence import Hypothesis, Reason
 from orbitproof.verify.lasting import LastingResult
-from orbitproof.verify.periodic_curve import CountedPart, PeriodicResult, Turn
+from orbitproof.verify.periodic_curve import CountedPart, PeriodicIntervalResult, Turn
 from orbitproof.verify.surface import SurfaceResult
 
 
@@ -46,7 +46,7 @@ class PeriodicCurveStatement(Stated):
 
 
 @dataclass(frozen=True)
-class AnyResult(LastingResult, SurfaceResult, PeriodicResult):
+class AnyResult(LastingResult, SurfaceResult, PeriodicIntervalResult):
     """What was found on an interval of a piece, of a curve or of a surface, for the schema."""
 
 

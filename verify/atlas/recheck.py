@@ -59,7 +59,7 @@ from orbitproof.verify.certificate import (
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import NotKnown, as_found, quoted_name
 from orbitproof.verify.lasting import LastingResult, unconfirmed_twist
-from orbitproof.verify.periodic_curve import PeriodicResult, unconfirmed_multipliers
+from orbitproof.verify.periodic_curve import PeriodicIntervalResult, unconfirmed_multipliers
 from orbitproof.verify.stability import unconfirmed
 from orbitproof.verify.surface import ProvedPart, SurfaceResult, unshown
 
@@ -398,7 +398,7 @@ def _interval_findings(stored: Result, fresh: Result, time: str = _HALF_PERIOD) 
             *unconfirmed_twist(old.twist if old else None, new.twist if new else None),
         ]
         yield from (Finding(f"{place}, stability", text) for text in found)
-    if isinstance(stored, PeriodicResult):
+    if isinstance(stored, PeriodicIntervalResult):
         yield from (Finding(place, text) for text in unconfirmed_multipliers(stored, fresh))
     for part in _parts(stored):
         inside = [entry for entry in _parts(fresh) if covers([part.interval], entry.interval)]

@@ -10,11 +10,11 @@ from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError, PeriodicAt
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve import Interval, IntervalResult
 from orbitproof.verify.lasting import LastingResult
-from orbitproof.verify.periodic_curve import PeriodicResult
+from orbitproof.verify.periodic_curve import PeriodicIntervalResult
 from orbitproof.verify.surface import SurfaceResult
 
 Result = IntervalResult
-"""Of a piece of a curve it is a `LastingResult`, without symmetry a `PeriodicResult`, of one of a surface a
+"""Of a piece of a curve it is a `LastingResult`, without symmetry a `PeriodicIntervalResult`, of one of a surface a
 `SurfaceResult`."""
 
 Settings = Mapping[str, int]
@@ -38,7 +38,7 @@ def result_from_json(piece: AnyPiece, entry: Mapping[str, Any], place: str, is_p
 
     Raises `InputError` that begins with `place`.
     """
-    kind: type[Result] = PeriodicResult if is_periodic else LastingResult
+    kind: type[Result] = PeriodicIntervalResult if is_periodic else LastingResult
     if not isinstance(piece, Piece):
         kind = SurfaceResult if isinstance(piece, SurfacePiece) else IntervalResult
     for name in sorted(set(entry) - {each.name for each in fields(kind)}):

@@ -67,7 +67,7 @@ class CertifiedPoint:
 
 
 @dataclass(frozen=True)
-class Place:
+class PlaceOnCurve:
     """A point of the curve.
 
     Attributes:
@@ -103,7 +103,7 @@ class Bifurcation:
     id: str
     kind: str
     k: int
-    place: Place | None
+    place: PlaceOnCurve | None
     reason: str
     point: Point
     parameter_name: str = ""
@@ -112,9 +112,9 @@ class Bifurcation:
     reversor: str | None = None
     stability: tuple[acb, ...] = ()
 
-    def found(self, place: Place | str) -> Bifurcation:
+    def found(self, place: PlaceOnCurve | str) -> Bifurcation:
         """The bifurcation with its place on the curve, or with why it has none."""
-        return replace(self, place=place) if isinstance(place, Place) else replace(self, reason=place)
+        return replace(self, place=place) if isinstance(place, PlaceOnCurve) else replace(self, reason=place)
 
 
 def entry_of(certified: CertifiedPoint) -> Bifurcation:
@@ -165,14 +165,14 @@ def place_bifurcation(
     own = atlas.system.symmetries.get(str(atlas.claim.symmetry))
     breaks = entry.kind == "symmetry_breaking" and own is not None and certified.signs == own
     place = locate(atlas, chain, list(point.values()), breaks)
-    if isinstance(place, Place):
+    if isinstance(place, PlaceOnCurve):
         return replace(entry, place=place)
     if not atlas.system.derived_parameters:
         # On a fixed level that certificate does not say on which sheet P(x) is; its enclosure by integration does.
         known = certified.other_point if atlas.system.fixed_level is None else None
         second = known or partner(atlas.system, atlas.parameters, point, crossings)
         found_there = None if second is None else locate(atlas, chain, [second[name] for name in point], False)
-        if isinstance(found_there, Place):
+        if isinstance(found_there, PlaceOnCurve):
             return replace(entry, place=replace(found_there, other_point=True))
     return replace(entry, reason=place)
 
@@ -205,7 +205,7 @@ def _in_coordinates_of(atlas: Atlas, certified: CertifiedPoint, partner: Partner
     return {name: certified.point[name] for name in names}
 
 
-def locate(atlas: Atlas, chain: Chain, point: Sequence[arb], is_symmetry_breaking: bool = False) -> Place | str:
+def locate(atlas: Atlas, chain: Chain, point: Sequence[arb], is_symmetry_breaking: bool = False) -> PlaceOnCurve | str:
     """Where on the curve a symmetric orbit lies that is given by enclosures of its coordinates, or why nowhere.
 
     The orbit has to be a zero of the curve's equations, which is what bifurcations of every kind are. If it
@@ -223,7 +223,7 @@ def locate(atlas: Atlas, chain: Chain, point: Sequence[arb], is_symmetry_breakin
         for stretch in chain.stretches:
             found = _in_stretch(stretch, image, is_symmetry_breaking)
             if isinstance(found, arb):
-                return Place(stretch.tube.piece.id, found, mirrored)
+                return PlaceOnCurve(stretch.tube.piece.id, found, mirrored)
             if found is not None:
                 misses.append(found)
     if not misses:

@@ -16,7 +16,7 @@ from flint import arb, arb_poly
 from orbitproof.shared.formats import Atlas, BirthPiece
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, LIFTED, ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series, ball_polynomial, recentred
-from orbitproof.verify.curve.bifurcations_on_it import Place
+from orbitproof.verify.curve.bifurcations_on_it import PlaceOnCurve
 from orbitproof.verify.curve.equation import BEYOND, TUBE, Equation, HalfReturn, divided_by_wide, parameter_series
 from orbitproof.verify.curve.piece import SLOPE_BITS, PieceLimits, Progress, check_newton, in_units
 from orbitproof.verify.curve.piece_claim import ACROSS, require_birth_piece
@@ -66,7 +66,7 @@ def is_born_at_doubling(atlas: Atlas) -> bool:
     return atlas.system is not LIFTED and bool(atlas.birth_pieces())
 
 
-def is_at_birth(atlas: Atlas, place: Place) -> bool:
+def is_at_birth(atlas: Atlas, place: PlaceOnCurve) -> bool:
     """Whether a place is in the piece of the birth of a curve, not on the curve itself."""
     return place.piece in {piece.id for piece in atlas.birth_pieces()}
 

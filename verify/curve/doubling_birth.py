@@ -9,7 +9,7 @@ from flint import arb
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import HILL, HILL_VARIED
-from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint, Place, entry_of, locate
+from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint, PlaceOnCurve, entry_of, locate
 from orbitproof.verify.curve.birth_piece import Birth, tube_of_birth
 from orbitproof.verify.curve.doubled_family import HEIGHT, MASS, doubling_with_variation
 from orbitproof.verify.curve.followed import Follow
@@ -61,9 +61,9 @@ def _birth_at_end(
         return None
     place = locate(atlas, chain, [back[0].state[name] for name in atlas.system.centre_coordinates])
     evidence.require(
-        isinstance(place, Place), f"of the orbit at s = {float(near):.6g} of the piece of the birth: {place}"
+        isinstance(place, PlaceOnCurve), f"of the orbit at s = {float(near):.6g} of the piece of the birth: {place}"
     )
-    if not isinstance(place, Place):
+    if not isinstance(place, PlaceOnCurve):
         return None
     evidence.record(f"s of that orbit in piece {place.piece}", place.s)
     return Birth(tube, enclose(near))
@@ -83,7 +83,7 @@ def place_doubling_at_birth(birth: Birth, certified: CertifiedPoint, follow: Fol
     state, direction = _at_other_point(varied[MASS], crossings[0].state)
     local = birth.tube.at_birth(_from_hill_units(varied[MASS], state), direction)
     if local is not None and birth.tube.contains(arb(0), local):
-        return entry.found(Place(birth.tube.piece.id, arb(0), False))
+        return entry.found(PlaceOnCurve(birth.tube.piece.id, arb(0), False))
     return entry.found("it lies beside the tube of the piece of the birth")
 
 

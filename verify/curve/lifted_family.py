@@ -10,7 +10,7 @@ from flint import arb
 
 from orbitproof.shared.formats import REVERSOR_BREAKING, Atlas
 from orbitproof.shared.systems import AXIAL, CR3BP, CR3BP_AXIAL, LIFTED
-from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint, Place, entry_of, locate
+from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint, PlaceOnCurve, entry_of, locate
 from orbitproof.verify.curve.birth_piece import Birth, tube_of_birth
 from orbitproof.verify.curve.followed import Follow
 from orbitproof.verify.curve.gluing import Chain
@@ -110,10 +110,10 @@ def place_birth(
     if certified.kind == REVERSOR_BREAKING:
         return entry.found(_at_vertical_orbit(birth, certified))
     elif certified.kind == "symmetry_breaking":
-        found: Place | str = "it is no birth of axial orbits"
+        found: PlaceOnCurve | str = "it is no birth of axial orbits"
         for carried in _carried(certified, follow, atlas.parameters):
             entry, found = replace(entry, point=carried), locate(atlas, chain, list(carried.values()))
-            if isinstance(found, Place):
+            if isinstance(found, PlaceOnCurve):
                 found = found if _vanishes_first(atlas.parameters, carried, follow) else _NOT_FIRST
                 break
     else:
@@ -144,7 +144,7 @@ def _vanishes_first(parameters: Mapping[str, Fraction], point: Mapping[str, arb]
     return meets_section_once(LIFTED, known, lifted[0].state, lifted[0].time - planar[0].time)
 
 
-def _at_vertical_orbit(birth: Birth | None, certified: CertifiedPoint) -> Place | str:
+def _at_vertical_orbit(birth: Birth | None, certified: CertifiedPoint) -> PlaceOnCurve | str:
     """The place of a certified loss of R on a vertical orbit, or why it is none of the curve (Lemma 16.14)."""
     if birth is None:
         return "the curve has no piece of a birth"
@@ -159,7 +159,7 @@ def _at_vertical_orbit(birth: Birth | None, certified: CertifiedPoint) -> Place 
         at, off = (_mirrored(point), _mirrored(direction)) if mirrored else (point, direction)
         local = birth.tube.at_birth(at, off)
         if local is not None and birth.tube.contains(arb(0), local):
-            return Place(birth.tube.piece.id, arb(0), mirrored)
+            return PlaceOnCurve(birth.tube.piece.id, arb(0), mirrored)
     return "it lies beside the tube of the piece of the birth"
 
 

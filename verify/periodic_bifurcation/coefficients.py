@@ -10,7 +10,7 @@ from flint import arb
 from orbitproof.verify.evidence import dot
 from orbitproof.verify.newton import bordering, left_kernel, newton_image
 from orbitproof.verify.periodic_bifurcation.equations import PointEquations
-from orbitproof.verify.periodic_bifurcation.extended_system import Place
+from orbitproof.verify.periodic_bifurcation.extended_system import BifurcationPoint
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Coefficients:
         return -self.bend / self.speed
 
 
-def fold_coefficients(equations: PointEquations, place: Place, normal: Sequence[arb]) -> Coefficients:
+def fold_coefficients(equations: PointEquations, place: BifurcationPoint, normal: Sequence[arb]) -> Coefficients:
     """Of l . E_s s + l . E_2(w, w) y^2 / 2 (Lemma 25.2). Raises `ZeroDivisionError` where l is not enclosed."""
     slopes = equations.slopes(place.where)
     covector = _covector(equations, place, 1, normal)
@@ -42,7 +42,7 @@ def fold_coefficients(equations: PointEquations, place: Place, normal: Sequence[
     return Coefficients(dot(covector, [row[-1] for row in slopes]), curvature / 2, dot(covector, place.kernel))
 
 
-def flip_coefficients(equations: PointEquations, place: Place, normal: Sequence[arb]) -> Coefficients:
+def flip_coefficients(equations: PointEquations, place: BifurcationPoint, normal: Sequence[arb]) -> Coefficients:
     """Of gamma s + c y^2 (Lemma 25.3). Raises `ZeroDivisionError` where l or the curve of orbits is not enclosed."""
     slopes = equations.slopes(place.where)
     covector = _covector(equations, place, -1, normal)
@@ -56,7 +56,7 @@ def flip_coefficients(equations: PointEquations, place: Place, normal: Sequence[
     return Coefficients(speed, bend, dot(covector, place.kernel))
 
 
-def _covector(equations: PointEquations, place: Place, sigma: int, normal: Sequence[arb]) -> list[arb]:
+def _covector(equations: PointEquations, place: BifurcationPoint, sigma: int, normal: Sequence[arb]) -> list[arb]:
     """l with l (D_p E - sigma J) = 0."""
     singular = equations.minus(sigma, equations.slopes(place.where))
     return left_kernel(singular, bordering(singular, normal), normal)

@@ -19,7 +19,7 @@ def multiplier_of(claim: PeriodicBifurcation) -> int:
 
 
 @dataclass(frozen=True)
-class Place:
+class BifurcationPoint:
     """Where a bifurcation is.
 
     Attributes:
@@ -31,7 +31,7 @@ class Place:
     kernel: tuple[arb, ...]
 
 
-def check_extended(checklist: Checklist, claim: PeriodicBifurcation, equations: PointEquations) -> Place:
+def check_extended(checklist: Checklist, claim: PeriodicBifurcation, equations: PointEquations) -> BifurcationPoint:
     """One point of the box at which the map has the multiplier, with an eigenvector in the box of eigenvectors."""
     sigma, size = multiplier_of(claim), equations.size
     (kernel,) = claim.kernel
@@ -55,7 +55,7 @@ def check_extended(checklist: Checklist, claim: PeriodicBifurcation, equations: 
         eigenvector = range(size + 1, 2 * size + 1)
         found = enclose_zero(evidence, matrix_over, residual, radii, names, eigenvector)
     vector = [value + ball for value, ball in zip(middle, found[size + 1 :], strict=True)]
-    return Place(tuple(found[: size + 1]), tuple(vector))
+    return BifurcationPoint(tuple(found[: size + 1]), tuple(vector))
 
 
 def extended_matrix(

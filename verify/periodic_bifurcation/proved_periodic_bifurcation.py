@@ -33,7 +33,7 @@ from orbitproof.verify.periodic import (
 from orbitproof.verify.periodic_bifurcation.coefficients import Coefficients, flip_coefficients, fold_coefficients
 from orbitproof.verify.periodic_bifurcation.enclosures import BifurcationEnclosures
 from orbitproof.verify.periodic_bifurcation.equations import PointEquations, equations_of, sides_of
-from orbitproof.verify.periodic_bifurcation.extended_system import Place, check_extended, multiplier_of
+from orbitproof.verify.periodic_bifurcation.extended_system import BifurcationPoint, check_extended, multiplier_of
 from orbitproof.verify.periodic_bifurcation.returns import check_last, check_least, check_returns, time_at
 from orbitproof.verify.periodic_bifurcation.symmetry import check_mirrored, check_symmetry, signs_on_box
 
@@ -137,7 +137,7 @@ def _check_curve(checklist: Checklist, claim: PeriodicBifurcation, equations: Po
 
 
 def _check_side(
-    checklist: Checklist, claim: PeriodicBifurcation, equations: PointEquations, place: Place
+    checklist: Checklist, claim: PeriodicBifurcation, equations: PointEquations, place: BifurcationPoint
 ) -> Coefficients:
     """On which side of the bifurcation the new orbits are."""
     is_fold = claim.kind == PERIODIC_FOLD
@@ -159,7 +159,7 @@ def _results(
     claim: PeriodicBifurcation,
     found: BifurcationEnclosures,
     equations: PointEquations,
-    place: Place,
+    place: BifurcationPoint,
     coefficients: Coefficients,
     is_fixed: bool | None,
 ) -> PeriodicBifurcationResults:
@@ -197,7 +197,7 @@ def _criticality(
 
 
 def _other_multipliers(
-    claim: PeriodicBifurcation, equations: PointEquations, place: Place, is_fixed: bool | None
+    claim: PeriodicBifurcation, equations: PointEquations, place: BifurcationPoint, is_fixed: bool | None
 ) -> Multipliers:
     """Multipliers other than 1 for the flow, 1 for the levels, and the one that bifurcates (section 25.7)."""
     system, sigma = claim.system, multiplier_of(claim)

@@ -11,7 +11,7 @@ from orbitproof.shared.formats import PeriodicBifurcation
 from orbitproof.verify.claim import is_respected
 from orbitproof.verify.evidence import Checklist, dot, enclose, excludes_zero
 from orbitproof.verify.periodic import section_coordinates
-from orbitproof.verify.periodic_bifurcation.extended_system import Place
+from orbitproof.verify.periodic_bifurcation.extended_system import BifurcationPoint
 
 
 def check_symmetry(checklist: Checklist, claim: PeriodicBifurcation) -> None:
@@ -37,7 +37,7 @@ def check_symmetry(checklist: Checklist, claim: PeriodicBifurcation) -> None:
         evidence.require(shown, "H(S x) = H(x) was not shown")
 
 
-def check_mirrored(checklist: Checklist, claim: PeriodicBifurcation, place: Place) -> bool:
+def check_mirrored(checklist: Checklist, claim: PeriodicBifurcation, place: BifurcationPoint) -> bool:
     """S fixes the point and turns its eigenvector round, or moves the point; whether it fixes it (section 25.6)."""
     signs = signs_on_box(claim)
     if signs is None:
@@ -80,7 +80,7 @@ def _product(left: Sequence[Fraction], right: Sequence[Fraction]) -> Fraction:
     return sum((a * b for a, b in zip(left, right, strict=True)), Fraction(0))
 
 
-def _image_of(claim: PeriodicBifurcation, place: Place) -> list[arb]:
+def _image_of(claim: PeriodicBifurcation, place: BifurcationPoint) -> list[arb]:
     """The coordinates p of S x."""
     coordinates = section_coordinates(claim)
     assert claim.symmetry is not None

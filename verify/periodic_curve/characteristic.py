@@ -38,7 +38,7 @@ class MultiplierFunctions:
 
 
 @dataclass(frozen=True)
-class PeriodicResult(IntervalResult):
+class PeriodicIntervalResult(IntervalResult):
     """What was found for a piece of such a curve.
 
     Attributes:
@@ -53,14 +53,14 @@ class ProvedPeriodicInterval(ProvedInterval):
     """A `ProvedInterval` with the multipliers of its orbits.
 
     Attributes:
-        multipliers: as of `PeriodicResult`.
+        multipliers: as of `PeriodicIntervalResult`.
     """
 
     multipliers: MultiplierFunctions | NotKnown | None = field(default=None, kw_only=True)
 
-    def stored(self, piece: str, computation: Computation) -> PeriodicResult:
+    def stored(self, piece: str, computation: Computation) -> PeriodicIntervalResult:
         """As in `Results`."""
-        return PeriodicResult(**vars(super().stored(piece, computation)), multipliers=self.multipliers)
+        return PeriodicIntervalResult(**vars(super().stored(piece, computation)), multipliers=self.multipliers)
 
 
 def multipliers_along(
@@ -165,13 +165,13 @@ def _stored(function: BoundedFunction) -> StoredFunction:
     return StoredFunction.near(coefficients, function.error)
 
 
-def unconfirmed_multipliers(stored: PeriodicResult, fresh: object) -> Iterator[str]:
+def unconfirmed_multipliers(stored: PeriodicIntervalResult, fresh: object) -> Iterator[str]:
     """What is stored of the multipliers and is not contained in what a new integration finds, in words."""
-    old, new = stored.multipliers, fresh.multipliers if isinstance(fresh, PeriodicResult) else None
+    old, new = stored.multipliers, fresh.multipliers if isinstance(fresh, PeriodicIntervalResult) else None
     if not isinstance(old, MultiplierFunctions):
         return
     # Functions of s are written in a variable that runs over the interval: on another one they are others.
-    is_same = isinstance(fresh, PeriodicResult) and fresh.interval == stored.interval
+    is_same = isinstance(fresh, PeriodicIntervalResult) and fresh.interval == stored.interval
     if not is_same or not isinstance(new, MultiplierFunctions):
         yield "multipliers are not enclosed again on this interval"
         return

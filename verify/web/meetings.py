@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from orbitproof.shared.claims.web import BRANCHES, ENDS, LIBRATION_POINTS, PASSES, How, Meeting
 from orbitproof.shared.systems import LIFTED
-from orbitproof.verify.curve import Place, is_at_birth, lower_end, upper_end
+from orbitproof.verify.curve import PlaceOnCurve, is_at_birth, lower_end, upper_end
 from orbitproof.verify.web.arc import Arc, libration_vertex
 
 
@@ -23,7 +23,7 @@ class Incidence:
     arc: str
     vertex: str
     how: How
-    place: Place | None
+    place: PlaceOnCurve | None
 
 
 def meeting_shown(arc: Arc, meeting: Meeting) -> Incidence | str:
@@ -56,13 +56,13 @@ def meeting_shown(arc: Arc, meeting: Meeting) -> Incidence | str:
     return Incidence(arc.id, meeting.vertex, meeting.how, entry.place)
 
 
-def _is_symmetric_point(arc: Arc, place: Place) -> bool:
+def _is_symmetric_point(arc: Arc, place: PlaceOnCurve) -> bool:
     """Whether the place is a point of the curve that its symmetry fixes: s = 0 of a symmetric piece (15.8)."""
     symmetric = {piece.id for piece in arc.atlas.curve_pieces() if piece.is_symmetric}
     return place.piece in symmetric and place.s.is_zero() and not place.other_point
 
 
-def _is_inside(arc: Arc, place: Place) -> bool:
+def _is_inside(arc: Arc, place: PlaceOnCurve) -> bool:
     """Whether the place certainly is none of the ends of the curve."""
     assert arc.curve is not None
     claim, stretches = arc.atlas.claim, arc.curve.chain.stretches

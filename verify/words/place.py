@@ -5,13 +5,13 @@ from __future__ import annotations
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import shown
 from orbitproof.verify.claim import atlas_in_words
-from orbitproof.verify.curve import Place
+from orbitproof.verify.curve import PlaceOnCurve
 from orbitproof.verify.evidence import located
 
 _DIGITS = 18
 
 
-def place_in_words(atlas: Atlas, place: Place, name: str, digest: str) -> str:
+def place_in_words(atlas: Atlas, place: PlaceOnCurve, name: str, digest: str) -> str:
     """The place of an orbit on the curve of an atlas that a certificate proves, with its name and digest."""
     of_curve = f"the curve that the certificate {shown(name)} ({digest}) proves"
     where = f"on its piece {place.piece}, at {located('s', place.s, _DIGITS)}"
