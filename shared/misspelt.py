@@ -22,7 +22,8 @@ def with_remedy(message: str, parser: argparse.ArgumentParser) -> str:
     """The message of a parser, in one line, with the option that may have been meant where one is not known."""
     line = " ".join(message.split())
     unknown = re.search(r"unrecognized arguments: (?:.* )?(--[\w-]+)", line)
-    return line if unknown is None else line + meant(unknown[1], _options(parser))
+    known = set(_options(parser))
+    return line if unknown is None or unknown[1] in known else line + meant(unknown[1], sorted(known))
 
 
 def _options(parser: argparse.ArgumentParser) -> Iterator[str]:

@@ -19,7 +19,16 @@ from orbitproof.explore.commands.periodic_claims import (
     refine_orbits,
     refuse_claims,
 )
-from orbitproof.explore.names import exact_number, given_values, own_system, section_of, symmetry_of, varied
+from orbitproof.explore.names import (
+    exact_number,
+    given_values,
+    mass_name,
+    mass_parameter,
+    own_system,
+    section_of,
+    symmetry_of,
+    varied,
+)
 from orbitproof.explore.seeds import TRIANGULAR
 from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.interrupts import INTERRUPTED
@@ -67,6 +76,8 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--parameter", nargs="+", metavar="NAME=VALUE", help="all parameters of the vector field, exactly as written"
     )
+    words = "mass parameter of the CR3BP, a name or a number, in place of --parameter mu=.."
+    parser.add_argument("--mass", type=mass_name, metavar="MU", help=words)
     begin = parser.add_mutually_exclusive_group(required=True)
     begin.add_argument("--start", nargs="+", metavar="NAME=VALUE", help="where to begin: all coordinates of the state")
     begin.add_argument(
@@ -163,9 +174,14 @@ def run(options: argparse.Namespace) -> int:
         if given is not None:
             raise InputError(f"{option}: belongs to --from-branches; give that too")
     if options.system is None:
+        options.system = None if options.mass is None else CR3BP.name
+    if options.system is None:
         raise InputError("--system: missing; give a name or the file of your own system")
     system = own_system(options.system)
-    parameters = given_values("--parameter", options.parameter or (), tuple(system.parameters))
+    if options.mass is not None and "mu" not in system.parameters:
+        raise InputError(f"--mass {options.mass}: {system.name} has no mass parameter; leave it out")
+    mass = [] if options.mass is None else [f"mu={mass_parameter('--mass', options.mass)}"]
+    parameters = given_values("--parameter", [*mass, *(options.parameter or ())], tuple(system.parameters))
     for name, value in parameters.items():
         if not system.parameters[name].contains(value):
             raise InputError(f"--parameter {name}={value}: outside {system.parameters[name]}; give a value inside")

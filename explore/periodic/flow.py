@@ -85,7 +85,8 @@ def values_of(system: System, program: Program, point: Sequence[float] | Vector,
     except (ArithmeticError, TypeError, ValueError):
         found = np.array([np.nan])
     if not np.all(np.isfinite(found)):
-        place = ", ".join(f"{name} = {value:.6g}" for name, value in zip(system.given_state, point, strict=True))
+        values = [*zip(system.given_state, point, strict=True), *zip(system.parameters, parameters, strict=False)]
+        place = ", ".join(f"{name} = {value:.6g}" for name, value in values)
         raise FlowFailure(f"the formulas of {system.name} have no value at {place}")
     return found
 

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
@@ -102,7 +104,16 @@ class _AsWritten(float):
         return self._text
 
 
+def _refuse_error_reply(path: Path) -> None:
+    """An error reply of the catalogue's interface, saved in place of a catalogue, is told as such."""
+    with suppress(OSError, ValueError, RecursionError):
+        reply = json.loads(path.read_text("utf-8"))
+        if isinstance(reply, dict) and "message" in reply and "data" not in reply:
+            raise InputError(f"{path}: an error reply of the catalogue, no orbits; its message says what to ask for")
+
+
 def _read_json(path: Path) -> CatalogueRows:
+    _refuse_error_reply(path)
     document = read_document(path, "catalogue", _AsWritten)
     fields, data = [str(name).strip() for name in document["fields"]], document["data"]
     missing = [name for name in FIELDS if name not in fields]

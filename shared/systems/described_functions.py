@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
+from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula, remedy_for
 from orbitproof.shared.systems.names import IDENTIFIER, fits
 from orbitproof.shared.systems.program import Program, Variable, record
 from orbitproof.shared.systems.program_text import program_from_text
@@ -30,7 +30,7 @@ def name_of(key: str, value: Any) -> str:
         raise DescriptionError(f"{key}: {value!r} is no name; use letters, digits and _, a letter first")
     # In the text of a program v0, v1, .. are its lines.
     if re.fullmatch(r"v[0-9]+", value) or value == "sqrt":
-        raise DescriptionError(f"{key}: {value!r} is taken; choose another name")
+        raise DescriptionError(f"{key}: {value!r} is a name of formulas themselves; choose another one, such as u1")
     return value
 
 
@@ -90,13 +90,20 @@ class DescribedFunctions:
         except DescriptionError:
             raise
         except Exception as error:
-            remedy = f"a function of {', '.join(self.inputs)} in plain arithmetic with exact constants"
-            if isinstance(error, TypeError):
-                remedy += "; sqrt, sin, cos, exp and log are for formulas as text"
-            raise DescriptionError(f"{key}: {type(error).__name__}: {error}; give {remedy}") from None
+            raise DescriptionError(f"{key}: {type(error).__name__}: {error}; {self._remedy(error)}") from None
         if len(program.outputs) != count:
             raise DescriptionError(f"{key}: gives {counted(len(program.outputs), 'value')}; give {count}")
         return program
+
+    def _remedy(self, error: Exception) -> str:
+        name = error.name if isinstance(error, NameError) and error.name else ""
+        known = ", ".join(self.inputs)
+        if name in ("t", "time", "pi"):
+            return remedy_for(name, known)
+        remedy = f"give a function of {known} in plain arithmetic with exact constants"
+        if name or isinstance(error, TypeError):
+            remedy += "; sqrt, sin, cos, exp and log are for formulas as text (docs/how-to/sin-and-exp.md)"
+        return remedy
 
     def _formulas(self, texts: Mapping[str, str]) -> Program:
         def values(inputs: Sequence[Any]) -> Sequence[Any]:

@@ -397,6 +397,8 @@ def _distinct(key: str, names: Sequence[str]) -> None:
 def _names(key: str, value: Any) -> tuple[str, ...]:
     if isinstance(value, str):
         value = value.replace(",", " ").split()
+    if isinstance(value, (list, tuple)) and len(value) == 1:
+        raise DescriptionError(f"{key}: {value[0]!r} alone has no periodic orbits; give two coordinates or more")
     if not isinstance(value, (list, tuple)) or not 2 <= len(value) <= 40:
         raise DescriptionError(f"{key}: {value!r} is no list of names; give the names of the state coordinates")
     names = tuple(name_of(key, item) for item in value)

@@ -39,6 +39,15 @@ _OPERATIONS: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
 }
 
 
+def remedy_for(name: str, known: str) -> str:
+    """What to write in place of a name that formulas do not know."""
+    if name in ("t", "time"):
+        return "time is a coordinate with the rate 1, or the force a system of its own (docs/how-to/forced-systems.md)"
+    if name == "pi":
+        return "make pi a parameter, with as many digits as are wanted"
+    return f"known: {known}"
+
+
 class FormulaError(ValueError):
     """What is wrong with a formula, in one line with the remedy."""
 
@@ -76,7 +85,8 @@ class _Reader:
             case ast.Name(id=name):
                 if name not in self.values:
                     known = ", ".join(self.values) or "none"
-                    raise FormulaError(f"the name {name!r} in {_quoted(self.source)} is unknown; known: {known}")
+                    remedy = remedy_for(name, known)
+                    raise FormulaError(f"the name {name!r} in {_quoted(self.source)} is unknown; {remedy}")
                 return self.values[name]
             case ast.Constant():
                 return self.number(node)

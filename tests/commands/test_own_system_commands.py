@@ -210,3 +210,40 @@ def test_a_wrong_start_is_one_line(
     error = capsys.readouterr().err
     assert line in error
     assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("state", "field", "remedy"),
+    [
+        ('"x"', "def field(x, a): return -x", "give two coordinates or more"),
+        ('"x y"', "def field(x, y, a): return y, -x + a*cos(x)", "for formulas as text (docs/how-to/sin-and-exp.md)"),
+        ('"x y"', "def field(x, y, a): return y, -x + a*t", "docs/how-to/forced-systems.md"),
+        ('"x y"', 'field = {"x": "y", "y": "-x + a*cos(t)"}', "docs/how-to/forced-systems.md"),
+        ('"x y"', 'field = {"x": "y", "y": "-pi*x"}', "make pi a parameter"),
+        ('"v1 v2"', "def field(v1, v2, a): return v2, -v1", "choose another one, such as u1"),
+        ('"x y"', "def field(x, y, a): return y, -(x**a)", "write a whole number or a half-integer"),
+        ('"x y"', "def field(x, y, a): return y, -x/a", "have no value at x = 1, y = 0, a = 0"),
+    ],
+)
+def test_what_a_newcomer_writes_is_answered_with_what_to_write(
+    state: str, field: str, remedy: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "mine.py"
+    path.write_text(f'name = "mine"\nstate = {state}\nparameters = "a"\n{field}\n')
+    words = ["--system", str(path), "--parameter", "a=0", "--start", "x=1", "y=0", "-o", str(tmp_path / "out.json")]
+    assert explore_main(["periodic", *words, "--quiet"]) in (1, 2)
+    said = capsys.readouterr()
+    assert remedy in said.err + said.out
+
+
+def test_an_error_reply_saved_as_a_catalogue_is_told_as_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "reply.json"
+    path.write_text('{"code": "400", "message": "unknown parameter", "moreInfo": "see there"}')
+    assert explore_main(["catalogue", str(path), "-o", str(tmp_path / "out.csv")]) == 2
+    assert "an error reply of the catalogue, no orbits" in capsys.readouterr().err
+
+
+def test_an_orbit_without_symmetry_takes_its_mass_by_name(tmp_path: Path) -> None:
+    words = ["--mass", "JPL-Earth-Moon", "--triangular", "L4-short", "-o", str(tmp_path / "l4.json"), "--quiet"]
+    assert explore_main(["periodic", *words]) == 0
+    assert explore_main(["periodic", "--system", "falkner-skan", "--mass", "0.1", "--start", "x=0", "--quiet"]) == 2
