@@ -1,22 +1,27 @@
-"""What holds for every kind of claim about a box, however it is proved: the contract of `certify` and `recheck`."""
+"""What holds for every kind of claim about a box or a curve, however it is proved: the contract of certificates."""
 
 from __future__ import annotations
 
+import json
 import random
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
-from support.forgeries import Change, changes, forged, noticed
-from support.metamorphic_cases import ROWS
+from support.forgeries import Change, changes, checked, forged, noticed
+from support.metamorphic_cases import CURVES, ROWS
+from support.metamorphic_runs import Told, tell
 
 from orbitproof.shared.claims import BoxClaim
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import write_candidates
+from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.__main__ import main
+from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import (
     Certificate,
@@ -168,3 +173,58 @@ def test_a_false_claim_is_not_proved_and_says_why_in_one_line(name: str, tmp_pat
     write_certificates(output, [proved(name)])
     assert main(["--recheck", str(output), "--quiet"]) == 0
     assert "stands" in capsys.readouterr().out
+
+
+# Curves
+
+
+FREE_OF_CURVES = ("statement.atlas.title", "statement.atlas.pieces.*.tube.*", "results.*.computation.")
+"""A title and a wider tube are another claim that follows too; how an interval was proved is as for boxes."""
+SEEN_BY_INTEGRATION = ("deviation.*", "error", "coefficients.*")
+"""Numbers in results from which everything else is concluded."""
+
+
+@cache
+def told(name: str) -> Told:
+    return tell(CURVES[name]())
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_an_honest_certificate_of_a_curve_stands_at_each_level(name: str) -> None:
+    assert told(name).verdict == "proved"
+    assert told(name).check(False) == "stands"
+    assert told(name).check(True) == "stands"
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_each_field_and_each_part_of_a_curve_is_noticed(name: str) -> None:
+    document = told(name).document
+    assert document is not None
+    for change in of_each_field(document):
+        if change.field.startswith(FREE_OF_CURVES) or change.field.endswith(SEEN_BY_INTEGRATION):
+            continue
+        with suppress(InputError):
+            assert noticed(checked(forged(document, change.apply))), change
+    for place in parts(document):
+        with suppress(InputError):
+            assert noticed(checked(forged(document, without(place)))), place
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_bounds_of_a_curve_that_are_too_small_are_found_by_integrating(name: str) -> None:
+    """2^-40 of each deviation, which is less than more bits can make of it."""
+    document = json.loads(json.dumps(told(name).document))
+    for result in document["results"]:
+        result["deviation"] = [format_exact(parse_exact(bound) / 2**40) for bound in result["deviation"]]
+    forgery = forged(document, lambda entry: None)
+    assert not checked(forgery, prove_task).stands
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_a_false_claim_of_a_curve_is_not_proved(name: str) -> None:
+    curve = CURVES[name]()
+    piece = curve.atlas.pieces[0]
+    beside = tuple(value + 2 * piece.tube[0] for value in piece.centre)
+    found = tell(replace(curve, atlas=replace(curve.atlas, pieces=(replace(piece, centre=beside),))))
+    assert found.verdict not in ("proved", "enclosed")
+    assert "\n" not in found.verdict
