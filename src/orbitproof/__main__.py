@@ -30,6 +30,11 @@ def main() -> int:
 
 
 def _run() -> int:
+    if "_ARGCOMPLETE" in os.environ:
+        from orbitproof.completion import complete
+
+        complete({name: module for name, (module, _) in _COMMANDS.items()})
+        return 0
     arguments = sys.argv[1:]
     name = arguments[0] if arguments else "--help"
     if name in ("-h", "--help"):

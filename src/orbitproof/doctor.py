@@ -26,6 +26,7 @@ _IMPORTS = {
     "parquet": "pyarrow",
     "interactive": "plotly",
     "cluster": "distributed",
+    "completion": "argcomplete",
 }
 """What is imported to see whether an extra works, by its name. `docs` and `dev` are for work on the project itself."""
 _REQUIREMENT = re.compile(r"([\w.-]+)([^;\s]*)\s*(?:;\s*extra == [\"'](\w+)[\"'])?")

@@ -6,6 +6,7 @@ import argparse
 import ast
 import importlib
 import json
+import os
 import re
 import shlex
 import subprocess
@@ -119,6 +120,27 @@ def test_what_is_misspelt_is_answered_with_what_may_be_meant(
     assert (done.returncode, "did you mean verify?" in done.stderr) == (2, True)
 
 
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [
+        ("orbitproof ver", "verify"),
+        ("orbitproof explore orb", "orbit"),
+        ("orbitproof explore orbit --fam", "--family"),
+        ("orbitproof verify --other", "--other-boxes"),
+        ("orbitproof verify atlas --comp", "--complete"),
+        ("orbitproof figures family --fam", "--family"),
+    ],
+)
+def test_a_shell_completes_commands_and_options(line: str, word: str, tmp_path: Path) -> None:
+    pytest.importorskip("argcomplete")
+    answer = tmp_path / "answer"
+    asked = {"COMP_LINE": line, "COMP_POINT": str(len(line)), "_ARGCOMPLETE": "1", "_ARGCOMPLETE_SHELL": "bash"}
+    asked |= {"_ARGCOMPLETE_STDOUT_FILENAME": str(answer), "_ARGCOMPLETE_IFS": "\n"}
+    words = [sys.executable, "-m", "orbitproof"]
+    subprocess.run(words, env={**os.environ, **asked}, cwd=tmp_path, capture_output=True, timeout=120, check=False)
+    assert [found.strip() for found in answer.read_text().splitlines()] == [word]
+
+
 @pytest.mark.parametrize("package", COMMANDS)
 def test_help_has_examples_and_its_examples_parse(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
     result = subprocess.run(
@@ -193,6 +215,7 @@ def test_base_install_carries_nothing_of_the_search_side() -> None:
         "interactive",
         "parquet",
         "cluster",
+        "completion",
         "docs",
         "dev",
     }
