@@ -202,6 +202,22 @@ def test_points_and_levels_of_an_arc_hold_those_of_its_ends(sign: int) -> None:
         assert at[1].contains(enclose(y + sign * Fraction(1, 2**21)))
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+def test_points_over_two_proved_intervals_are_as_uncertain_as_over_the_worse_one(sign: int) -> None:
+    atlas, results = parabola(Claim("arc", None, ("beta",)))
+    stretch, piece = proof(concluded((atlas, results))).chain.stretches[0], atlas.curve_pieces()[1]
+    deviations = ["0x1p-21", "0x1p-26"][::sign]
+    halves = [
+        proved(piece, *ends, deviation=[width])
+        for ends, width in zip((("-1", "0x0"), ("0x0", "1")), deviations, strict=True)
+    ]
+    tube = read_tube(piece, values(halves))
+    stretch = replace(stretch, tube=tube, run=tube.runs[0], enters=Fraction(-1), leaves=Fraction(1))
+    over = point_over(stretch, hull(enclose(Fraction(-1, 2**40)), enclose(Fraction(1, 2**40))))
+    for side in (1, -1):
+        assert over[1].contains(enclose(piece.centre[1] + side * Fraction(1, 2**21)))
+
+
 def test_levels_of_an_arc_are_those_of_all_its_parts_and_of_its_birth(monkeypatch: pytest.MonkeyPatch) -> None:
     """A function that is 0 at one orbit alone, wherever that lies on the curve, or among those that are born."""
     atlas, results = parabola(Claim("arc", None, ("beta",)))

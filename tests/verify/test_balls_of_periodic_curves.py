@@ -7,6 +7,7 @@ import random
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction as F
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -16,11 +17,12 @@ from support.periodic_curves import LIMITS, WHOLE, levels_atlas, turning_atlas, 
 
 from orbitproof.shared.formats import PeriodicAtlas, PeriodicCurveClaim, Piece, define_system
 from orbitproof.verify.algebra import Series
+from orbitproof.verify.curve import BEYOND
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, enclose, guarded
 from orbitproof.verify.functions import REACH, BoundedFunction, StoredFunction
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic_curve import Counts, MultiplierFunctions
-from orbitproof.verify.periodic_curve.characteristic import _characteristic, _without_one
+from orbitproof.verify.periodic_curve.characteristic import _characteristic, _derivative, _without_one
 from orbitproof.verify.periodic_curve.conditions import _parameter_bounds
 from orbitproof.verify.periodic_curve.counted import _counted, _value, counts_of, counts_of_pair_of_area
 from orbitproof.verify.periodic_curve.piece import _Proof
@@ -348,3 +350,35 @@ def test_the_parameter_is_between_its_bounds_on_a_piece(normal: tuple[F, ...]) -
     at = [coordinates[0] for _, coordinates in points_of(atlas, random.Random(2))]
     assert low <= min(at) <= max(at) <= high
     assert high - low < 4 * (max(at) - min(at))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_derivatives_of_a_return_are_those_at_all_points_that_the_curve_may_have(seed: int) -> None:
+    """F = a + b_1 omega_1 + b_2 omega_2 + q omega_1^2, a and b_j linear in sigma, at omega_j = +-o_j; q is unknown."""
+    source, atlas = random.Random(seed), space(True, NORMALS[0])
+    a, *b = [[F(source.choice((-1, 1)) * source.randint(1, 9), 4) for _ in range(2)] for _ in range(3)]
+    q, bounds_, widths = F(seed % 2 * source.randint(1, 5), 2), (F(3, 16), F(1, 8)), (F(1, 2**10), F(1, 2**9))
+    lines = [arb_poly(list(map(enclose, row))) for row in (a, *b)]
+    image: Any = SimpleNamespace(
+        errors=[arb(0), arb(0), enclose(q)], polynomials=lines, linear=lambda j: lines[1 + j]
+    )  # fmt: skip
+    # The parameter is p_1, the coordinates of the section are p_0, along the curve, and p_2.
+    frame = (unit(3, 1), unit(3, 0), unit(3, 2))
+    piece = replace(atlas.curve_pieces()[0], frame=frame)
+    ((along, across),) = _derivative(atlas, piece, WHOLE, [image], widths, list(map(enclose, bounds_)))
+    for signs in itertools.product((-1, 1), repeat=2):
+        omega = [sign * bound for sign, bound in zip(signs, bounds_, strict=True)]
+        for sigma in (F(-7, 8), F(0), F(7, 8)):
+            by_omega = [row[0] + row[1] * sigma for row in b]
+            by_omega[0] += 2 * q * omega[0]
+            by_p = [value / width for value, width in zip(by_omega, widths, strict=True)]
+            by_sigma = a[1] + sum(row[1] * w for row, w in zip(b, omega, strict=True))
+            turns = [row[1] * BEYOND for row in piece.polynomial]
+            rate = by_sigma - sum(x * t for x, t in zip(by_p, turns, strict=True))
+            assert across.value(enclose(sigma)).contains(enclose(by_p[1]))
+            assert along.value(enclose(sigma)).contains(enclose(rate / (piece.half_width * BEYOND)))
+    steep = _derivative(atlas, replace(piece, frame=(unit(3, 2), unit(3, 1), unit(3, 0))), WHOLE, [image], widths,
+                        list(map(enclose, bounds_)))  # fmt: skip
+    ((first, _),) = steep
+    for sign in (-1, 1):
+        assert first.value(arb(0)).contains(enclose((b[0][0] + sign * 2 * q * bounds_[0]) / widths[0]))
