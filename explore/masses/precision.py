@@ -7,18 +7,20 @@ constant C along the curve solves F_1 = F_2 = 0 and D = grad C . (grad F_1 x gra
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, log2
 from typing import Any
 
+import mpmath
+
 from orbitproof.explore.engines import Progress
 from orbitproof.explore.masses.charts import Chart
 from orbitproof.explore.masses.expansion import MU, VARIABLES, VY, Expansion, Settings, X, dot, expand
-from orbitproof.explore.numerics import fraction
+from orbitproof.explore.numerics import GrowingDigits, Linearised, fraction, newton_with_digits
 from orbitproof.explore.refinement import IntegrationFailure
 
-MAXIMAL_ITERATIONS = 12
 FIRST_BITS = 128
 MARGIN_DIGITS = 3
 GUARD_BITS = 40
@@ -127,7 +129,7 @@ def _onto_family(point: list[Fraction], settings: Settings, lost: int) -> list[F
             correction = -first.coefficients[0] / at.gradient(first)[VY]
             if not abs(correction) < 1e-6:
                 raise PrecisionFailure("Newton's method leaves the neighbourhood of the guess")
-            point = [point[X], _moved(point[VY], correction, coarse.bits), point[MU]]
+            point = [point[X], _rounded(point[VY] + fraction(correction), coarse.bits), point[MU]]
             distance = float(abs(correction)) ** 2
     except IntegrationFailure as failure:
         raise PrecisionFailure(str(failure)) from None
@@ -143,38 +145,38 @@ def _newton(
     lost: int,
     progress: Progress | None,
 ) -> PrecisePoint:
-    """Newton's method in the first `len(scale)` coordinates of (x, vy, mu).
+    """Newton's method in the first `len(scale)` coordinates of (x, vy, mu), from `start` in units of `scale`.
 
     `lost`: bits by which F_2 and its derivative in x are smaller than its other derivatives. By as much the
     second-order terms are larger, and the error of dC/dmu than that of the point.
     """
     report = progress if progress is not None else (lambda _message, _fraction: None)
-    point, wanted = list(start), 10.0 ** -(digits + 1)
-    known, last = 0.0, 1.0
+    wanted = 10.0 ** -(digits + 1)
+
+    def place(unknowns: Sequence[Fraction]) -> list[Fraction]:
+        moved = [u + Fraction(s) * c for u, s, c in zip(start, scale, unknowns, strict=False)]
+        return [_rounded(u, settings.bits) for u in moved] + start[len(scale) :]
+
+    def equations(unknowns: Sequence[Fraction], context: mpmath.MPContext) -> Linearised:
+        at = expand(place(unknowns), degree, settings.coarser(context.prec))
+        return Linearised(*_equations(at, scale), 4.0**lost)
+
+    first = min(FIRST_BITS + 2 * lost, settings.bits)
+    rule = GrowingDigits(PrecisionFailure, farthest=1e-2, first_bits=first, guard_bits=GUARD_BITS, growth=3)
+    goal = settings.bits - GUARD_BITS - 2 * lost
+    enough = (digits + MARGIN_DIGITS) * log2(10) / 2 + lost
     try:
-        for iteration in range(MAXIMAL_ITERATIONS):
-            here = settings.coarser(max(FIRST_BITS + 2 * lost, ceil(3 * known) + 2 * lost + GUARD_BITS))
-            report(f"Newton step {iteration + 1} with {here.bits} bits", min(0.7, 0.15 * iteration))
-            before = expand(point, degree, here)
-            correction = _correction(before, len(scale))
-            size = max(float(abs(c)) / s for c, s in zip(correction, scale, strict=True))
-            point = [_moved(u, c, settings.bits) for u, c in zip(point, correction, strict=False)] + point[len(scale) :]
-            if not size < 1e-2 or (iteration > 1 and size > 10 * last and size > wanted):
-                raise PrecisionFailure("Newton's method leaves the neighbourhood of the guess")
-            known, last = -log2(max(size, 2.0 ** -(2 * settings.bits))), size
-            if here.bits == settings.bits and 2 * known - 2 * lost > (digits + MARGIN_DIGITS) * log2(10):
-                break
-        else:
-            raise PrecisionFailure(f"Newton's method did not converge in {MAXIMAL_ITERATIONS} iterations")
-        report("checking", 0.8)
+        found = newton_with_digits(equations, [Fraction(0)] * len(scale), goal, rule, report, enough=enough)
+        report("checking", 0.95)
         # The point is the result of `settings`; the same evaluated with more of everything tells how good it is.
+        point = place(found.unknowns)
         at, check = expand(point, degree, settings), expand(point, degree, settings.finer())
     except IntegrationFailure as failure:
         raise PrecisionFailure(str(failure)) from None
     except ZeroDivisionError:
         raise PrecisionFailure("the equations are singular: the point is degenerate") from None
-    correction = _correction(check, len(scale))
-    residual = max(float(abs(c)) / s for c, s in zip(correction, scale, strict=True))
+    values, matrix = _equations(check, scale)
+    residual = max(float(abs(c)) for c in check.context.lu_solve(matrix, values))
     slopes = [e.determinant / e.tangent[MU] for e in (at, check)]
     curvature = None
     if degree > 1:
@@ -205,24 +207,19 @@ def _newton(
     )
 
 
-def _correction(expansion: Expansion, unknowns: int) -> list[Any]:
-    """Newton's correction of (x, vy), or of (x, vy, mu) with D = 0 as the third equation."""
+def _equations(expansion: Expansion, scale: Sequence[float]) -> tuple[Any, Any]:
+    """F_1 and F_2, with three unknowns also D, and their derivatives, for unknowns in units of `scale`."""
     context = expansion.context
-    rows = [expansion.gradient(jet)[:unknowns] for jet in expansion.equations]
-    values = list(expansion.values)
-    if unknowns == VARIABLES:
+    rows, values = [expansion.gradient(jet) for jet in expansion.equations], list(expansion.values)
+    if len(scale) == VARIABLES:
         rows.append(expansion.determinant_gradient())
         values.append(expansion.determinant)
+    rows = [[entry * s for entry, s in zip(row, scale, strict=False)] for row in rows]
     # Rows of very different size (near L3 they are of order mu) would mislead the choice of pivots.
-    for row, position in zip(rows, range(len(rows)), strict=True):
-        size = max(abs(entry) for entry in row)
-        if size == 0:
-            raise ZeroDivisionError
-        rows[position] = [entry / size for entry in row]
-        values[position] /= size
-    return [-c for c in context.lu_solve(context.matrix(rows), context.matrix(values))]
+    scaling = context.diag([1 / max(map(abs, row)) for row in rows])
+    return scaling * context.matrix(values), scaling * context.matrix(rows)
 
 
-def _moved(value: Fraction, correction: Any, bits: int) -> Fraction:
+def _rounded(value: Fraction, bits: int) -> Fraction:
     scale = 1 << bits
-    return Fraction(round((value + fraction(correction)) * scale), scale)
+    return Fraction(round(value * scale), scale)

@@ -1,3 +1,8 @@
+from .growing_digits import GrowingDigits as GrowingDigits
+from .growing_digits import Linearised as Linearised
+from .growing_digits import Solution as Solution
+from .growing_digits import bits_of as bits_of
+from .growing_digits import newton_with_digits as newton_with_digits
 from .newton import BREAKING as BREAKING
 from .newton import SEGMENTS as SEGMENTS
 from .newton import SHOOTING as SHOOTING

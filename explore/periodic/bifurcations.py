@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, isfinite, log, log2
+from typing import Any
 
 import numpy as np
 
 from orbitproof.explore.engines import Progress
 from orbitproof.explore.flow import FlowFailure
+from orbitproof.explore.numerics import Solution
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem
 from orbitproof.explore.periodic.detection import BRANCH, DOUBLING, FOLD, PITCHFORK, TORUS, Bifurcation
 from orbitproof.explore.periodic.extended import ExtendedSystem
 from orbitproof.explore.periodic.flow import Matrix, Vector, arc_of, stretching, velocity_at
-from orbitproof.explore.periodic.refinement import Solution, box_exponent, newton_with_digits, refuse_functions
+from orbitproof.explore.periodic.refinement import RULE, box_exponent, refuse_functions, solved
 from orbitproof.explore.periodic.section import AffineSection, map_derivative, suggested
 from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.claims import (
@@ -31,8 +33,6 @@ _CLAIMED = {
     PITCHFORK: PERIODIC_PITCHFORK,
     TORUS: PERIODIC_TORUS,
 }
-_FARTHEST = 3e-2
-"""Largest distance from the guess, relative where an unknown exceeds 1."""
 _KERNEL_BITS = 6
 _WIDENING, _BOX_DIGITS, _MOST_BOX_DIGITS = 6.5, 8, 150
 _BEYOND_BOX = 10
@@ -92,8 +92,9 @@ def refine_bifurcation(
     if found.kind == TORUS:
         guess += [Fraction(start.multiplier.real), Fraction(start.multiplier.imag)]
     narrow = _digits_of_box(found)
-    solution = newton_with_digits(extended.linearised, guess, max(digits, narrow + _BEYOND_BOX), _FARTHEST, progress)
-    exponent = max(box_exponent(digits, solution.spread), ceil(narrow * log2(10)))
+    rule = replace(RULE, farthest=3e-2)
+    solution = solved(extended.linearised, guess, max(digits, narrow + _BEYOND_BOX), rule, progress)
+    exponent = max(box_exponent(digits, solution.last.spread), ceil(narrow * log2(10)))
     return _claim(found, name, digits, start, extended, solution, Fraction(1, 2**exponent))
 
 
@@ -125,7 +126,7 @@ def _claim(
         radii=(radius,) * n,
         kind=_CLAIMED[found.kind],
         kernel=tuple(tuple(extended.vector(unknowns, j)) for j in range(extended.vectors)),
-        kernel_radius=radius * 2 ** _bits_of_kernel(extended, solution.matrix),
+        kernel_radius=radius * 2 ** _bits_of_kernel(extended, solution.last.matrix),
         parameter_radius=radius,
         parameter=found.name,
         level=value if found.name is None else found.level,
@@ -147,11 +148,12 @@ def _digits_of_box(found: Bifurcation) -> int:
     return min(_MOST_BOX_DIGITS, ceil(_WIDENING * apart + _BOX_DIGITS)) if isfinite(apart) else 0
 
 
-def _bits_of_kernel(extended: ExtendedSystem, matrix: Matrix) -> int:
+def _bits_of_kernel(extended: ExtendedSystem, matrix: Any) -> int:
     """log2 of how many times faster than the point the eigenvector moves in the box, and some more."""
     n = extended.size
     # The equations after those of the return, solved for the eigenvector (and its multiplier): the rest moves freely.
-    rows, free, bound = matrix[n + 1 :], slice(0, n + 2), slice(n + 2, None)
+    rows = np.array([[float(value) for value in row] for row in matrix.tolist()[n + 1 :]])
+    free, bound = slice(0, n + 2), slice(n + 2, None)
     moved = np.linalg.lstsq(rows[:, bound], rows[:, free], rcond=None)[0]
     return max(0, ceil(log2(max(1.0, float(np.max(np.sum(np.abs(moved), axis=1))))))) + _KERNEL_BITS
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import mpmath
 
-from orbitproof.explore.numerics import mpf
+from orbitproof.explore.numerics import Linearised, mpf
 from orbitproof.explore.periodic.refinement import evaluated, flow_jets
 from orbitproof.explore.periodic.symmetries import Symmetry
 from orbitproof.explore.refinement import Jet, JetBasis
@@ -64,8 +64,8 @@ class ExtendedSystem:
         """x(p)."""
         return tuple(c + d for c, d in zip(self.centre, _combined(self.frame, unknowns[: self.size]), strict=True))
 
-    def linearised(self, unknowns: Sequence[Fraction], context: mpmath.MPContext) -> tuple[Any, Any, float]:
-        """What is zero, its derivatives, and the largest derivative of the flow, of order 1 or 2.
+    def linearised(self, unknowns: Sequence[Fraction], context: mpmath.MPContext) -> Linearised:
+        """What is zero; the spread is the largest derivative of the flow, of order 1 or 2.
 
         Raises `IntegrationFailure`.
         """
@@ -77,7 +77,7 @@ class ExtendedSystem:
         equations += _on_level(self, unknowns, jets)
         count = len(unknowns)
         rows = [[slopes.get(column, 0) for column in range(count)] for _, slopes in equations]
-        return context.matrix([value for value, _ in equations]), context.matrix(rows), jets.spread
+        return Linearised(context.matrix([value for value, _ in equations]), context.matrix(rows), jets.spread)
 
 
 def _combined(frame: Sequence[Sequence[Fraction]], vector: Sequence[Fraction]) -> list[Fraction]:

@@ -6,17 +6,15 @@ The unknowns are the point and the period; the equations are those of `correctio
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, floor, log2
 from typing import Any
 
 import mpmath
-import numpy as np
 
 from orbitproof.explore.engines import Progress
-from orbitproof.explore.numerics import fraction, mpf, working_context
-from orbitproof.explore.periodic.flow import Matrix
+from orbitproof.explore.numerics import GrowingDigits, Linearised, Solution, bits_of, mpf, newton_with_digits
 from orbitproof.explore.periodic.section import AffineSection
 from orbitproof.explore.refinement import (
     IntegrationFailure,
@@ -31,18 +29,13 @@ from orbitproof.shared.formats import PeriodicOrbit
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems import Program, System
 
-_FIRST_BITS = 90
-_GUARD_BITS = 24
-_MARGIN_DIGITS = 6
+RULE = GrowingDigits(RefinementFailure, farthest=1e-3, guard_bits=24)
 _BOX_SHARE, _BOX_DIGITS = 0.7, 5
 """The half-widths of the box have this part of the digits of the centre, and so many more: over a narrower box the
 derivatives are known to fewer digits, over a wider one they vary more."""
 _KNOWN_DIGITS, _MOST_DIGITS = 9, 200
 """So many digits narrower is the box than the growth of bounds asks for; the centre has no more than the second."""
-_MOST_NEWTON_STEPS = 24
 _MOST_STEPS = 4000
-_FARTHEST = 1e-3
-"""Largest distance from the guess, relative where a coordinate exceeds 1."""
 _SMALLEST_EXPONENT = -60
 
 
@@ -91,85 +84,27 @@ def refine_periodic(task: PeriodicTask, progress: Progress | None = None) -> Per
     """
     refuse_functions(task.system)
     unknowns = [Fraction(value) for value in (*task.point, task.period)]
-    found = newton_with_digits(
-        lambda each, context: _linearised(task, each, context), unknowns, task.digits, _FARTHEST, progress
-    )
-    return _claim(task, found.unknowns[: len(task.point)], found.spread, found.steps)
+    found = solved(lambda each, context: _linearised(task, each, context), unknowns, task.digits, RULE, progress)
+    return _claim(task, found)
 
 
-@dataclass(frozen=True)
-class Solution:
-    """Where Newton's method converged.
-
-    Attributes:
-        unknowns: exact numbers, close to the solution.
-        spread: how much the flow magnifies there, as the equations say.
-        steps: of Newton's method.
-        matrix: the derivatives of the equations, in float64.
-    """
-
-    unknowns: list[Fraction]
-    spread: float
-    steps: int
-    matrix: Matrix
-
-
-def newton_with_digits(
-    linearised: Callable[[Sequence[Fraction], mpmath.MPContext], tuple[Any, Any, float]],
+def solved(
+    equations: Callable[[Sequence[Fraction], mpmath.MPContext], Linearised],
     guess: Sequence[Fraction],
     digits: int,
-    farthest: float,
-    progress: Progress | None = None,
+    rule: GrowingDigits,
+    progress: Progress | None,
 ) -> Solution:
-    """The solution near a guess to so many digits, with as much precision in each step as it can use.
-
-    Arguments:
-        linearised: residual, matrix and spread at unknowns, with the precision of a context; more equations than
-            unknowns are solved in the sense of least squares.
-        farthest: largest distance from the guess, relative where an unknown exceeds 1.
-
-    Raises `RefinementFailure`, one line, if it does not converge near the guess.
-    """
-    report = progress or (lambda _message, _fraction: None)
-    goal = ceil((digits + _MARGIN_DIGITS) * log2(10))
-    unknowns = list(guess)
-    bits, guard = _FIRST_BITS, _GUARD_BITS
+    """The solution to so many digits, rounded to them and some more. Raises `RefinementFailure`."""
     try:
-        for step in range(_MOST_NEWTON_STEPS):
-            report(f"Newton step {step + 1} with {bits} bits", min(0.9, bits / (goal + 60)))
-            context = working_context(bits)
-            residual, matrix, spread = linearised(unknowns, context)
-            correction = _least_squares(matrix, -residual, context)
-            length = max(float(abs(value)) for value in correction)
-            unknowns = [
-                value + round_dyadic(fraction(change), bits) for value, change in zip(unknowns, correction, strict=True)
-            ]
-            far = max(float(abs(u - g)) / max(1.0, abs(float(g))) for u, g in zip(unknowns, guess, strict=True))
-            if not far <= farthest:
-                raise RefinementFailure("Newton's method leaves the neighbourhood of the guess")
-            guard = max(_GUARD_BITS, ceil(log2(max(spread, 1.0))) + 16)
-            wanted = goal + guard
-            if bits >= wanted and length < 2.0**-goal:
-                slopes = np.array([[float(value) for value in row] for row in matrix.tolist()])
-                return Solution([round_dyadic(value, bits) for value in unknowns], spread, step + 1, slopes)
-            known = -2 * log2(max(length, 2.0**-bits))
-            bits = min(max(bits, ceil(known) + guard), wanted)
+        found = newton_with_digits(equations, guess, bits_of(digits), rule, progress)
     except (IntegrationFailure, ZeroDivisionError, ValueError) as failure:
         raise RefinementFailure(" ".join(str(failure).split()) or "the arithmetic broke down") from None
-    raise RefinementFailure(f"Newton's method did not converge in {_MOST_NEWTON_STEPS} steps")
+    return replace(found, unknowns=[round_dyadic(value, found.bits) for value in found.unknowns])
 
 
-def _least_squares(matrix: Any, values: Any, context: mpmath.MPContext) -> Any:
-    """The x with the least |matrix x - values|, by the normal equations with twice the precision.
-
-    mpmath's QR decomposition takes a matrix with a zero on the way down its diagonal for a singular one.
-    """
-    with context.workprec(2 * context.prec + _GUARD_BITS):
-        return context.lu_solve(matrix.T * matrix, matrix.T * values)
-
-
-def _linearised(task: PeriodicTask, unknowns: Sequence[Fraction], context: mpmath.MPContext) -> tuple[Any, Any, float]:
-    """phi_T(x) - x, the section and, with a first integral, its level; derivatives; the largest entry of D phi."""
+def _linearised(task: PeriodicTask, unknowns: Sequence[Fraction], context: mpmath.MPContext) -> Linearised:
+    """phi_T(x) - x, the section and, with a first integral, its level; the spread is the largest entry of D phi."""
     *x, time = unknowns
     size = len(x)
     basis = JetBasis.graded((1,) * size, 1)
@@ -193,7 +128,7 @@ def _linearised(task: PeriodicTask, unknowns: Sequence[Fraction], context: mpmat
         rows.append([*(integral.coefficients[basis.variable(j)] for j in range(size)), 0])
         values.append(integral.coefficients[0] - mpf(task.level, context))
     spread = max(float(abs(entry)) for row in derivative for entry in row)
-    return context.matrix(values), context.matrix(rows), spread
+    return Linearised(context.matrix(values), context.matrix(rows), spread)
 
 
 def flow_jets(
@@ -252,7 +187,8 @@ def box_exponent(digits: int, spread: float) -> int:
     return ceil((_BOX_SHARE * digits + _BOX_DIGITS) * log2(10) + log2(max(1.0, spread)))
 
 
-def _claim(task: PeriodicTask, point: Sequence[Fraction], spread: float, steps: int) -> PeriodicOrbit:
+def _claim(task: PeriodicTask, found: Solution) -> PeriodicOrbit:
+    point = found.unknowns[: len(task.point)]
     return PeriodicOrbit(
         id=task.id,
         system=task.system,
@@ -263,7 +199,7 @@ def _claim(task: PeriodicTask, point: Sequence[Fraction], spread: float, steps: 
         crossings=task.crossings,
         centre=task.section.onto(point),
         frame=task.section.frame(),
-        radii=(Fraction(1, 2 ** box_exponent(task.digits, spread)),) * (len(point) - 1),
+        radii=(Fraction(1, 2 ** box_exponent(task.digits, found.last.spread)),) * (len(point) - 1),
         level=task.level,
-        provenance={"digits": task.digits, "newton_steps": steps, **task.provenance},
+        provenance={"digits": task.digits, "newton_steps": found.steps, **task.provenance},
     )

@@ -14,8 +14,10 @@ from fractions import Fraction
 from math import ceil, gcd, isfinite, log2
 from typing import Any
 
+import mpmath
+
 from orbitproof.explore.engines import Progress
-from orbitproof.explore.numerics import fraction, mpf, working_context
+from orbitproof.explore.numerics import GrowingDigits, Linearised, bits_of, mpf, newton_with_digits
 from orbitproof.explore.refinement.crossing import section_crossings
 from orbitproof.explore.refinement.frames import RefinementFailure
 from orbitproof.explore.refinement.jets import Jet, JetBasis
@@ -24,21 +26,10 @@ from orbitproof.shared.formats import DOUBLE_RESONANCE, Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems import ReversibleSystem
 
-_FIRST_BITS = 110
-_GUARD_BITS = 40
-_MARGIN_DIGITS = 6
-_BOX_DIGITS = 24
-_MOST_STEPS = 20
-_FARTHEST = 3e-2
-
-
-@dataclass(frozen=True)
-class _Evaluation:
-    """The equations at a point, and their derivatives but those of g, in (parameter, u)."""
-
-    values: list[Any]
-    slopes: list[list[Any]]
-    spread: float
+_RULE = GrowingDigits(RefinementFailure, farthest=3e-2, first_bits=110, growth=5)
+"""Difference quotients are dear: few precisions."""
+_BOX_DIGITS, _NARROWER = 24, 6
+"""The half-widths of the box: small enough for third derivatives, and so many digits wider than the centre's error."""
 
 
 def refine_double_resonance(
@@ -63,66 +54,63 @@ def refine_double_resonance(
     """
     if len(guess) != 1 + len(system.fixed_coordinates) or not all(map(isfinite, guess)):
         raise RefinementFailure("the guess needs a finite number for the parameter, and for each coordinate of Fix(R)")
-    report = progress or (lambda _message, _fraction: None)
+    equations = _Equations(system, parameters, k, crossings)
+    start = [Fraction(value) for value in guess]
     try:
-        return _refine(system, parameters, guess, k, digits, crossings, id, provenance, report)
+        found = newton_with_digits(equations.linearised, start, bits_of(digits), _RULE, progress)
     except (IntegrationFailure, ZeroDivisionError) as failure:
         raise RefinementFailure(str(failure)) from None
-
-
-def _refine(
-    system: ReversibleSystem,
-    parameters: Mapping[str, Fraction],
-    guess: Sequence[float],
-    k: int,
-    digits: int,
-    crossings: int,
-    id: str,
-    provenance: Mapping[str, Any],
-    report: Progress,
-) -> Candidate:
-    goal = ceil((digits + _MARGIN_DIGITS) * log2(10))
-    point, bits = [Fraction(value) for value in guess], _FIRST_BITS
-    last: list[Any] | None = None
-    known, turn = 0, None
-    for number in range(_MOST_STEPS):
-        report(f"Newton step {number + 1} with {bits} bits", min(0.9, number / 8))
-        context = working_context(bits)
-        place = _Place(system, parameters, k, crossings, context)
-        turn = place.nearest_turn(point) if turn is None else turn
-        found = place.evaluate(point, turn)
-        # Difference quotients at the guess may be far from those at the point.
-        if last is None or number == 1 or known < bits:
-            last, known = place.last_slopes(point, turn, found.values[-1]), bits
-        correction = context.lu_solve(context.matrix([*found.slopes, last]), -context.matrix(found.values))
-        size = max(float(abs(value)) for value in correction)
-        point = [value + round_dyadic(fraction(change), bits) for value, change in zip(point, correction, strict=True)]
-        far = max(abs(float(p) - g) / max(1.0, abs(g)) for p, g in zip(point, guess, strict=True))
-        if far > _FARTHEST:
-            raise RefinementFailure("Newton's method leaves the neighbourhood of the guess")
-        guard = _GUARD_BITS + 3 * ceil(log2(max(found.spread, 1.0)))
-        if bits >= goal + guard and size < 2.0**-goal:
-            break
-        if size < 2.0 ** -(_FIRST_BITS // 3):
-            bits = goal + guard
-    else:
-        raise RefinementFailure(f"Newton's method did not converge in {_MOST_STEPS} steps")
-    size = len(point)
-    exponent = ceil(min(_BOX_DIGITS, digits - _MARGIN_DIGITS) * log2(10) + log2(max(1.0, found.spread)))
-    n = len(system.kernel_coordinates)
+    size = len(start)
+    exponent = ceil(min(_BOX_DIGITS, digits - _NARROWER) * log2(10) + log2(max(1.0, found.last.found)))
     return Candidate(
         id=id,
         system=system,
         parameters=dict(parameters),
         kind=DOUBLE_RESONANCE,
         k=k,
-        centre=tuple(round_dyadic(value, bits) for value in point),
+        centre=tuple(round_dyadic(value, found.bits) for value in found.unknowns),
         frame=_unit_rows(size),
-        kernel_frame=_unit_rows(n),
+        kernel_frame=_unit_rows(len(system.kernel_coordinates)),
         radii=(Fraction(1, 2**exponent),) * size,
         crossings=crossings,
-        provenance={"digits": digits, "turn": turn, **provenance},
+        provenance={"digits": digits, "turn": equations.turn, **provenance},
     )
+
+
+class _Equations:
+    """The equations of Newton's method; difference quotients stay until the precision grows.
+
+    Attributes:
+        turn: j, from the first point on.
+    """
+
+    def __init__(self, system: ReversibleSystem, parameters: Mapping[str, Fraction], k: int, crossings: int) -> None:
+        self.turn: int | None = None
+        self._about = system, parameters, k, crossings
+        self._quotients: list[Any] = []
+        self._bits: list[int] = []
+
+    def linearised(self, point: Sequence[Fraction], context: mpmath.MPContext) -> Linearised:
+        """The equations at a point; determinants of second derivatives of P lose the bits of the spread three times."""
+        place = _Place(*self._about, context)
+        if self.turn is None:
+            self.turn = place.nearest_turn(point)
+        found = place.evaluate(point, self.turn)
+        # Those at the guess may be far from those at the point.
+        if len(self._bits) < 2 or self._bits[-1] < context.prec:
+            self._quotients = place.last_slopes(point, self.turn, found.values[-1])
+        self._bits.append(context.prec)
+        matrix = context.matrix([*found.slopes, self._quotients])
+        return Linearised(context.matrix(found.values), matrix, found.spread**3, found.spread)
+
+
+@dataclass(frozen=True)
+class _Evaluation:
+    """The equations at a point, and their derivatives but those of g, in (parameter, u)."""
+
+    values: list[Any]
+    slopes: list[list[Any]]
+    spread: float
 
 
 @dataclass(frozen=True)

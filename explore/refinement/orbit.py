@@ -12,7 +12,15 @@ import mpmath
 import numpy as np
 
 from orbitproof.explore.engines import Job, Lost, Progress, run_all
-from orbitproof.explore.numerics import fraction, mpf, working_context
+from orbitproof.explore.numerics import (
+    GrowingDigits,
+    Linearised,
+    Solution,
+    bits_of,
+    mpf,
+    newton_with_digits,
+    working_context,
+)
 from orbitproof.explore.orbits import fallen
 from orbitproof.explore.refinement.crossing import level_jet, section_crossings, shorter_coordinates
 from orbitproof.explore.refinement.frames import RefinementFailure
@@ -23,14 +31,9 @@ from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, ORBIT, Candidate,
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems import Regularisation, ReversibleSystem
 
-_FIRST_BITS = 90
-_GUARD_BITS = 24
-_MARGIN_DIGITS = 6
+_RULE = GrowingDigits(RefinementFailure, farthest=1e-2, guard_bits=24)
 _BOX_DIGITS = 5
 """The box is so many digits wider than the centre is asked to be accurate."""
-_MOST_STEPS = 20
-_FARTHEST = 1e-2
-"""Largest distance from the guess, relative where a coordinate exceeds 1."""
 
 
 @dataclass(frozen=True)
@@ -103,31 +106,17 @@ def refine_orbit(task: OrbitTask, progress: Progress | None = None) -> Candidate
 
 
 def _refined(task: OrbitTask, regularisation: Regularisation | None, report: Progress) -> Candidate:
-    goal = ceil((task.digits + _MARGIN_DIGITS) * log2(10))
-    point = [Fraction(value) for value in task.guess]
-    bits = _FIRST_BITS
-    guard, spread = _GUARD_BITS, 1.0
-    for number in range(_MOST_STEPS):
-        report(f"Newton step {number + 1} with {bits} bits", min(0.9, bits / (goal + 60)))
-        context = working_context(bits)
-        values, matrix, spread = _linearised(task, point, context, regularisation)
-        correction = context.lu_solve(matrix, -values)
-        size = max(float(abs(value)) for value in correction)
-        exact = [round_dyadic(fraction(value), bits) for value in correction]
-        point = [value + change for value, change in zip(point, exact, strict=True)]
-        far = max(abs(float(p) - g) / max(1.0, abs(g)) for p, g in zip(point, task.guess, strict=True))
-        if far > _FARTHEST:
-            raise RefinementFailure("Newton's method leaves the neighbourhood of the guess")
-        guard = max(_GUARD_BITS, ceil(log2(max(spread, 1.0))) + 16)
-        wanted = goal + guard
-        if bits >= wanted and size < 2.0**-goal:
-            if (why := fallen(task.system, task.parameters, task.guess, [float(value) for value in point])) is not None:
-                raise RefinementFailure(why)
-            return _candidate(task, point, bits, spread, number + 1)
-        # What is known doubles; the working precision follows it.
-        known = -2 * log2(max(size, 2.0**-bits))
-        bits = min(max(bits, ceil(known) + guard), wanted)
-    raise RefinementFailure(f"Newton's method did not converge in {_MOST_STEPS} steps")
+    found = newton_with_digits(
+        lambda point, context: _linearised(task, point, context, regularisation),
+        [Fraction(value) for value in task.guess],
+        bits_of(task.digits),
+        _RULE,
+        report,
+    )
+    why = fallen(task.system, task.parameters, task.guess, [float(value) for value in found.unknowns])
+    if why is not None:
+        raise RefinementFailure(why)
+    return _candidate(task, found)
 
 
 def _along_family(task: OrbitTask, regularisation: Regularisation | None) -> Equation:
@@ -135,7 +124,7 @@ def _along_family(task: OrbitTask, regularisation: Regularisation | None) -> Equ
     names = task.system.centre_coordinates
     about = replace(task, equation=Equation(COORDINATE, Fraction(0), names[0]))
     point = [Fraction(value) for value in task.guess]
-    _, matrix, _ = _linearised(about, point, working_context(_FIRST_BITS), regularisation)
+    matrix = _linearised(about, point, working_context(_RULE.first_bits), regularisation).matrix
     rows = np.array([[float(matrix[i, j]) for j in range(len(names))] for i in range(len(names) - 1)])
     tangent = np.linalg.svd(rows)[2][-1]
     index = int(np.argmax(np.abs(tangent)))
@@ -144,8 +133,8 @@ def _along_family(task: OrbitTask, regularisation: Regularisation | None) -> Equ
 
 def _linearised(
     task: OrbitTask, point: Sequence[Fraction], context: mpmath.MPContext, regularisation: Regularisation | None
-) -> tuple[Any, Any, float]:
-    """The equations (q o P, quantity - value) at a point, their derivatives, and the largest derivative of P."""
+) -> Linearised:
+    """q o P and quantity - value at a point; the spread is the largest derivative of P."""
     system = task.system
     n = len(system.kernel_coordinates)
     size = 1 + n
@@ -172,15 +161,15 @@ def _linearised(
     functions = [*image[size:], quantity - mpf(equation.value, context)]
     slopes = [[jet.coefficients[basis.variable(j)] for j in range(size)] for jet in functions]
     spread = max(float(abs(jet.coefficients[basis.variable(j)])) for jet in image for j in range(size))
-    return context.matrix([jet.coefficients[0] for jet in functions]), context.matrix(slopes), spread
+    return Linearised(context.matrix([jet.coefficients[0] for jet in functions]), context.matrix(slopes), spread)
 
 
-def _candidate(task: OrbitTask, point: Sequence[Fraction], bits: int, spread: float, steps: int) -> Candidate:
-    size = len(point)
+def _candidate(task: OrbitTask, found: Solution) -> Candidate:
+    size, bits = len(found.unknowns), found.bits
     equation = task.equation
     assert equation is not None
-    exponent = ceil((task.digits - _BOX_DIGITS) * log2(10) + log2(max(1.0, spread)))
-    centre = [round_dyadic(value, bits) for value in point]
+    exponent = ceil((task.digits - _BOX_DIGITS) * log2(10) + log2(max(1.0, found.last.spread)))
+    centre = [round_dyadic(value, bits) for value in found.unknowns]
     if equation.quantity == COORDINATE:
         centre[task.system.centre_coordinates.index(str(equation.coordinate))] = round_dyadic(equation.value, bits)
     return Candidate(
@@ -195,7 +184,7 @@ def _candidate(task: OrbitTask, point: Sequence[Fraction], bits: int, spread: fl
         radii=(Fraction(1, 2**exponent),) * size,
         crossings=task.crossings,
         equation=equation,
-        provenance={"digits": task.digits, "newton_steps": steps, **task.provenance},
+        provenance={"digits": task.digits, "newton_steps": found.steps, **task.provenance},
     )
 
 
