@@ -29,10 +29,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         return search(request)
     except Contradiction as failure:
-        print(f"orbitproof explore {options.command}: {failure}", file=sys.stderr)
+        print(f"error: {failure}", file=sys.stderr)
         return 1
     except InputError as error:
-        return refused(error, f"orbitproof explore {options.command}")
+        return refused(error)
     except KeyboardInterrupt:
         print(f"orbitproof explore {options.command}: interrupted, {what_is_written()}", file=sys.stderr)
         return INTERRUPTED

@@ -101,7 +101,7 @@ def about(path: Path | None) -> Iterator[None]:
         raise _FileError("{0}: {1}", path, error) from None
 
 
-def refused(error: InputError, before: str = "error") -> int:
+def refused(error: InputError) -> int:
     """Say on standard error what is wrong with the input of a command, in one line; the exit code for it."""
-    print(f"{before}: {as_command_says(error)}", file=sys.stderr)
+    print(f"error: {as_command_says(error)}", file=sys.stderr)
     return 2

@@ -60,7 +60,7 @@ class Parser(argparse.ArgumentParser):
     """Reports a wrong command line as one line, exit code 2."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{self.prog}: {with_remedy(message, self)}; see {self.prog} --help\n")
+        self.exit(2, f"error: {with_remedy(message, self)}; see {self.prog} --help\n")
 
 
 def parser() -> Parser:

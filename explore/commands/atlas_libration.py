@@ -129,7 +129,7 @@ def run(options: argparse.Namespace) -> int:
                 family = LyapunovFamily(options.point, mu)
                 atlas = lyapunov_atlas(family, options.mass, options.end, side, tube, options.through or "halo")
         except LibrationFailure as error:
-            report.error(f"orbitproof explore atlas-libration: {error}")
+            report.error(f"error: {error}")
             return 1
         write_atlas(options.output, atlas)
         covers = atlas.claim.covers

@@ -154,7 +154,7 @@ def run(options: argparse.Namespace) -> int:
                 report.stage(f"{point}, planar orbits down to the libration point")
                 pieces += pieces_to(point, lowest**3, highest**3, lambda share: report.update("", share))
         except (FamilyFailure, CorrectionFailure, LibrationFailure) as error:
-            report.error(f"orbitproof explore atlas-mass: {error}")
+            report.error(f"error: {error}")
             return 1
         parameter = system.fixed_parameters[0]
         atlas = Atlas(
@@ -183,7 +183,7 @@ def _write_doublings(options: argparse.Namespace, lowest: Fraction, highest: Fra
         try:
             atlas = doubling_atlas(options.point, lowest, highest, options.tube or DOUBLED_TUBE)
         except (FamilyFailure, CorrectionFailure, LibrationFailure) as error:
-            report.error(f"orbitproof explore atlas-mass: {error}")
+            report.error(f"error: {error}")
             return 1
         write_atlas(options.output, atlas)
         report.message(_said(atlas, "h", lowest, highest, options.output))

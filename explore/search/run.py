@@ -318,6 +318,11 @@ def _print_rows(rows: list[Row]) -> None:
         _print_table([row for row in rows if row.target.item.system.name == name])
 
 
+def kind_in_words(k: int, kind: str) -> str:
+    """A kind of bifurcation as tables have it."""
+    return "period doubling" if (k, kind) == (2, "period_tupling") else kind.replace("_", " ")
+
+
 def _print_table(rows: list[Row]) -> None:
     system = rows[0].target.item.system
     title = system.family_parameter or system.first_integral_name or "parameter"
@@ -330,7 +335,15 @@ def _print_table(rows: list[Row]) -> None:
         level = row.level if isinstance(row.level, str) else f"{row.level:.12g}"
         level = level[: level.index(".") + 21] if "." in level else level
         lines.append(
-            [item.title, str(resonance.k), resonance.kind, row.target.side, level, point, shown(row.target.id)]
+            [
+                item.title,
+                str(resonance.k),
+                kind_in_words(resonance.k, resonance.kind),
+                row.target.side,
+                level,
+                point,
+                shown(row.target.id),
+            ]
         )
     if any(sides):
         for line, side in zip(lines, ["branch", *(side or "" for side in sides)], strict=True):

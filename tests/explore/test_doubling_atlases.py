@@ -49,5 +49,5 @@ def test_what_there_is_not_of_doublings_is_one_line(
     path = tmp_path / "x.json"
     assert main(["atlas-mass", *arguments, "-o", str(path)]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith(f"orbitproof explore atlas-mass: {option}:")
+    assert line.startswith(f"error: {option}:")
     assert not path.exists()

@@ -168,7 +168,7 @@ def test_a_stable_orbit_has_no_tube() -> None:
 def test_a_plane_that_is_none_is_refused(plane: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["manifold", str(tmp_path / "f.json"), "-o", str(tmp_path / "m.json"), "--plane", plane]
     assert main(words) == 2
-    assert capsys.readouterr().err.startswith(f"orbitproof explore manifold: --plane {plane}")
+    assert capsys.readouterr().err.startswith(f"error: --plane {plane}")
 
 
 def test_a_tube_that_does_not_reach_the_plane_is_said_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -25,7 +25,7 @@ class ArgumentParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and end."""
-        print(f"{self.prog}: {with_remedy(message, self)}; see {self.prog} --help", file=sys.stderr)
+        print(f"error: {with_remedy(message, self)}; see {self.prog} --help", file=sys.stderr)
         raise SystemExit(2)
 
     def number(self, name: str, metavar: str, words: str, of: Callable[[str], float], default: int | None) -> None:
