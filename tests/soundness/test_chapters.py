@@ -89,6 +89,7 @@ SEEDS = {
     ),
     "Markdown eats a star": ("garbled_mathematics", "verify/flow/README.md", "$E \\le T$", "$(a *b) *c* d$"),
     "a formula is not marked": ("garbled_mathematics", "verify/flow/README.md", "$J_{ij}$", "J_ij"),
+    "a letter stands beside a formula": ("garbled_mathematics", "verify/flow/README.md", "$J_{ij}$", "$J_{ij}$s"),
     "a formula does not end": ("garbled_mathematics", "verify/flow/README.md", "$E \\le T$", "$E \\le T"),
     "a table has a row too short": ("ill_formed", "verify/flow/README.md", "| module | what it does |", "| module |"),
 }

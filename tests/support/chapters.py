@@ -281,9 +281,11 @@ def _garbled(text: str) -> Iterator[str]:
         written = _without_code(token)
         if written.count("$") % 2:
             yield f"a $ without another: {written[:60]!r}"
-        for formula in _INLINE.findall(written):
-            if formula not in shown:
-                yield f"Markdown changes ${formula}$"
+        for found in _INLINE.finditer(written):
+            if found[1] not in shown:
+                yield f"Markdown changes {found[0]}"
+            if re.match(r"\w", written[found.end() :]) or re.search(r"\w\Z", written[: found.start()]):
+                yield f"a letter beside {found[0]}, which is not set then"
         yield from (f"not marked as a formula: {found[0]!r}" for found in _UNMARKED.finditer(_INLINE.sub("", shown)))
 
 
