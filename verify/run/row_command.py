@@ -39,7 +39,7 @@ What a file holds decides what is done with it. Options of each kind:
 _EXAMPLES = """\
 examples:
   orbitproof verify candidates.json
-      prove what can be proved and print the table
+      prove what can be proved and print what that is
   orbitproof verify candidates.json -o certificates.json --jobs 2
       the same on two cores, certificates in a file; if interrupted, the same command goes on
   orbitproof verify candidates.json -o certificates.json --only "L1 k=4" --max-precision 2048
