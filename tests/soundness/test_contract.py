@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import random
+import subprocess
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -86,6 +88,32 @@ def test_an_honest_certificate_stands_at_each_level_and_proves_its_claim(name: s
     assert is_proof_of(certificate, claim)
     others = [other for other in ROWS if claimed(other) != claim]
     assert not any(is_proof_of(certificate, replace(claimed(other), id=claim.id)) for other in others)
+
+
+ALONE = """
+import os, sys
+from pathlib import Path
+from orbitproof.shared.formats import read_claims
+from orbitproof.verify.attempt import Limits
+from orbitproof.verify.certificate import Certificate, certify, recheck
+wrong = []
+for claim in read_claims(Path(sys.argv[1])):
+    process = os.fork()
+    if not process:
+        certificate = certify(claim, Limits(digits=10))
+        os._exit(0 if certificate.proved and recheck(Certificate.from_json(certificate.to_json())).stands else 1)
+    if os.waitpid(process, 0)[1]:
+        wrong.append(claim.id)
+print(*wrong)
+"""
+"""Each claim in a process that has met no other: what one kind needs, no other has loaded for it."""
+
+
+def test_each_kind_is_proved_where_no_other_has_been_loaded(tmp_path: Path) -> None:
+    path = tmp_path / "claims.json"
+    write_candidates(path, [replace(claimed(name), id=name) for name in ROWS])
+    found = subprocess.run([sys.executable, "-c", ALONE, str(path)], capture_output=True, text=True, check=True)
+    assert found.stdout.split() == []
 
 
 @pytest.mark.parametrize("name", ROWS)

@@ -161,6 +161,7 @@ ROWS: Mapping[str, Callable[[], BoxClaim]] = {
     "periodic-doubling": bifurcations.doubling,
     "periodic-pitchfork": bifurcations.breaking,
     "periodic-half": bifurcations.half_a_period,
+    "periodic-twice": bifurcations.lorenz_second_pitchfork,
     "periodic-levels": bifurcations.levels,
     "periodic-level-fold": bifurcations.level_fold,
     "periodic-torus": torus_cases.round_claim,

@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated
-
 from orbitproof.shared.claims import PERIODIC, PeriodicOrbit
-from orbitproof.shared.stored import rules
 from orbitproof.verify.attempt.precision import missing_of_period, periodic_precision
 from orbitproof.verify.certificate.kind import Kind, Progress
 from orbitproof.verify.certificate.stated_system import without_symmetry
-from orbitproof.verify.certificate.stored_balls import register
-from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
-from orbitproof.verify.evidence import Briefs
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic import (
-    Linearised,
     PeriodicEnclosures,
     PeriodicResults,
     PeriodicTheorem,
@@ -23,6 +16,7 @@ from orbitproof.verify.periodic import (
     prove_periodic,
 )
 from orbitproof.verify.poincare import IntegratorSettings
+from orbitproof.verify.theorems import linearised  # noqa: F401 (how its functions are stored)
 from orbitproof.verify.words.periodic import periodic_in_full, periodic_in_words
 from orbitproof.verify.words.row_in_full import in_lines
 
@@ -30,18 +24,6 @@ from orbitproof.verify.words.row_in_full import in_lines
 def _enclose(claim: PeriodicOrbit, settings: IntegratorSettings, progress: Progress | None) -> PeriodicEnclosures:
     return enclose_periodic(claim, settings, ORACLE, progress)
 
-
-def _linearised(texts: list[str]) -> Linearised:
-    centre, *slopes = map(ball_from_text, texts)
-    return Linearised(centre, tuple(slopes))
-
-
-register(
-    Linearised,
-    lambda function: [ball_to_text(ball) for ball in function.balls],
-    _linearised,
-    Annotated[Briefs, rules(minItems=2)],
-)
 
 KIND = Kind(
     names=(PERIODIC,),

@@ -17,6 +17,7 @@ from orbitproof.verify.periodic_bifurcation import (
     variables_of,
 )
 from orbitproof.verify.poincare import IntegratorSettings
+from orbitproof.verify.theorems import linearised  # noqa: F401 (how its functions are stored)
 from orbitproof.verify.words.periodic_torus import torus_in_full, torus_in_words
 from orbitproof.verify.words.row_in_full import in_lines
 
