@@ -140,9 +140,7 @@ def exact_constant(value: object) -> Fraction:
     """
     if isinstance(value, bool):
         raise TypeError("a truth value is not a constant")
-    if isinstance(value, (int, Fraction)):
-        return Fraction(value)
-    if isinstance(value, float) and (2 * value).is_integer():
+    if isinstance(value, (int, Fraction)) or (isinstance(value, float) and (2 * value).is_integer()):
         return Fraction(value)
     if isinstance(value, Variable):
         raise TypeError("an exponent is a coordinate or a parameter: write a whole number or a half-integer")
