@@ -59,15 +59,23 @@ class Solution:
 
     Attributes:
         unknowns: exact numbers, close to the solution.
-        bits: working precision of the last step.
-        steps: how many there were.
+        iterations: working precision and length of each step.
         last: the equations before the last step.
     """
 
     unknowns: list[Fraction]
-    bits: int
-    steps: int
+    iterations: tuple[tuple[int, float], ...]
     last: Linearised
+
+    @property
+    def bits(self) -> int:
+        """Working precision of the last step."""
+        return self.iterations[-1][0]
+
+    @property
+    def steps(self) -> int:
+        """How many there were."""
+        return len(self.iterations)
 
 
 def bits_of(digits: int) -> int:
@@ -92,11 +100,11 @@ def newton_with_digits(
 
     Raises `rule.failure`, and what `equations` raises.
     """
-    unknowns, bits = list(guess), rule.first_bits
+    unknowns, bits, iterations = list(guess), rule.first_bits, []
     enough = goal if enough is None else enough
     for step in range(1, _MOST_STEPS + 1):
         if progress is not None:
-            progress(f"Newton step {step} with {bits} bits", min(0.9, bits / (goal + 60)))
+            progress(f"Newton step {step} with {bits} bits", min(0.9, 1 - 0.7 ** (step - 1)))
         context = working_context(bits)
         here = equations(unknowns, context)
         correction = _correction(here, context, rule.failure)
@@ -104,9 +112,10 @@ def newton_with_digits(
         if any(abs(u - g) > rule.farthest * max(1.0, abs(float(g))) for u, g in zip(unknowns, guess, strict=True)):
             raise rule.failure("Newton's method leaves the neighbourhood of the guess")
         length = max(float(abs(change)) for change in correction)
+        iterations.append((bits, length))
         guard = rule.guard_bits + ceil(log2(max(here.spread, 1.0)))
         if bits >= goal + guard and length < 2.0**-enough:
-            return Solution(unknowns, bits, step, here)
+            return Solution(unknowns, tuple(iterations), here)
         known = -rule.growth * log2(max(length, 2.0**-bits))
         bits = min(max(bits, ceil(known) + guard), goal + guard)
     raise rule.failure(f"Newton's method did not converge in {_MOST_STEPS} steps")

@@ -1,8 +1,8 @@
 """Newton refinement of bifurcation points to high precision, up to the box for the verifier.
 
 The equations are those of `explore.refinement.resonance` (Appendix B of the paper). Only the last evaluation has full
-precision: the precision of the others is what the point is good for, and the derivative of g is computed anew only
-where an old one would take more evaluations. The jets that give the box give it along the family as well.
+precision: the precision of the others is what the point is good for, and the derivative of g has half of it. Where half
+of the digits are known, jets give the box, and the box says how many digits the centre needs.
 """
 
 from __future__ import annotations
@@ -10,12 +10,20 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from math import ceil, inf, isfinite, log2
+from math import ceil, isfinite, log2
 from typing import Any
 
 import numpy as np
 
-from orbitproof.explore.numerics import fraction, working_context
+from orbitproof.explore.numerics import (
+    GrowingDigits,
+    Linearised,
+    Solution,
+    bits_of,
+    fraction,
+    newton_with_digits,
+    working_context,
+)
 from orbitproof.explore.refinement.crossing import shorter_coordinates
 from orbitproof.explore.refinement.frames import Frame, Parity, RefinementFailure, parity_of
 from orbitproof.explore.refinement.half_return import LinearIterates
@@ -32,6 +40,7 @@ from orbitproof.explore.refinement.resonance import (
     Resonance,
     linearise,
     newton_correction,
+    newton_equations,
     resonance_slope,
 )
 from orbitproof.explore.refinement.taylor import IntegrationFailure
@@ -41,14 +50,8 @@ from orbitproof.shared.systems import ReversibleSystem
 
 __all__ = ["RefinedPoint", "RefinementFailure", "refine"]
 
-FIRST_BITS = 60
-"""Accuracy that an iteration aims at, at least: more than that of a float64 guess, and cheap."""
-
 GUARD_BITS = 12
 """Working precision beyond the accuracy aimed at and beyond the bits that are lost on the way."""
-
-CHECK_BITS = 12
-"""Working precision that the last evaluation has beyond that of the last iteration."""
 
 MARGIN_DIGITS = 6
 """Digits by which the centre is more accurate than asked for; radii of second order need them."""
@@ -59,19 +62,23 @@ NEIGHBOURHOOD = 1e-3
 SINGULAR = 1e-9
 """Margin (see `RefinedPoint`) below which an iterate P^i, i < k, counts as resonant itself."""
 
-MAXIMAL_ITERATIONS = 14
-
 FIRST_PRECISIONS = (80, 160, 320)
 """Bits of working precision that are tried for the first step."""
+
+FINER_BITS = 48
+"""So many more has the evaluation that tells how many of them are lost."""
 
 KNOWN_BITS = 90
 """The box is made for a point that is known to so many bits or more."""
 
-ASSUMED_LOSS = 8
-"""Bits that a step is thought to leave of the square of the last, until two steps show it."""
+GEOMETRY_BITS = 60
+"""Accuracy of slopes and curvatures of the branches, which are needed as floats."""
 
-SLOPE_MARGIN = 8
-"""Bits of a slope beyond those that are needed."""
+ASSUMED_LOSS = 8
+"""Bits that a step is thought to leave of the square of the last."""
+
+SLOPE_BITS = 8
+"""Bits of the derivative of g beyond half of those aimed at."""
 
 TOO_MANY_LOST = "the orbit loses too many digits; it is too unstable or too close to a singularity"
 
@@ -86,8 +93,8 @@ class RefinedPoint:
         frame: shape (1 + n, 1 + n), rows; column j is the direction of p_j.
         kernel_frame: shape (n, n), rows.
         radii: half-widths of P_0, P_1, P_2, powers of two.
-        residual: Newton correction that is left at the centre, in the frame's coordinates: the last one, times what
-            the steps before it say about the next.
+        residual: Newton correction that is left at the centre, in the frame's coordinates: the square of the last one,
+            with some to spare.
         digits: accuracy asked for.
         iterations: (bits of working precision, size of the correction) of each Newton step.
         half_period: time from the centre to the end of the half orbit, nondimensional.
@@ -173,16 +180,30 @@ def refine(
     try:
         regularisation = shorter_coordinates(system, parameters, guess, crossings)
         problem = Resonance(system, dict(parameters), k, LEADING_POWERS[kind] > 1, parity, regularisation, crossings)
-        newton = _Newton(problem, guess, report)
-        newton.approach(2 / 3 * _enough(digits), _enough(digits))
-        margins = _checked_iterates(problem, newton.frame(), newton.at.iterates)
-        geometry = newton.geometry(_enough(digits) / 3)
-        width = half_width(geometry, digits, k, _lost_in_own_coordinates(newton), system.family_parameter is None)
+        report("digits that the orbit loses", 0.0)
+        equations = _Equations(problem, guess)
+        half = bits_of(digits) // 2 + ASSUMED_LOSS
+        near = _solved(equations, equations.start, max(KNOWN_BITS, half), equations.first_bits, _part(report, 0.0))
+        point, at = equations.point(near.unknowns), near.last.found
+        frame = problem.frame(point, at.iterates, at.context, problem.tangential)
+        margins = _checked_iterates(problem, frame, at.iterates)
+        report("curvatures", 0.5)
+        geometry = _geometry(problem, point, frame, working_context(GEOMETRY_BITS + equations.guard_bits))
+        bits, length = near.iterations[-1]
+        known = min(-2 * log2(max(length, 2.0**-bits)) - ASSUMED_LOSS, bits - equations.guard_bits)
+        lost = equations.lost_in_own_coordinates(point, known)
+        width = half_width(geometry, digits, k, lost, system.family_parameter is None)
         digits_of_centre = max(digits, digits_for(width) - MARGIN_DIGITS // 2)
-        residual = newton.finish(digits_of_centre)
+        goal = bits_of(digits_of_centre)
+        bits = min(ceil(2 * known), goal) + equations.guard_bits
+        found = _solved(equations, near.unknowns, goal, bits, _part(report, 0.5))
     except IntegrationFailure as failure:
         raise RefinementFailure(str(failure)) from None
-    point, frame, at = newton.point, newton.frame(), newton.at
+    point, at = equations.point(found.unknowns), found.last.found
+    frame = problem.frame(point, at.iterates, at.context, problem.tangential)
+    last = found.iterations[-1][1]
+    correction = at.context.lu_solve(frame.columns, at.context.matrix(newton_correction(problem, at, equations.slope)))
+    residual = max(max(float(abs(x)) for x in correction) * last * 2.0**ASSUMED_LOSS, 2.0**-goal)
     accuracy = max(residual, 10.0 ** -(digits_of_centre + MARGIN_DIGITS))
     value = None
     if system.family_parameter is None:
@@ -200,7 +221,7 @@ def refine(
         radii=box_radii(geometry, width, accuracy, len(system.kernel_coordinates)),
         residual=residual,
         digits=digits,
-        iterations=tuple(newton.iterations),
+        iterations=near.iterations + found.iterations,
         half_period=at.half.time,
         first_integral=value,
         geometry=geometry,
@@ -227,187 +248,103 @@ def _checked(
     return parity_of(system, symmetry), symmetry
 
 
-@dataclass(frozen=True)
-class _FirstStep:
-    """The first Newton step, with `bits` of working precision of which `lost_bits` did not reach the correction."""
+class _Equations:
+    """What Newton's method solves, in the coordinates that it moves.
 
-    at: LinearisedResonance
-    correction: list[Any]
-    slope: list[Any]
-    bits: int
-    lost_bits: int
+    Attributes:
+        start: of these coordinates.
+        lost_bits: of working precision, which do not reach the correction at the guess.
+        first_bits: working precision of the evaluation there.
+    """
+
+    def __init__(self, problem: Resonance, guess: Sequence[float]) -> None:
+        self.problem, self._seed = problem, [Fraction(float(x)) for x in guess]
+        if problem.parity is not None:
+            if abs(self._seed[problem.parity.odd[0]]) > NEIGHBOURHOOD:
+                raise RefinementFailure("the symmetry does not fix the guess")
+            self._seed[problem.parity.odd[0]] = Fraction(0)
+        self.start = [self._seed[j] for j in problem.unknowns]
+        for bits in FIRST_PRECISIONS:
+            coarse, self._first = (linearise(problem, self._seed, b) for b in (bits, bits + FINER_BITS))
+            self.slope = resonance_slope(problem, self._seed, coarse, bits)
+            self.lost_bits = _lost_bits(self._corrections(coarse, self._first), self._seed, bits)
+            if self.lost_bits < bits / 2:
+                self.first_bits = bits + FINER_BITS
+                self._slope_place, self._slope_bits = self._seed, bits - self.guard_bits
+                return
+        raise RefinementFailure(TOO_MANY_LOST)
+
+    @property
+    def guard_bits(self) -> int:
+        """Working precision beyond the accuracy aimed at."""
+        return GUARD_BITS + self.lost_bits
+
+    def point(self, unknowns: Sequence[Fraction]) -> list[Fraction]:
+        """All coordinates u."""
+        point = list(self._seed)
+        for j, value in zip(self.problem.unknowns, unknowns, strict=True):
+            point[j] = value
+        return point
+
+    def linearised(self, unknowns: Sequence[Fraction], context: Any) -> Linearised:
+        """The equations at a point; the derivative of g, with half the bits, is an old one from as near as that."""
+        problem, point = self.problem, self.point(unknowns)
+        at = self._first if point == self._seed and context.prec == self.first_bits else None
+        at = linearise(problem, point, context.prec) if at is None else at
+        needed = (context.prec - self.guard_bits) // 2
+        moved = max(abs(u - s) for u, s in zip(point, self._slope_place, strict=True))
+        if needed > self._slope_bits or moved > Fraction(1, 2 ** (needed - ASSUMED_LOSS)):
+            self._slope_place, self._slope_bits = point, needed + SLOPE_BITS
+            self.slope = resonance_slope(problem, point, at, self._slope_bits + self.guard_bits)
+        return Linearised(*newton_equations(problem, at, self.slope), 2.0**self.lost_bits, at)
+
+    def lost_in_own_coordinates(self, point: Sequence[Fraction], known: float) -> int:
+        """How the box has to shrink was found from the bits that are lost in the system's own coordinates."""
+        if self.problem.regularisation is None:
+            return self.lost_bits
+        own = replace(self.problem, regularisation=None)
+        for bits in FIRST_PRECISIONS:
+            coarse = linearise(own, point, bits)
+            # Where the point is known to more bits its correction is the error.
+            fine = None if known > bits + 8 else linearise(own, point, bits + FINER_BITS)
+            lost = _lost_bits(self._corrections(coarse, fine), point, bits)
+            if lost < bits / 2:
+                return lost
+        raise RefinementFailure(TOO_MANY_LOST)
+
+    def _corrections(self, coarse: LinearisedResonance, fine: LinearisedResonance | None) -> list[Any]:
+        """The difference of Newton's corrections from two evaluations, or of one from none."""
+        first = newton_correction(self.problem, coarse, self.slope)
+        second = [0] * len(first) if fine is None else newton_correction(self.problem, fine, self.slope)
+        return [a - b for a, b in zip(first, second, strict=True)]
 
 
-def _first_step(problem: Resonance, point: Sequence[Fraction]) -> _FirstStep:
-    """Newton's correction at the guess, and the precision that the flow loses, from two evaluations."""
-    for bits in FIRST_PRECISIONS:
-        coarse, fine = (linearise(problem, point, b) for b in (bits, bits + 32))
-        slope = resonance_slope(problem, point, coarse, bits)
-        corrections = [newton_correction(problem, at, slope) for at in (coarse, fine)]
-        lost = _lost_bits([a - b for a, b in zip(*corrections, strict=True)], point, bits)
-        if lost < bits / 2:
-            return _FirstStep(fine, corrections[1], slope, bits + 32, lost)
-    raise RefinementFailure(TOO_MANY_LOST)
+def _solved(
+    equations: _Equations, start: Sequence[Fraction], goal: int, first_bits: int, report: Callable[[str, float], None]
+) -> Solution:
+    """The point to so many bits. A step is the last whose square is small enough."""
+    rule = GrowingDigits(RefinementFailure, NEIGHBOURHOOD, first_bits, GUARD_BITS)
+    return newton_with_digits(equations.linearised, start, goal, rule, report, enough=(goal + ASSUMED_LOSS) / 2)
+
+
+def _part(report: Callable[[str, float], None], done: float) -> Callable[[str, float], None]:
+    """The progress of half the work."""
+    return lambda message, fraction: report(message, done + fraction / 2)
+
+
+def _geometry(problem: Resonance, point: Sequence[Fraction], frame: Frame, context: Any) -> BranchGeometry:
+    about = problem.system, problem.parameters, point, frame
+    if problem.is_fold:
+        return fold_geometry(*about, context, problem.regularisation, problem.crossings)
+    return branch_geometry(*about, problem.k, problem.tangential, context, problem.regularisation, problem.crossings)
 
 
 def _lost_bits(error: Sequence[Any], point: Sequence[Fraction], bits: int) -> int:
     return bits + ceil(log2(max(_relative_size(error, point), 2.0**-bits)))
 
 
-class _Newton:
-    """Newton's method on its way to a bifurcation point.
-
-    Attributes:
-        point, at: after the last correction, and the evaluation that gave it, at the point before.
-        known: bits to which the point is known.
-        iterations: see `RefinedPoint`.
-        lost_bits: bits of working precision that the flow loses.
-    """
-
-    def __init__(self, problem: Resonance, guess: Sequence[float], report: Callable[[str, float], None]) -> None:
-        self.problem, self._report = problem, report
-        self.point = [Fraction(float(x)) for x in guess]
-        if problem.parity is not None:
-            if abs(self.point[problem.parity.odd[0]]) > NEIGHBOURHOOD:
-                raise RefinementFailure("the symmetry does not fix the guess")
-            self.point[problem.parity.odd[0]] = Fraction(0)
-        self._seed = list(self.point)
-        self.iterations: list[tuple[int, float]] = []
-        self._last = self._expected = inf
-        self._loss = float(ASSUMED_LOSS)
-        self.report("first Newton step")
-        first = _first_step(problem, self.point)
-        self.lost_bits = first.lost_bits
-        self._guard = GUARD_BITS + first.lost_bits
-        self._slope, self._slope_bits = first.slope, float(FIRST_BITS)
-        self._slope_place = self._across = self._on_family = 0.0
-        self._move(first.at, first.correction, first.bits - self._guard, fresh=True)
-
-    def report(self, message: str) -> None:
-        """What is done now, with a fraction that nobody knows before."""
-        self._report(message, 1 - 0.7 ** len(self.iterations))
-
-    def approach(self, wanted: float, enough: float) -> None:
-        """Go on until the point is known to `wanted` bits, from where one step with a new slope leads to `enough`."""
-        wanted = max(wanted, KNOWN_BITS)
-        while self.known < wanted:
-            reach = self.known + min(self.known, self._slope_place)
-            if reach - self._loss > wanted and self._across > enough / 6:
-                reach = max(reach, enough + self._loss - self._across)
-            self._step(max(FIRST_BITS, ceil(reach)), self.known / 4)
-
-    def geometry(self, slope_bits: float) -> BranchGeometry:
-        """The branches at the point; their jets give a slope of so many bits as well."""
-        self.report("curvatures")
-        problem, frame = self.problem, self.frame()
-        about = problem.system, problem.parameters, self.point, frame
-        context = working_context(ceil(slope_bits) + SLOPE_MARGIN + self._guard)
-        if problem.is_fold:
-            return fold_geometry(*about, context, problem.regularisation, problem.crossings)
-        found = branch_geometry(
-            *about, problem.k, problem.tangential, context, problem.regularisation, problem.crossings
-        )
-        # Along the family the derivative of g is G_01 for p_1 of the length that it has in g. Across it the old slope
-        # does: there the equations pi_q P = 0 have their own derivatives, which are always new.
-        (_, share, *_) = context.lu_solve(frame.columns, context.matrix(self.at.right))
-        tangent = [frame.columns[j, 0] for j in problem.unknowns]
-        change = found.mixed * share - sum(a * t for a, t in zip(self._slope, tangent, strict=True))
-        length = sum(t * t for t in tangent)
-        self._slope = [a + change * t / length for a, t in zip(self._slope, tangent, strict=True)]
-        self._slope_bits, self._slope_place = slope_bits + SLOPE_MARGIN, -log2(self._last)
-        return found
-
-    def finish(self, digits: int) -> float:
-        """The point to so many digits; returns how far it is from Newton's limit, in the frame's coordinates."""
-        goal, enough = _goal(digits), _enough(digits)
-        self.approach((enough + self._loss) / 2 + SLOPE_MARGIN, enough)
-        while True:
-            # With other bits than the step before, whose rounding errors this one sees.
-            self._step(goal + CHECK_BITS, enough - self.known)
-            if self.known >= enough:
-                columns, correction = self.frame().columns, self.at.context.matrix(self._correction)
-                size = max(abs(x) for x in self.at.context.lu_solve(columns, correction))
-                return max(float(size) / self._last * 2.0**-self.known, 2.0 ** -(goal + CHECK_BITS))
-            # The flow may lose more digits than the guard bits allow for.
-            self._guard += ceil(enough - self.known)
-
-    def correction_in(self, problem: Resonance, bits: int) -> list[Any]:
-        """The correction at the point, followed in the coordinates of another problem."""
-        return newton_correction(problem, linearise(problem, self.point, bits), self._slope)
-
-    def frame(self) -> Frame:
-        """The frame for a box about the point."""
-        return self.problem.frame(self.point, self.at.iterates, self.at.context, self.problem.tangential)
-
-    def _step(self, target: int, slope_bits: float) -> None:
-        """A step with working precision for `target` bits, by a slope of so many bits: a new one if it has to be."""
-        if len(self.iterations) == MAXIMAL_ITERATIONS:
-            raise RefinementFailure(f"Newton's method did not converge in {MAXIMAL_ITERATIONS} iterations")
-        bits = target + self._guard
-        self.report(f"Newton step {len(self.iterations) + 1} with {bits} bits")
-        at = linearise(self.problem, self.point, bits)
-        # The old slope has to be good enough for what is left across the family, too.
-        across = self._on_family + self._across - self._loss < self.known + slope_bits
-        fresh = across or slope_bits > min(self._slope_bits, self._slope_place - self._loss)
-        if fresh:
-            self._slope_bits = max(FIRST_BITS, slope_bits + SLOPE_MARGIN)
-            self._slope = resonance_slope(self.problem, self.point, at, ceil(self._slope_bits) + self._guard)
-        self._move(at, newton_correction(self.problem, at, self._slope), target, fresh)
-
-    def _move(self, at: LinearisedResonance, correction: list[Any], target: int, fresh: bool) -> None:
-        """Apply a correction from an evaluation that is right to `target` bits; `fresh`: by a slope at its point."""
-        size = _relative_size(correction, self.point)
-        self.iterations.append((target + self._guard, size))
-        self.at, self._correction = at, correction
-        self.point = [_moved(u, c, target + self._guard) for u, c in zip(self.point, correction, strict=True)]
-        strays = any(abs(u - s) > NEIGHBOURHOOD * max(1, abs(s)) for u, s in zip(self.point, self._seed, strict=True))
-        if strays or not size < NEIGHBOURHOOD or (size > 1e-4 and size > self._last):
-            raise RefinementFailure("Newton's method leaves the neighbourhood of the guess")
-        size = max(size, 2.0**-target)
-        near = -log2(size)
-        if self._last < inf:
-            self._loss = max(0.0, -near - log2(self._expected))
-        if fresh:
-            self._slope_place = self._across = near
-        # Quadratic convergence, or linear with an older slope, with the constant seen in the last two steps.
-        best = min(near, self._slope_place)
-        gain = min(best - self._loss, self._slope_bits)
-        self.known = min(float(target), near + gain, max(near, self._on_family) + self._across - self._loss)
-        self._on_family = min(float(target), 2 * near - self._loss)
-        self._last, self._expected = size, max(size * 2.0 ** -min(best, self._slope_bits), 2.0**-target)
-
-
-def _goal(digits: int) -> int:
-    return ceil((digits + MARGIN_DIGITS) * log2(10))
-
-
-def _enough(digits: int) -> int:
-    return ceil((digits + MARGIN_DIGITS / 2) * log2(10)) + 4
-
-
-def _lost_in_own_coordinates(newton: _Newton) -> int:
-    """How the box has to shrink was found from the bits that are lost in the system's own coordinates."""
-    if newton.problem.regularisation is None:
-        return newton.lost_bits
-    own = replace(newton.problem, regularisation=None)
-    for bits in FIRST_PRECISIONS:
-        coarse = newton.correction_in(own, bits)
-        # Where the point is known to more bits its correction is the error.
-        fine = [0] * len(coarse) if newton.known > bits + 8 else newton.correction_in(own, bits + 32)
-        lost = _lost_bits([a - b for a, b in zip(coarse, fine, strict=True)], newton.point, bits)
-        if lost < bits / 2:
-            return lost
-    raise RefinementFailure(TOO_MANY_LOST)
-
-
 def _relative_size(correction: Sequence[Any], point: Sequence[Fraction]) -> float:
     return max(float(abs(c)) / max(1.0, abs(float(u))) for c, u in zip(correction, point, strict=True))
-
-
-def _moved(value: Fraction, correction: Any, bits: int) -> Fraction:
-    moved = value + fraction(correction)
-    scale = 1 << bits
-    return Fraction(round(moved * scale), scale)
 
 
 def _exact_rows(matrix: Any) -> tuple[tuple[Fraction, ...], ...]:

@@ -218,14 +218,20 @@ def _dot(left: Sequence[Any], right: Sequence[Any]) -> Any:
     return sum(a * b for a, b in zip(left, right, strict=True))
 
 
+def newton_equations(problem: Resonance, at: LinearisedResonance, slope: Sequence[Any]) -> tuple[Any, Any]:
+    """Residual and matrix for the unknowns, from the equations at the point and the derivative of g."""
+    first = at.iterates.matrices[0]
+    rows = [[first[i, j] for j in problem.unknowns] for i in problem.equations] + [list(slope)]
+    residual = [at.half.kernel_values[i] for i in problem.equations] + [at.g]
+    return at.context.matrix(residual), at.context.matrix(rows)
+
+
 def newton_correction(problem: Resonance, at: LinearisedResonance, slope: Sequence[Any]) -> list[Any]:
     """Newton's correction of u, from the equations at the point and the derivative of g."""
     n = len(problem.system.kernel_coordinates)
-    first = at.iterates.matrices[0]
-    rows = [[first[i, j] for j in problem.unknowns] for i in problem.equations] + [list(slope)]
-    residuals = [at.half.kernel_values[i] for i in problem.equations] + [at.g]
+    residual, matrix = newton_equations(problem, at, slope)
     try:
-        step = at.context.lu_solve(at.context.matrix(rows), at.context.matrix(residuals))
+        step = at.context.lu_solve(matrix, residual)
     except ZeroDivisionError:
         raise RefinementFailure("Newton's matrix is singular: the resonance is degenerate") from None
     correction = [at.context.mpf(0)] * (n + 1)
