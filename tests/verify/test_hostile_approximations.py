@@ -202,7 +202,7 @@ def test_what_is_changed_after_it_was_given_does_not_count(name: str) -> None:
 
 
 def test_what_was_looked_at_can_be_changed_without_harm() -> None:
-    """The values at the centre and the forcing are copies, so the field stays that of what was given."""
+    """The values at the centre and what is tried out are copies, so the field stays that of what was given."""
 
     class Vandal(Hostile):
         def centre(self) -> Any:
@@ -212,10 +212,10 @@ def test_what_was_looked_at_can_be_changed_without_harm() -> None:
                 values[0] = 1
             return self._along.centre()
 
-        def forcing(self) -> Any:
-            for polynomial in self._along.forcing():
+        def trial(self, position: int, column: Sequence[fmpz_poly]) -> Any:
+            for polynomial in self._along.trial(position, column):
                 polynomial[2] = 10**17
-            return self._along.forcing()
+            return self._along.trial(position, column)
 
     flow = followed("narrow", lambda honest: Vandal(honest, lambda _, column: column))
     assert holds("narrow", flow, random.Random("vandal"), 5)
@@ -283,8 +283,8 @@ def test_a_solution_that_is_not_complete_is_refused(name: str) -> None:
             if not self._along.position:
                 self._along.give(coefficients)
 
-        def forcing(self) -> Any:
-            return [fmpz_poly([])] * 4
+        def trial(self, _position: int, column: Sequence[fmpz_poly]) -> Any:
+            return [fmpz_poly([])] * len(column)
 
     with pytest.raises(ValueError, match="not complete"):
         followed(name, lambda honest: Lazy(honest, lambda _, column: column))

@@ -52,17 +52,20 @@ def test_the_equation_holds_up_to_rounding(degree: int, blocks: int, monkeypatch
         {0: decaying(source, degree + 1), 2: fmpz_poly([UNIT])},
         {},
     ]
-    forcing = [decaying(source, length) for length in (degree + 1, 2, 0, degree, 3)]
-    start = [fmpz_poly([source.randrange(-UNIT, UNIT)]) for _ in range(4)] + [fmpz_poly([])]
+    forcings = [
+        [decaying(source, length) for length in lengths] for lengths in ((degree + 1, 2, 0, degree, 3), [0] * 5)
+    ]
+    starts = [[fmpz_poly([source.randrange(-UNIT, UNIT)]) for _ in range(4)] + [fmpz_poly([])] for _ in forcings]
     step = Fraction(5, 16)
-    solution = LinearEquation(jacobian, BITS, degree, step).solution(forcing, start)
-    assert [p[0] for p in solution] == [p[0] for p in start]
-    assert all(p.degree() <= degree for p in solution)
-    # One unit for each coefficient of J over the step, one for the slope, times degree for the division by n + 1.
-    rounding = 4 * (degree + 2)
-    assert defect(jacobian, forcing, solution, step, degree) < rounding
-    solution[1] += fmpz_poly([0, fmpz(10 * rounding)])
-    assert defect(jacobian, forcing, solution, step, degree) > rounding
+    solutions = LinearEquation(jacobian, BITS, degree, step).solutions(forcings, starts)
+    for forcing, start, solution in zip(forcings, starts, solutions, strict=True):
+        assert [p[0] for p in solution] == [p[0] for p in start]
+        assert all(p.degree() <= degree for p in solution)
+        # One unit for each coefficient of J over the step, one for the slope, times degree for the division by n + 1.
+        rounding = 4 * (degree + 2)
+        assert defect(jacobian, forcing, solution, step, degree) < rounding
+        solution[1] += fmpz_poly([0, fmpz(10 * rounding)])
+        assert defect(jacobian, forcing, solution, step, degree) > rounding
 
 
 @pytest.mark.parametrize("late", [False, True])
@@ -74,13 +77,13 @@ def test_a_series_ends_where_its_coefficients_fall_below_their_unit(late: bool) 
     force = decaying(source, degree, 8) + (fmpz_poly([0] * 90 + [UNIT]) if late else fmpz_poly([]))
     forcing = [force, fmpz_poly([]), force]
     step = Fraction(1, 2)
-    solution = LinearEquation(jacobian, BITS, degree, step).solution(forcing, [fmpz_poly([UNIT])] * 3)
+    [solution] = LinearEquation(jacobian, BITS, degree, step).solutions([forcing], [[fmpz_poly([UNIT])] * 3])
     assert all((p.length() > 90) == (late or p.length() < 20) for p in solution)
     assert defect(jacobian, forcing, solution, step, degree) < 4 * (degree + 2)
 
 
 def test_an_equation_without_coefficients_is_integrated() -> None:
-    solution = LinearEquation([{}, {}], BITS, 4, Fraction(1, 2)).solution(
-        [fmpz_poly([UNIT]), fmpz_poly([])], [fmpz_poly([3]), fmpz_poly([5])]
+    solutions = LinearEquation([{}, {}], BITS, 4, Fraction(1, 2)).solutions(
+        [[fmpz_poly([UNIT]), fmpz_poly([])]], [[fmpz_poly([3]), fmpz_poly([5])]]
     )
-    assert solution == [fmpz_poly([3, UNIT // 2]), fmpz_poly([5])]
+    assert solutions == [[fmpz_poly([3, UNIT // 2]), fmpz_poly([5])]]

@@ -11,8 +11,6 @@ from flint import fmpz_poly
 
 from orbitproof.verify.algebra import Arithmetic, Evaluation, PreparedProgram, Series
 
-_ZERO = fmpz_poly([])
-
 
 class FieldAlong:
     """An approximate solution of x' = f(x), given monomial by monomial, and f evaluated on what is given.
@@ -57,10 +55,6 @@ class FieldAlong:
         values = [fmpz_poly(row[0]) for row in self._evaluation.coefs]
         powers = [index for index, node in enumerate(self.program.nodes) if node.operation == "pow"]
         return values, {index: fmpz_poly(self._evaluation.reciprocal(index)) for index in powers}
-
-    def forcing(self) -> list[fmpz_poly]:
-        """The next monomial of the field if the coefficients of the solution were zero there."""
-        return self.trial(self.position, [_ZERO] * len(self.state))
 
     def trial(self, position: int, coefficients: Sequence[fmpz_poly]) -> list[fmpz_poly]:
         """A monomial of the field if these were the coefficients of the solution there.

@@ -9,19 +9,24 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from fractions import Fraction
+from functools import cache
 from math import ceil, inf, isfinite, log2, sqrt
 from operator import floordiv, mul, truediv
 from typing import Any, TypeVar
 
+import numpy as np
 from flint import arb, arb_poly, fmpq
 
-from orbitproof.verify.algebra import PreparedProgram, Recurrence, integer_part
+from orbitproof.verify.algebra import Floats, PreparedProgram, Recurrence, integer_part
 from orbitproof.verify.evidence import IntegrationFailure, guarded
 from orbitproof.verify.flow import rough
 
 _SPARE_BITS = 16
 _TINY = 2.0**-100
+_LATE_BITS, _FLOAT_BITS, _MOST_BITS = 45, 50, 500
+"""Coefficients that are expected to have at most so many bits are found in float64, if they have few enough then."""
 
 Coefficient = TypeVar("Coefficient")
 
@@ -33,7 +38,11 @@ class TaylorRecurrence(Recurrence[Coefficient]):
         """Rows of degree + 1 coefficients per component, given state and parameters at the start."""
         for row, value in zip(self.coefs, initial, strict=False):
             row[0] = value
-        for n in range(degree):
+        return self.continued(0, degree)
+
+    def continued(self, first: int, degree: int) -> Sequence[Any]:
+        """As `solve`, where the components have their coefficients up to `first`, and all nodes those before it."""
+        for n in range(first, degree):
             self.extend(n)
             for component, output in enumerate(self.program.outputs):
                 self.coefs[component][n + 1] = self.integral(component, n, self.coefs[output][n])
@@ -68,6 +77,7 @@ class _Numbers(TaylorRecurrence[Any]):
         self.step, self.ratio, self.reduced, self.first_power = step, ratio, reduced, first_power
         self._constant = constant
         self._weighted: dict[int, list[Any]] = {}
+        self._steady = _steady(program)
 
     def constant(self, index: int, value: Fraction) -> Any:
         return self._constant(value)
@@ -77,6 +87,11 @@ class _Numbers(TaylorRecurrence[Any]):
         return value if factor.denominator == 1 else self.ratio(value, factor.denominator)
 
     def product(self, index: int, n: int, left: Sequence[Any], right: Sequence[Any]) -> Any:
+        node = self.program.nodes[index]
+        if node.left in self._steady:
+            return self.reduced(left[0] * right[n])
+        if node.right in self._steady:
+            return self.reduced(left[n] * right[0])
         backward = right[n::-1]
         if left is not right:
             return self.reduced(sum(map(mul, left, backward)))
@@ -86,10 +101,9 @@ class _Numbers(TaylorRecurrence[Any]):
 
     def power(self, index: int, n: int, base: Sequence[Any], exponent: Fraction) -> Any:
         if n == 0:
-            self._weighted[index] = [0]
             return self.first_power(base[0], exponent)
-        weighted = self._weighted[index]
-        weighted.append(n * base[n])
+        weighted = self._weighted.setdefault(index, [0])
+        weighted += [k * base[k] for k in range(len(weighted), n + 1)]
         p, q = exponent.numerator, exponent.denominator
         backward = self.coefs[index][n - 1 :: -1]
         plain = sum(map(mul, base[1:], backward))
@@ -100,34 +114,48 @@ class _Numbers(TaylorRecurrence[Any]):
         return self.ratio(slope * self.step.numerator, self.step.denominator * (n + 1))
 
 
+def _steady(program: PreparedProgram) -> set[int]:
+    """The nodes that depend on parameters alone."""
+    steady: set[int] = set()
+    for index, node in enumerate(program.nodes):
+        is_input = node.operation == "input"
+        if index >= len(program.outputs) if is_input else {node.left, node.right} - {-1} <= steady:
+            steady.add(index)
+    return steady
+
+
+def _float_power(base: float, exponent: Fraction) -> float:
+    return float(base ** float(exponent))
+
+
 def float_coefficients(program: PreparedProgram, initial: Sequence[float], degree: int) -> Sequence[list[float]]:
     """Taylor coefficients in time of the orbit, degree + 1 per state coordinate, in float64.
 
     Args:
         initial: state, then parameters.
     """
-
-    def power(base: float, exponent: Fraction) -> float:
-        return float(base ** float(exponent))
-
     try:
-        return _Numbers(program, degree, Fraction(1), float, truediv, float, power).solve(initial, degree)
+        return _Numbers(program, degree, Fraction(1), float, truediv, float, _float_power).solve(initial, degree)
     except (ZeroDivisionError, OverflowError, TypeError):
         raise _singular() from None
 
 
-def variation_coefficients(program: PreparedProgram, initial: Sequence[float], degree: int) -> Sequence[list[float]]:
-    """Taylor coefficients in time of a solution of the linearised equation along the orbit, in float64.
+def variation_coefficients(
+    program: PreparedProgram, initial: Sequence[float], degree: int
+) -> tuple[list[list[float]], list[list[float]]]:
+    """Taylor coefficients in time of the orbit and of a solution of the linearised equation along it, in float64.
 
-    It starts in a direction with a part in every mode; a step that suits it suits the derivatives of the flow. By an
-    imaginary part too small to be squared.
+    This one starts in a direction with a part in every mode; a step that suits it suits the derivatives of the flow.
+    By an imaginary part too small to be squared.
 
     Args:
         initial: state, then parameters; the parameters stay.
     """
 
     def power(base: complex, exponent: Fraction) -> complex:
-        return complex(base) ** float(exponent)
+        base = complex(base)
+        value = _float_power(base.real, exponent)
+        return complex(value, float(exponent) * value / base.real * base.imag)
 
     size = len(program.outputs)
     start = [complex(value, _TINY / (1 + index)) if index < size else value for index, value in enumerate(initial)]
@@ -135,13 +163,17 @@ def variation_coefficients(program: PreparedProgram, initial: Sequence[float], d
         rows = _Numbers(program, degree, Fraction(1), float, truediv, complex, power).solve(start, degree)
     except (ZeroDivisionError, OverflowError, TypeError):
         raise _singular() from None
-    return [[complex(value).imag / _TINY for value in row] for row in rows]
+    values = [[complex(value) for value in row] for row in rows]
+    return [[value.real for value in row] for row in values], [[value.imag / _TINY for value in row] for row in values]
 
 
 def fixed_coefficients(
     program: PreparedProgram, initial: Sequence[int], degree: int, bits: int, step: Fraction
 ) -> Sequence[list[int]]:
-    """Taylor coefficients in theta = t / step of the orbit, integers times 2^-bits."""
+    """Taylor coefficients in theta = t / step of the orbit, integers times 2^-bits.
+
+    The last ones, which have few bits, are found in float64.
+    """
 
     def power(base: int, exponent: Fraction) -> int:
         with guarded(bits):
@@ -154,12 +186,28 @@ def fixed_coefficients(
     def constant(value: Fraction) -> int:
         return int(value * 2**bits)
 
+    exact = _Numbers(program, degree, step, constant, floordiv, lambda product: product >> bits, power)
+    first = degree * max(0, bits - _LATE_BITS) // bits
     try:
-        return _Numbers(program, degree, step, constant, floordiv, lambda product: product >> bits, power).solve(
-            initial, degree
-        )
+        rows = exact.solve(initial, first)
+        last = (abs(value) for row in rows for value in row[: first + 1][-2:])
+        if bits <= _MOST_BITS and max(last).bit_length() <= _FLOAT_BITS:
+            with suppress(OverflowError, ValueError):
+                return _continued_in_floats(exact, first, degree, 2.0**bits)
+        return exact.continued(first, degree)
     except ZeroDivisionError:
         raise _singular() from None
+
+
+def _continued_in_floats(exact: _Numbers, first: int, degree: int, unit: float) -> list[list[int]]:
+    """As `TaylorRecurrence.continued`, of integers times 1 / unit; what follows is found in float64."""
+    floats = _Numbers(exact.program, degree, exact.step, float, truediv, float, _float_power)
+    floats.coefs = [[value / unit for value in row] for row in exact.coefs]
+    late = floats.continued(first, degree)
+    return [
+        before[: first + 1] + [int(value * unit) for value in after[first + 1 :]]
+        for before, after in zip(exact.coefs, late, strict=False)
+    ]
 
 
 def rescaled(coefficients: Sequence[Sequence[int]], bits: int, share: Fraction) -> list[list[int]]:
@@ -212,22 +260,23 @@ def next_crossing(coefficients: Sequence[int], bits: int, starts_on_section: boo
 _SAMPLES = 64
 
 
+@cache
+def _powers(length: int) -> Floats:
+    """Powers of the places where a time polynomial of so many coefficients is looked at, one row per place."""
+    return np.power.outer(np.arange(_SAMPLES + 1) / _SAMPLES, np.arange(length))
+
+
 def _first_root(coefficients: Sequence[int], bits: int) -> float | None:
-    floats = rough(coefficients, bits)
-
-    def value(theta: float) -> float:
-        result = 0.0
-        for c in reversed(floats):
-            result = result * theta + c
-        return result
-
-    values = [value(index / _SAMPLES) for index in range(_SAMPLES + 1)]
+    floats = np.array(rough(coefficients, bits))
+    values = (_powers(len(floats)) @ floats).tolist()
+    rises = (_powers(len(floats) - 1) @ (floats * np.arange(len(floats)))[1:] > 0).tolist()
     sizes = [inf, *map(abs, values), inf]
     for index, after in enumerate(values):
         if index and (values[index - 1] < 0) != (after < 0):
             root = _polish(coefficients, bits, (index - 0.5) / _SAMPLES)
             return None if root is None else float(root)
-        if sizes[index + 1] <= min(sizes[index], sizes[index + 2]):
+        turns = rises[max(index - 1, 0)] != rises[min(index + 1, _SAMPLES)]
+        if turns and sizes[index + 1] <= min(sizes[index], sizes[index + 2]):
             before = _root_before_extremum(coefficients, bits, index, after < 0)
             if before is not None:
                 return before

@@ -23,16 +23,18 @@ _ZERO = fmpz(0)
 _NONE = fmpz_poly([])
 
 Jacobian = list[dict[int, fmpz_poly]]
+Coefficients = Sequence[list[list[fmpz]]]
+"""For each component, the coefficients of each solution."""
 
 
 class LinearEquation:
-    """v' = step * (J v + forcing), for one Jacobian J.
+    """v' = step * (J v + forcing), for one Jacobian J and several forcings.
 
     Coefficients in theta are found in blocks. Inside a block the convolutions with J are products of a matrix with
-    the column of the block's coefficients so far; what finished blocks contribute to later ones is a polynomial
-    product, of blocks that double as often as the position allows (relaxed multiplication). Components on which no
-    slope depends are integrated at the end. The higher the grade, the sooner coefficients fall below their unit: there
-    the series ends.
+    the block's coefficients so far, those of all solutions; what finished blocks contribute to later ones is a
+    polynomial product, of blocks that double as often as the position allows (relaxed multiplication). Components on
+    which no slope depends are integrated at the end. The higher the grade, the sooner coefficients fall below their
+    unit: there the series end.
 
     Args:
         jacobian: row i maps j to d f_i / d x_j, a polynomial in theta with coefficients times 2^-bits.
@@ -71,14 +73,18 @@ class LinearEquation:
             for skip in reversed(range(block))
         ]
 
-    def solution(self, forcing: Sequence[fmpz_poly], start: Sequence[fmpz_poly]) -> list[fmpz_poly]:
-        """Coefficients in theta of the solution with v(0) = start; `forcing` is in the format of the solution."""
-        degree, block = self._degree, self._block
-        solution = [[p[0]] for p in start]
+    def solutions(
+        self, forcings: Sequence[Sequence[fmpz_poly]], starts: Sequence[Sequence[fmpz_poly]]
+    ) -> list[list[fmpz_poly]]:
+        """For each forcing, coefficients in theta of the solution with v(0) = start, in the format of the forcing."""
+        degree, block, size = self._degree, self._block, len(starts[0])
+        solution = [[[start[i][0]] for start in starts] for i in range(size)]
         factor = fmpz(self._step.numerator << self._bits)
-        forces = [(p * factor // self._step.denominator).coeffs() for p in forcing]
-        forces = [force + [_ZERO] * (degree - len(force)) for force in forces]
-        forced = max((p // fmpz(_NOISE)).length() for p in forcing)
+        exact = [
+            [(forcing[i] * factor // self._step.denominator).coeffs() for forcing in forcings] for i in range(size)
+        ]
+        forces = [[force + [_ZERO] * (degree - len(force)) for force in row] for row in exact]
+        forced = max((p // fmpz(_NOISE)).length() for forcing in forcings for p in forcing)
         for first in range(0, degree, block):
             if first:
                 if first >= max(forced, _QUIET) and self._vanishes(solution, first):
@@ -86,46 +92,61 @@ class LinearEquation:
                     break
                 self._contribute(solution, forces, first)
             self._solve_block(solution, forces, first)
-        for i, row in self._integrated.items():
-            exact = sum((p.mul_low(fmpz_poly(solution[j]), degree) for j, p in row.items()), _NONE)
-            solution[i] += [(force + exact[n] >> self._bits) // (n + 1) for n, force in enumerate(forces[i][:degree])]
-        return [_without_noise(values) for values in solution]
+        self._integrate(solution, forces, degree)
+        return [[_without_noise(row[number]) for row in solution] for number in range(len(starts))]
 
-    def _vanishes(self, solution: Sequence[list[fmpz]], first: int) -> bool:
+    def _vanishes(self, solution: Coefficients, first: int) -> bool:
         """Whether the last coefficients up to number `first` are noise, so that those after them will be."""
         return all(
-            abs(value) <= _NOISE for i in self._constant for value in solution[i][first - _QUIET + 1 : first + 1]
+            abs(value) <= _NOISE
+            for i in self._constant
+            for values in solution[i]
+            for value in values[first - _QUIET + 1 : first + 1]
         )
 
-    def _contribute(self, solution: Sequence[list[fmpz]], forces: Sequence[list[fmpz]], first: int) -> None:
+    def _contribute(self, solution: Coefficients, forces: Coefficients, first: int) -> None:
         """Add to the forces from coefficient `first` on what the last coefficients before it contribute."""
         number = first // self._block
         width = self._block * (number & -number)
         length = width + min(width, self._degree - first)
-        blocks = {j: fmpz_poly(solution[j][first - width : first]) for j in self._columns}
-        for i, row in self._varying.items():
-            exact = sum((p.truncate(length).mul_low(blocks[j], length) for j, p in row.items()), _NONE)
-            force = forces[i]
-            for n in range(width, length):
-                force[first - width + n] += exact[n]
+        short = {i: {j: p.truncate(length) for j, p in row.items()} for i, row in self._varying.items()}
+        for which in range(len(solution[0])):
+            blocks = {j: fmpz_poly(solution[j][which][first - width : first]) for j in self._columns}
+            for i, row in short.items():
+                exact = sum((p.mul_low(blocks[j], length) for j, p in row.items()), _NONE)
+                force = forces[i][which]
+                for n, value in enumerate(exact.right_shift(width).coeffs(), first):
+                    force[n] += value
 
-    def _solve_block(self, solution: Sequence[list[fmpz]], forces: Sequence[list[fmpz]], first: int) -> None:
-        bits, width = self._bits, len(self._columns)
-        latest = fmpz_mat(self._block * width, 1)
-        columns = [solution[j] for j in self._columns]
-        rows = [
-            (solution[i], forces[i], [(entry, solution[j]) for j, entry in constant])
-            for i, constant in self._constant.items()
+    def _solve_block(self, solution: Coefficients, forces: Coefficients, first: int) -> None:
+        bits, width, number = self._bits, len(self._columns), len(solution[0])
+        latest = fmpz_mat(self._block * width, number)
+        columns = [
+            (place, which, solution[j][which]) for place, j in enumerate(self._columns) for which in range(number)
         ]
-        rest = [_ZERO] * (len(rows) - len(self._varying))
+        rows = [
+            (solution[i][which], forces[i][which], [(entry, solution[j][which]) for j, entry in constant])
+            for i, constant in self._constant.items()
+            for which in range(number)
+        ]
+        rest = [_ZERO] * (len(rows) - len(self._varying) * number)
         for n, matrix in zip(range(first, self._degree), self._matrices, strict=False):
-            for place, values in enumerate(columns, (n - first) * width):
-                latest[place, 0] = values[n]
+            place = (n - first) * width
+            for column, which, values in columns:
+                latest[place + column, which] = values[n]
             for (values, force, constant), slope in zip(rows, (matrix * latest).entries() + rest, strict=True):
                 slope += force[n]
                 for entry, other in constant:
                     slope += entry * other[n]
                 values.append((slope >> bits) // (n + 1))
+
+    def _integrate(self, solution: Coefficients, forces: Coefficients, degree: int) -> None:
+        """The components on which no slope depends, up to the degree."""
+        for i, row in self._integrated.items():
+            for which, values in enumerate(solution[i]):
+                exact = sum((p.mul_low(fmpz_poly(solution[j][which]), degree) for j, p in row.items()), _NONE)
+                force = forces[i][which]
+                values += [(force[n] + exact[n] >> self._bits) // (n + 1) for n in range(degree)]
 
 
 def _without_noise(values: list[fmpz]) -> fmpz_poly:

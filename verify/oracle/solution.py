@@ -10,8 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
-from itertools import starmap
-from operator import mul
 
 from flint import fmpz, fmpz_poly
 
@@ -20,7 +18,6 @@ from orbitproof.verify.evidence import GUARD_BITS
 from orbitproof.verify.flow import FieldAlong, dyadic_below, rough
 from orbitproof.verify.oracle.centre import (
     fixed_coefficients,
-    float_coefficients,
     next_crossing,
     rescaled,
     step_size,
@@ -44,11 +41,10 @@ class CentreExpansion:
         self._start = [int(x.coefs[0][0]) for x in (*state, *parameters)]
         bits = arithmetic.bits
         start = rough(self._start, bits)
-        series = float_coefficients(program, start, _ROUGH_DEGREE)
-        self.step_size = step_size(series, float(-bits), arithmetic.degree)
+        orbit, variation = variation_coefficients(program, start, _ROUGH_DEGREE)
+        self.step_size = step_size(orbit, float(-bits), arithmetic.degree)
         if max(arithmetic.grading.grades) > 0:
             # Nearby orbits may move faster than the centre's, as across a linear mode.
-            variation = variation_coefficients(program, start, _ROUGH_DEGREE)
             tolerance = float(_spare_bits(arithmetic, 1) - bits)
             self.step_size = min(self.step_size, step_size(variation, tolerance, arithmetic.degree))
         self._coefficients = cache(self._centre)
@@ -79,21 +75,22 @@ class CentreExpansion:
         arithmetic, size = self.arithmetic, len(self.state)
         along.give([fmpz_poly(list(row)) for row in self._coefficients(step)])
         jacobian = centre_jacobian(along)
-        equations: dict[int, LinearEquation] = {}
-        for position, grade in list(enumerate(arithmetic.grading.grades))[1:]:
-            start = [x.coefs[position] for x in self.state]
-            factors = arithmetic.grading.factors[position]
-            forced = any(p.coefs[position].length() for p in self.parameters) or any(i and j for i, j in factors)
-            if not forced and not any(p.length() for p in start):
-                along.give([_ZERO] * size)
-                continue
-            if grade not in equations:
+        grades, rest = arithmetic.grading.grades, [_ZERO] * size
+        for grade in range(1, arithmetic.grading.top + 1):
+            positions = [position for position, own in enumerate(grades) if own == grade]
+            forcings = {position: along.trial(position, rest) for position in positions}
+            starts = {position: [x.coefs[position] for x in self.state] for position in positions}
+            moving = [n for n in positions if any(p.length() for p in (*forcings[n], *starts[n]))]
+            found: dict[int, list[fmpz_poly]] = {}
+            if moving:
                 spare = _spare_bits(arithmetic, grade)
                 unit = fmpz(1 << spare)
                 rounded = [{j: slope // unit for j, slope in row.items()} for row in jacobian]
-                equations[grade] = LinearEquation(rounded, arithmetic.bits - spare, arithmetic.degree, step)
-            forcing = along.forcing() if forced else [_ZERO] * size
-            along.give(equations[grade].solution(forcing, start))
+                equation = LinearEquation(rounded, arithmetic.bits - spare, arithmetic.degree, step)
+                solutions = equation.solutions([forcings[n] for n in moving], [starts[n] for n in moving])
+                found = dict(zip(moving, solutions, strict=True))
+            for position in positions:
+                along.give(found.get(position, rest))
 
 
 def centre_jacobian(along: FieldAlong) -> Jacobian:
@@ -108,7 +105,7 @@ def centre_jacobian(along: FieldAlong) -> Jacobian:
         return slope * fmpz(factor.numerator) // fmpz(factor.denominator)
 
     def dot(pairs: Sequence[tuple[fmpz_poly, fmpz_poly]]) -> fmpz_poly:
-        return sum(starmap(mul, pairs), _ZERO).truncate(arithmetic.degree + 1) // arithmetic.one
+        return sum((x.mul_low(y, arithmetic.degree + 1) for x, y in pairs), _ZERO) // arithmetic.one
 
     def slope_of_power(index: int) -> fmpz_poly:
         return scaled(dot([(centre[index], reciprocals[index])]), program.nodes[index].value)
