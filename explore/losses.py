@@ -36,7 +36,7 @@ def read_losses(path: Path, digits: int, kind: str = REVERSOR_BREAKING) -> list[
 
 
 def tasks_of(atlas: Atlas, listed: Mapping[str, Any], digits: int, kind: str = REVERSOR_BREAKING) -> list[Task]:
-    """The same from the curve and its list."""
+    """Tasks from a curve and its list."""
     pieces = {piece.id: piece for piece in atlas.curve_pieces()}
     called, word = LISTED[kind]
     found = [entry for entry in listed["points"] if entry["kind"] == called]

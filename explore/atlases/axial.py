@@ -33,8 +33,8 @@ OUTER = {"L1": -1, "L2": 1, "L3": -1}
 BEFORE = 0.01
 """How far the pieces go beyond eps2 = 0 on the other side, relative to the end."""
 WIDEST = {"L1": 0.28, "L2": 0.28, "L3": 0.16}
-"""Of all of the family on one piece: where multipliers are in the hundreds, lists want narrow pieces, and around L3,
-where derivatives across the family are nearly singular, what is left out along it has to be small."""
+"""Part of the family that one piece may hold: where multipliers are in the hundreds, lists want narrow pieces, and
+around L3, where derivatives across the family are nearly singular, what is left out along it has to be small."""
 AMPLITUDE, LEAVES = 0.3, 0.85
 """Half-width of the piece of the birth, relative to the speed of the vertical orbit; up to which part it is used."""
 WIDER, DIRECTION = {"L1": 5, "L2": 5, "L3": 40}, 10
@@ -76,7 +76,7 @@ class AxialFamily:
 
     @cached_property
     def returns(self) -> HalfReturns:
-        """Of the equations."""
+        """Half returns of the equations."""
         return HalfReturns(LIFTED, {"mu": self.mu})
 
     def orbit(self, place: float) -> AxialOrbit:

@@ -178,7 +178,7 @@ class HalfReturns:
             w[:] = level.sign * np.sqrt((_long(level.value) - values[0]) / (values[1] - values[0]))
 
     def _solve_level(self, w: ComplexArray, states: ComplexArray, inputs: ComplexArray) -> None:
-        """The same for any H, from the point of the level over the mean of the points; NaN where there is none."""
+        """The level coordinate w for any H, from the point of the level over the mean; NaN where there is none."""
         system = self.system
         means = [np.mean(rows.real, axis=1).astype(float).tolist() for rows in (states, inputs)]
         w[:] = completed(system, *means)[system.state.index(str(system.level_coordinate))]

@@ -26,7 +26,7 @@ START, NEAREST = Fraction(1, 100), 0.15
 units of h."""
 NEWTON_STEPS, TOLERANCE = 15, 1e-8
 STEP = 0.01
-"""Of the continuation in h."""
+"""Step of the continuation in h."""
 BEYOND = 2e-5
 """So far the pieces go beyond the range of h."""
 FREE = [HILL_VARIED.state.index(name) for name in HILL_VARIED.centre_coordinates[1:]]
@@ -65,7 +65,7 @@ class DoublingFamily:
 
     @classmethod
     def of(cls, point: str) -> DoublingFamily:
-        """That of a libration point. Raises `LibrationFailure` and what tracing raises."""
+        """The family of a libration point. Raises `LibrationFailure` and what tracing raises."""
         h = float(START) ** (1 / 3)
         # Those with z > 0 at the first point, the one at which the curve starts.
         branch = NORTH if point == "L1" else SOUTH
@@ -103,7 +103,7 @@ class DoublingFamily:
 
     @cached_property
     def returns(self) -> HalfReturns:
-        """Of the equations."""
+        """Half returns of the equations."""
         return HalfReturns(HILL_VARIED, {})
 
     def start(self, place: float) -> tuple[float, ...]:

@@ -21,7 +21,7 @@ from orbitproof.shared.formats import Piece
 NOISE = 1e-14
 """Size, relative to the other coordinates, below which Chebyshev coefficients are rounding."""
 DEGREE = 14
-"""Of the polynomials: on a piece a family is much smoother than the half return; more coefficients are rounding."""
+"""Degree of the polynomials: a family is much smoother than the half return; more coefficients are rounding."""
 LEAST_DECAY = 3.6
 """The Taylor coefficients of the half return in s decay by this factor on a piece: so that degree 40 is enough."""
 SHRINK, NARROWEST, OVERLAP = 0.8, 1e-3, 0.03
@@ -32,7 +32,7 @@ class Graph(OrbitsOfSizes, Protocol):
 
     @property
     def returns(self) -> HalfReturns:
-        """Of its equations."""
+        """Half returns of its equations."""
 
     def start(self, place: float) -> Sequence[float]:
         """The other coordinates of the orbit over a value, and its half period. Raises `LibrationFailure`."""

@@ -25,7 +25,7 @@ ComplexArray = NDArray[np.complex128]
 
 NEWTON_STEPS, VY_TOLERANCE = 12, 1e-11
 STEP = 0.02
-"""Of the continuation in eps, in units of the distance of the libration point from the nearest primary."""
+"""Step of the continuation in eps, in units of the distance of the libration point from the nearest primary."""
 FARTHEST, HALVINGS = 0.05, 6
 """A step after which vy or the period is another by more than this part of it is halved, so many times at most."""
 NODES = 48
@@ -43,7 +43,7 @@ BEYOND = {"halo": 0.06, "axial": 0.02}
 BEFORE = 0.12
 """How far they go beyond eps = 0, relative to the end on the other side."""
 BIRTHS = {"halo": (5, 2), "axial": (2, 5)}
-"""Of which variation out of the plane over the half return the births are zeros: dvz/dz, dz/dvz."""
+"""Row and column of the variation over the half return that vanishes at the births: dvz/dz, dz/dvz."""
 OVERLAP = 0.04
 """The part of a piece's half-width by which its neighbours reach into it."""
 

@@ -132,7 +132,7 @@ def _begins_beyond(family: Family, limits: Limits) -> bool:
 
 
 def _limits_from_above(source: Source, limits: Limits) -> Limits:
-    """Of a family along which the coordinate falls."""
+    """Limits of a family along which the coordinate falls."""
     assert source.covers is not None
     lowest = source.covers.start - 4 * BEYOND * abs(source.covers.start)
     return replace(limits, coordinate_max={}, bounds={source.covers.coordinate: (float(lowest), inf)})

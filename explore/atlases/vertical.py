@@ -23,7 +23,7 @@ from orbitproof.shared.systems import CR3BP, VERTICAL, ReversibleSystem
 
 NEWTON_STEPS, TOLERANCE = 15, 1e-10
 STEP = 0.05
-"""Of the continuation in eps2, in units of the force scale c d^2, d the distance of the nearest primary."""
+"""Step of the continuation in eps2, in units of the force scale c d^2, d the distance of the nearest primary."""
 FARTHEST, HALVINGS = 0.05, 6
 """A step after which x or vy is another by more than this part of their size is halved, so many times at most."""
 BEYOND, BEFORE = 0.06, 0.02
@@ -33,7 +33,7 @@ VY = 2
 Y, VX, V = 1, 2, 5
 """Indices of what vanishes after a quarter of the period."""
 VELOCITY_STEP, LARGEST_VELOCITY = 0.02, 4.0
-"""Of the continuation of a family that turns around, in units of the speed of the primaries; so far it goes."""
+"""Step and end of the continuation of a family that turns around, in units of the speed of the primaries."""
 
 
 @dataclass(frozen=True)
@@ -82,12 +82,12 @@ class VerticalFamily:
 
     @cached_property
     def step(self) -> float:
-        """Of the continuation."""
+        """Step of the continuation."""
         return STEP * self.libration.stiffness * self.libration.distance**2
 
     @cached_property
     def first(self) -> VerticalOrbit:
-        """That of eps2 = 0, as in Lemma 16.4 (iv): z = sin(n t)/n with n^2 = c, and what z^2 drives in the plane."""
+        """Orbit of eps2 = 0, as in Lemma 16.4 (iv): z = sin(n t)/n with n^2 = c, and what z^2 drives in the plane."""
         c, mu = self.libration.stiffness, float(self.mu)
         distances = [self.libration.x - float(place[0]) for place in primaries(mu)]
         force = 1.5 * sum(m / abs(d) ** 3 / d for m, d in zip((1 - mu, mu), distances, strict=True)) / (2 * c)
@@ -142,7 +142,7 @@ class VerticalFamily:
         raise LibrationFailure(f"at eps2 = {eps2:.6g}: Newton's method does not converge")
 
     def state(self, orbit: VerticalOrbit) -> list[float]:
-        """Of an orbit of eps2 > 0 on the axis, in the CR3BP."""
+        """State of the CR3BP on the axis, of an orbit of eps2 > 0."""
         eps2 = orbit.eps2
         return [self.libration.x + eps2 * orbit.x, 0.0, 0.0, 0.0, eps2 * orbit.vy, float(np.sqrt(eps2))]
 
@@ -182,7 +182,7 @@ def birth_along(
 
 @dataclass(frozen=True)
 class TurningVerticalFamily:
-    """The same as a curve over vy, which increases where eps2 turns around.
+    """A vertical family as a curve over vy, which increases where eps2 turns around.
 
     Attributes:
         family: as a curve over eps2, from which it starts at eps2 = 0.

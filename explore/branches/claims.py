@@ -10,7 +10,7 @@ from orbitproof.explore.branches.file import BranchOrbit, BranchRecord
 from orbitproof.explore.periodic import AffineSection, PeriodicTask
 
 _LEVEL_DIGITS = 12
-"""Of the level, which is a number of the claim."""
+"""Digits of the level, which is a number of the claim."""
 
 
 def numbered(record: BranchRecord, number: int) -> BranchOrbit:

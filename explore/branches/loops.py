@@ -39,7 +39,7 @@ class LoopTracer(BranchTracer):
         return self.tangent[: self.problem.point_size]
 
     def level_difference(self, point: Vector) -> tuple[float, float]:
-        """As `BranchPoint.level_difference`, of a point of the section."""
+        """Level at a point of the section minus that of the bifurcation, and its rounding."""
         return self.start.level_difference_in_section(point)
 
     def separations(self, orbit: SegmentedOrbit) -> Matrix:

@@ -101,7 +101,7 @@ class BranchPoint:
         return self._difference(point, level_at)
 
     def level_difference_in_section(self, point: Vector) -> tuple[float, float]:
-        """The same at a point of the section: the family parameter, if there is one, and the section's coordinates."""
+        """`level_difference` at a point of the section: the family parameter, if there is one, and its coordinates."""
         return self._difference(point, level_in_section)
 
     def _difference(self, point: Vector, level: Callable[..., Any]) -> tuple[float, float]:
@@ -190,7 +190,7 @@ def level_at(
 def level_in_section(
     system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[Any], context: mpmath.MPContext
 ) -> Any:
-    """The same at a point of the section."""
+    """The bifurcation parameter at a point of the section, to the precision of `context`."""
     if system.family_parameter is not None:
         return point[0]
     places = (i for i in range(len(system.given_state)) if i != system.section_index)

@@ -63,7 +63,7 @@ class BranchTracer:
         return self.start.amplitude_form
 
     def level_difference(self, point: Vector) -> tuple[float, float]:
-        """As `BranchPoint.level_difference`."""
+        """Level at a point minus that of the bifurcation, and its rounding."""
         return self.start.level_difference(point)
 
     def at_amplitude(self, amplitude: float, known: Sequence[tuple[float, SegmentedOrbit]] = ()) -> SegmentedOrbit:
@@ -223,7 +223,7 @@ def _birth_from(tracer: BranchTracer, orbits: dict[float, SegmentedOrbit], ampli
         noises[part] = rounding + abs(beside - found[part])
 
     def coefficient(part: float, power: int) -> float:
-        """Of the part of the level that is odd (power 1) or even (power 2) in the amplitude."""
+        """Coefficient of the part of the level that is odd (power 1) or even (power 2) in the amplitude."""
         sign = -1 if power == 1 else 1
         return (found[part] + sign * found[-part]) / (2 * (part * amplitude) ** power)
 

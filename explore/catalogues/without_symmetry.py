@@ -17,7 +17,7 @@ from orbitproof.shared.systems import CR3BP
 _LEVELS = (-20.0, 20.0)
 
 _KINDS = {"short": "short", "long": "longp"}
-"""As the JPL catalogue calls them."""
+"""Our names of the kinds, and those of the JPL catalogue."""
 
 
 def triangular_catalogue(

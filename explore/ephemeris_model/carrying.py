@@ -28,10 +28,10 @@ _COARSE = 3e-4
 """Error of the interpolation, relative to the distance of the primaries, between the times at which legs begin."""
 
 _SMALLEST = 1 / 64
-"""Of Newton's step, before it is given up."""
+"""Smallest part of Newton's step that is tried."""
 
 _ANGLES = 4000
-"""Of the primaries, that are looked at for each turn."""
+"""Angles of the primaries that are looked at for each turn."""
 
 SMALLER = 1
 """Index of the body at the origin: the smaller primary."""

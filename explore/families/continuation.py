@@ -87,7 +87,7 @@ class Family:
         )
 
     def turned(self) -> Family:
-        """The same orbits in the opposite order."""
+        """This family with its orbits in the opposite order."""
         length = self.orbits[-1].arclength
         end = self.beginning or Ending("limit", "started")
         return replace(
@@ -274,7 +274,7 @@ def crossings(problem: ShootingProblem, states: Matrix) -> int:
 
 
 def tangency(problem: ShootingProblem, before: SymmetricOrbit, after: SymmetricOrbit) -> str:
-    """That between two orbits one is tangent to the section, in words, with the place."""
+    """The sentence that between two orbits one is tangent to the section, in words, with the place."""
     counts = f"{before.crossings} to {after.crossings} crossings in the half orbit"
     return f"the orbit becomes tangent to the section: {counts} ({describe(problem, after)})"
 

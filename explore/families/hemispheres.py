@@ -13,7 +13,7 @@ from orbitproof.explore.orbits import SymmetricOrbit, branch_at
 from orbitproof.shared.systems import CR3BP
 
 _STEP = 1e-3
-"""Of a family that is born in the plane, in units of its scale: so far from there its side shows."""
+"""First step of a family that is born in the plane, in units of its scale: so far from there its side shows."""
 
 _PLANE = "S"
 

@@ -62,7 +62,7 @@ BETA = (100.0, 1000.0)
 PLANAR_ORBITS = 2000
 
 RETROGRADE_RADIUS, NEAREST_RADIUS = 0.1, 0.01
-"""Of the first distant retrograde orbit, and of that in the planar problem, in units of (mu/3)^(1/3)."""
+"""Radius of the first distant retrograde orbit, and of that in the planar problem, in units of (mu/3)^(1/3)."""
 
 
 class FamilyFailure(Exception):

@@ -23,7 +23,7 @@ from orbitproof.shared.systems import HILL
 PROGRADE = ("dpo", "lpo-east", "lpo-west")
 
 _RADIUS = 0.1
-"""Of the first circle, in units of mu^(1/3)."""
+"""Radius of the first circle, in units of mu^(1/3)."""
 
 _UNSTABLE = 3.0
 """The doubly symmetric orbit that is carried over to a mass has a stability parameter beyond it."""

@@ -22,8 +22,8 @@ MAX_STEPS = 5000
 """Attempted steps. Some 4200 lead through the orbits closest to a primary that shooting in float64 reaches."""
 
 VARIATION_WEIGHT = 1e-3
-"""Of the errors of derivatives of an orbit, each relative to the size of its row, beside those of the orbit itself: the
-same steps for most orbits, but shorter ones where nearby orbits move faster than the orbit, as across a linear mode."""
+"""Weight of the errors of derivatives of an orbit, each relative to the size of its row, beside those of the orbit: it
+makes steps shorter only where nearby orbits move faster than the orbit, as across a linear mode."""
 
 SAFETY, SHRINK, GROW = 0.9, 0.2, 10.0
 
@@ -87,7 +87,7 @@ def weighted(error: jax.Array) -> jax.Array:
 def attempt_in_loop(
     slopes: Slopes, start: jax.Array, slope: jax.Array, length: jax.Array, relative: float, absolute: float
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
-    """As `attempt`, for complex states of shape (m, N): where the step leads, the slope there and its scaled error.
+    """A step of complex states of shape (m, N), like `attempt`: where it leads, the slope there, its scaled error.
 
     The vector field stands once in the compiled code, which takes an eighth of the time to compile. The stages are
     rows of real numbers: their combinations are then products with a real matrix, as fast as those written out.

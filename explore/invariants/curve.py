@@ -103,7 +103,7 @@ class InvariantCurve:
         )
 
     def with_modes(self, modes: int) -> InvariantCurve:
-        """The same curve with more modes, the new coefficients zero."""
+        """This curve with more modes, the new coefficients zero."""
         more = modes - self.modes
         angles = np.arange(2 * modes + 1) * 2 * np.pi / (2 * modes + 1)
         times = np.interp(angles, np.append(self.angles, 2 * np.pi), np.append(self.times, self.times[0]))

@@ -18,7 +18,7 @@ from orbitproof.shared.formats import InputError, read_document, validate_docume
 from orbitproof.shared.numbers import format_exact, parse_exact
 
 PLACES = 201
-"""Of the periodic orbit in a file of its manifold."""
+"""Places of the periodic orbit that a file of its manifold holds."""
 
 STATUS = "numerics in double precision, nothing is proved"
 

@@ -47,7 +47,7 @@ from orbitproof.explore.flow import FlowFailure, Matrix, Vector, compiled, confi
 UNKNOWNS = 4
 FAMILIES = ("halo", "axial")
 HALO, AXIAL = FAMILIES
-"""Of the orbits that are born on the planar families."""
+"""Families of the orbits that are born on the planar ones."""
 LOG_MU = 3
 """Number of the unknown log mu; the others are position, velocity and time, each as the chart scales it."""
 
@@ -203,7 +203,7 @@ class _NearSmaller:
 
 
 class _AxialNearSmaller(_NearSmaller):
-    """The same where axial orbits are born: zeta(0) = 0, zeta'(0) = 1, and zeta(T) = 0."""
+    """Near the smaller primary, where axial orbits are born: zeta(0) = 0, zeta'(0) = 1, and zeta(T) = 0."""
 
     @staticmethod
     def start(a: Any, v: Any) -> list[Any]:

@@ -16,10 +16,10 @@ NORTH: Branch = "north"
 SOUTH: Branch = "south"
 BRANCHES: tuple[Branch, ...] = (NORTH, SOUTH)
 DEFAULT_BRANCH: Branch = SOUTH
-"""Of every family that has both, as the orbits of the Gateway are."""
+"""The branch of every family that has both, as the orbits of the Gateway are."""
 
 RESONANCES = ("1:1", "1:2", "1:3", "1:4", "2:1", "2:3", "3:1", "3:2", "3:4", "4:1", "4:3")
-"""Of the resonant families that are listed; p:q goes round p times while the primaries do so q times."""
+"""Resonant families that are listed: an orbit of p:q goes round p times while the primaries do so q times."""
 
 FAMILY_NAMES: Mapping[str, tuple[str, ...]] = {
     "cr3bp": (

@@ -79,7 +79,7 @@ class Solution:
 
 
 def bits_of(digits: int) -> int:
-    """Of unknowns from which so many decimal digits are read, with some to spare."""
+    """Bits of unknowns from which so many decimal digits are read, with some to spare."""
     return ceil((digits + _MARGIN_DIGITS) * log2(10))
 
 

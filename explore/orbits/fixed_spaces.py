@@ -11,7 +11,7 @@ from orbitproof.explore.orbits.agreement import NOISE, sizes_at
 from orbitproof.shared.systems import ReversibleSystem
 
 _FALLEN = 1e-3
-"""Of an orbit in a fixed space the coordinates that the symmetry negates are smaller than so much of the start's."""
+"""On an orbit in a fixed space the coordinates that the symmetry negates are smaller than so much of the start's."""
 
 
 def fallen(

@@ -42,7 +42,7 @@ class LoopShooting(MultipleShooting):
 
     @cached_property
     def point_size(self) -> int:
-        """Of the parameter and the coordinates of a start."""
+        """How many numbers a start has, with the parameter."""
         return self.lead + len(self.section_coordinates)
 
     def initial_state(self, point: Vector) -> Vector:

@@ -36,7 +36,7 @@ SMALLEST_VALUE = 1e-15
 """Singular values of DP below this fraction of the largest are rounding errors."""
 
 ACCURACY = 1e-12
-"""Of the entries of DP, relative to the largest, as it comes from an integration."""
+"""Error of the entries of DP, relative to the largest, as it comes from an integration."""
 
 LARGEST_CONDITION = 1e11
 """Condition number of DP beyond which stability parameters have no certain digit, given the integration's accuracy."""

@@ -126,7 +126,7 @@ def _covered(
     progress: Callable[[str], None] | None,
     least: float,
 ) -> CoveredCurve:
-    """As `cover_curve`, with coordinates measured by at least this part of the size of the orbit."""
+    """The pieces of `cover_curve`, with coordinates measured by at least `least` of the size of the orbit."""
     problem, section = found.problem, found.section
     system = problem.system
     place = None if name is None else list(system.parameters).index(name)
@@ -319,7 +319,7 @@ def _frame(tangent: Vector) -> Matrix:
 
 
 def _turned(chart: _Chart) -> _Chart:
-    """The same piece run through backwards."""
+    """A piece run through backwards."""
     signs = np.where(np.arange(chart.series.shape[1]) % 2, -1.0, 1.0)
     frame = chart.frame.copy()
     frame[:, 0] = -frame[:, 0]

@@ -26,7 +26,7 @@ from orbitproof.explore.periodic.symmetries import Symmetry, linear_symmetries
 _FARTHEST = 0.5
 """A point moves at most so far in a step, relative to the size of its orbit."""
 _SHRUNK = 1e-2
-"""Of its size at the beginning, that of an orbit close to an equilibrium."""
+"""An orbit of this part of the first one's size is close to an equilibrium."""
 PATIENCE = 1e-4
 """Steps are not made shorter than this for the sake of multipliers."""
 

@@ -33,7 +33,7 @@ _TOLERANCE = 1e-9
 _STALLED, _STALLED_TOLERANCE = 4, 1e-7
 """Steps below this that have not become shorter for so many in a row are rounding, as for orbits near a double one."""
 _LONGEST = 0.2
-"""Of a step, relative to the size of the orbit."""
+"""Longest step, relative to the size of the orbit."""
 _REPEATS = 1e-6
 """How far an orbit may be from closing, relative to its size."""
 _PASSES, _RETURNS = 0.05, 0.01

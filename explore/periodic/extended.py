@@ -52,7 +52,7 @@ class ExtendedSystem:
 
     @property
     def vectors(self) -> int:
-        """Of the eigenvector: 1, or 2 for its real and imaginary part."""
+        """How many vectors the eigenvector has: 1, or 2 for its real and imaginary part."""
         return len(self.weights)
 
     def vector(self, unknowns: Sequence[Any], j: int) -> Sequence[Any]:

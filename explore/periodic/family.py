@@ -53,7 +53,7 @@ class Family:
 
     @property
     def place(self) -> int | None:
-        """Of the parameter among all."""
+        """Number of the parameter among all; `None` if the level varies."""
         return None if self.name is None else list(self.problem.system.parameters).index(self.name)
 
     @cached_property

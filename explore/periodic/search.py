@@ -84,7 +84,7 @@ class FoundOrbit:
         )  # fmt: skip
 
     def _digits_of_box(self) -> int:
-        """Of the centre, so that the derivatives are known over its box: bounds of errors grow along the orbit."""
+        """Digits of the centre with which derivatives are known over its box: bounds of errors grow along the orbit."""
         orbit = self.orbit
         rate = growth_of_bounds(self.problem.system, orbit.loop[::_EVERY], orbit.values)
         return digits_of_centre(rate * orbit.period / log(10)) if isfinite(rate) else 0

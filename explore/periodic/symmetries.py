@@ -39,7 +39,7 @@ class Symmetry:
 
     @property
     def matrix(self) -> Matrix:
-        """The same in float64."""
+        """The rows in float64."""
         return np.array([[float(value) for value in row] for row in self.rows])
 
     def applied(self, vector: Sequence[Any]) -> list[Any]:
@@ -65,7 +65,7 @@ class Symmetry:
                     yield scaled
 
     def described(self, names: Sequence[str]) -> str:
-        """As an image of the state: (x, y, z) -> (-x, -y, z)."""
+        """The image of the state in words: (x, y, z) -> (-x, -y, z)."""
         return f"({', '.join(names)}) -> ({', '.join(_combination(row, names) for row in self.rows)})"
 
 

@@ -25,7 +25,7 @@ SIDES = ("before", "at", "after")
 _STEPS = (Fraction(1, 2**16), Fraction(1, 2**22))
 """Distances of the orbits through which a parabola is laid, of the coordinate that singles them out."""
 _APART = Fraction(1, 2**30)
-"""That of the orbits which are left: the value at the extremum differs from that of the middle one by its square."""
+"""Distance of the orbits that are left: the value at the extremum differs from that of the middle one by its square."""
 _FARTHEST = 1000 * _STEPS[0]
 
 

@@ -15,7 +15,7 @@ from orbitproof.shared.systems import ReversibleSystem, with_functions
 Array = NDArray[np.float64]
 
 AMPLITUDE = 1e-3
-"""Of the first orbit of a family that is born at an equilibrium."""
+"""Amplitude of the first orbit of a family that is born at an equilibrium."""
 
 _FUNCTIONS = {"sin": cmath.sin, "cos": cmath.cos, "exp": cmath.exp, "log": cmath.log}
 _STEPS = 50

@@ -14,7 +14,7 @@ from orbitproof.explore.trajectories.units import Units
 from orbitproof.shared.systems import THREE_BODY
 
 ERRORS = {"km": 1e-3, "nondimensional": 1e-9}
-"""Of the interpolation, if nothing else is said."""
+"""Errors of the interpolation, if nothing else is said."""
 
 FINEST = 1e-12
 """Nondimensional: what the solution is known to."""

@@ -18,7 +18,7 @@ FRAME = "ECLIPJ2000"
 
 _LONGEST_COMMENT = 250
 _BARYCENTRES = {"earth": 3, "mars": 4, "jupiter": 5, "saturn": 6, "uranus": 7, "neptune": 8, "pluto": 9}
-"""Of planets with moons, in SPICE's numbers, by the name of the planet."""
+"""SPICE's numbers of the barycentres of planets with moons, by the name of the planet."""
 
 
 def centre_number(origin: str, bodies: tuple[str, str] | None, given: int | None) -> int:

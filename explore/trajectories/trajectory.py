@@ -80,7 +80,7 @@ class Trajectory:
 
     @cached_property
     def orbit(self) -> SymmetricOrbit:
-        """The same with the derivative of its half return. Raises `NoOrbit` for what is not symmetric."""
+        """The orbit with the derivative of its half return. Raises `NoOrbit` for what is not symmetric."""
         source = self.source
         if source.unknowns is None or not isinstance(source.system, ReversibleSystem):
             raise NoOrbit(f"{source.title}: R does not map this orbit to itself")

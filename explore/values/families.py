@@ -72,7 +72,7 @@ class OrbitFamily(Sequence[Orbit]):
         return (self[index] for index in range(len(self)))
 
     def with_units(self, units: Units | str) -> OrbitFamily:
-        """The same family with units of length and time: `explore.Units(km, s, source)`, or the name of a system."""
+        """This family with units of length and time: `explore.Units(km, s, source)`, or the name of a system."""
         return replace(self, units=units_named(units, self[0].parameters.get("mu")))
 
     def by_period(self, period: float | Fraction | str) -> list[Orbit]:

@@ -88,7 +88,7 @@ class Orbit:
 
     @property
     def stability_index(self) -> float:
-        """Of the largest multiplier: the mean of its absolute value and the inverse of that."""
+        """The mean of the absolute value of the largest multiplier and of the inverse of that."""
         return stability_index(self.stability)
 
     @property
@@ -97,7 +97,7 @@ class Orbit:
         return self.period * self._needed_units().time / DAY
 
     def with_units(self, units: Units | str) -> Orbit:
-        """The same orbit with units of length and time: `explore.Units(km, s, source)`, or the name of a system."""
+        """This orbit with units of length and time: `explore.Units(km, s, source)`, or the name of a system."""
         return replace(self, units=units_named(units, self.parameters.get("mu")))
 
     def state_transition(self, time: float | None = None) -> NDArray[np.float64]:

@@ -87,7 +87,7 @@ class CertifiedStability:
 
     @classmethod
     def of(cls, certificate: AtlasCertificate) -> CertifiedStability | None:
-        """That of a certificate; `None` if it has no complete list."""
+        """The stability along the curve of a certificate; `None` if it has no complete list."""
         listed = (certificate.document["conclusion"] or {}).get("complete")
         if not listed or not certificate.is_proved:
             return None

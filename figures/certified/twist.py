@@ -66,7 +66,7 @@ def _scale(stretch: Stretch, atlas: Atlas, middle: float) -> Array:
 
 
 def _gradient(atlas: Atlas, point: Array) -> list[float]:
-    """Of the first integral by the two coordinates on Fix(R)."""
+    """Derivatives of the first integral by the two coordinates on Fix(R)."""
     system, parameters = atlas.system, [float(atlas.parameters[name]) for name in atlas.system.parameters]
     assert system.first_integral is not None
     values = []

@@ -87,7 +87,7 @@ class SampledFamily:
         return np.where(beside, middle, np.nan)
 
     def refined(self, parts: int = 12) -> SampledFamily:
-        """The same family with each interval of arclength cut into `parts`, by cubic interpolation.
+        """This family with each interval of arclength cut into `parts`, by cubic interpolation.
 
         Finer where two stability parameters meet and become complex: there they change like a square root.
         """
@@ -142,7 +142,7 @@ class SampledFamily:
 
 
 def _discriminants(coefficients: Array) -> Array:
-    """Of N polynomials, shape (N, n + 1): positive where all roots of a quadratic are real; ones for linear ones."""
+    """Discriminants of N polynomials, shape (N, n + 1): positive for quadratics with real roots; 1 for linear ones."""
     roots = np.array([np.roots(row) for row in coefficients])
     result = np.ones(len(roots), dtype=complex)
     for i in range(roots.shape[1]):

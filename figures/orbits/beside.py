@@ -17,16 +17,16 @@ from orbitproof.figures.orbits.returning import ReturningOrbit, returning_orbit
 from orbitproof.shared.formats import PERIODIC_DOUBLING, PERIODIC_FOLD, PERIODIC_PITCHFORK, PeriodicBifurcation
 
 _FIRST = 0.01
-"""Of the size of the orbit: the first distance on the section."""
+"""The first distance on the section, relative to the size of the orbit."""
 _APART = 0.1
-"""Of the size of the orbit: how far from it the new orbits are in a picture, where they are farthest."""
+"""How far from the orbit the new ones are in a picture, where they are farthest, relative to its size."""
 _GROWTH = 2.0
 _SHRINKINGS = 4
 _MOST_STEPS = 20
 _DIFFERENCE = 1e-6
 _CONVERGED = 1e-9
 _NEW = 0.3
-"""Of the distance on the section: how far a new orbit has to be from what would make it an old one."""
+"""How far a new orbit has to be from what would make it an old one, relative to the distance on the section."""
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ _STEPS = 5_000
 _SUBSTEPS = 4
 _MOST_CORRECTIONS = 8
 _FARTHEST = 0.2
-"""Of the time: how far from the section points may be at its end."""
+"""How far from the section points may be at the end, relative to the time."""
 
 
 @dataclass(frozen=True)

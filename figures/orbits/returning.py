@@ -19,7 +19,7 @@ _STEPS = 50_000
 _ROWS = 24
 """States that are kept of a step."""
 _CLOSED = 1e-3
-"""Of the size of an orbit: how far its ends may be apart in a picture."""
+"""How far the ends of an orbit may be apart in a picture, relative to its size."""
 
 
 @dataclass(frozen=True)

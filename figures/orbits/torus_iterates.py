@@ -18,13 +18,13 @@ from orbitproof.figures.orbits.returning import ReturningOrbit
 from orbitproof.shared.formats import PeriodicBifurcation
 
 _RADII = (0.12, 0.06, 0.03)
-"""Of the ellipse at its widest, of the size of the orbit; those that lead to nothing are left out."""
+"""Radii of the ellipse at its widest, relative to the size of the orbit; those that lead to nothing are left out."""
 _POINTS = 12
 _ITERATIONS = 400
 _AT_ONCE = 20
 """Iterations after which the curve is looked at."""
 _SETTLED = 5e-3
-"""Of its size: how far the iterates may be from one curve."""
+"""How far the iterates may be from one curve, relative to its size."""
 _PATIENCE = 3
 """After so many looks they have to be nearer to one."""
 _MOST_TIMES = 3.0

@@ -349,7 +349,7 @@ def _family_of(branch: BranchRecord, families: Sequence[SampledFamily]) -> Sampl
 
 
 def distance(family: SampledFamily, branch: BranchRecord) -> float:
-    """Of the bifurcation point from the curves of a family, in units of the branch's `scale`."""
+    """Distance of the bifurcation point from the curves of a family, in units of the branch's `scale`."""
     if family.system.name != branch.system.name or dict(family.parameters) != dict(branch.parameters):
         return np.inf
     curve, _ = nearest_curve(family, branch)

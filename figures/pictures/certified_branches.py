@@ -213,7 +213,7 @@ class Along:
         )
 
     def half_width(self, stretch: Stretch) -> float:
-        """Of the piece."""
+        """Half-width of the piece, in what is drawn."""
         return stretch.first_half_width if self.is_parameter else stretch.half_width
 
     def values(self, stretch: Stretch) -> Array:

@@ -36,7 +36,7 @@ _MANY = 7
 _ROW, _MAGNIFIED, _PANEL = 0.22, 2.0, 1.35
 """Inches of a row of the legend, and of panels that magnify with and without what is around them."""
 _LETTERS = "acdefghij"
-"""Of the panels with stability parameters: the whole curve, then stretches, without (c) if that is the twist."""
+"""Letters of the panels with stability parameters: the whole, then stretches, without (c) if that is the twist."""
 _TWIST = 1.5
 """Inches of the panel with the twist."""
 _DECADE = 10.0

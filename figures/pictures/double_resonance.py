@@ -14,7 +14,7 @@ from orbitproof.verify.double_resonance import ResonanceResults
 
 _WIDTH = 7.2
 _FARTHEST = 0.01
-"""Of the coordinate y that is drawn, from its value at the point."""
+"""How far from the point the coordinate y is drawn."""
 _SHARE = 0.4
 """How far the values of the parameter are, of those that the resonances take within what is drawn."""
 

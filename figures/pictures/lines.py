@@ -159,7 +159,7 @@ def facts(level: float, period: float, stability: Any, digits: int = 8) -> str:
 
 
 def _nearest(starts: Sequence[Array], periods: Sequence[float] | Array, mass: Fraction) -> list[list[str]]:
-    """Of each orbit its least distance from the smaller primary, in km too where the units are known."""
+    """The least distance of each orbit from the smaller primary, in km too where the units are known."""
     whole = np.array([start if len(start) == 6 else [start[0], start[1], 0, start[2], start[3], 0] for start in starts])
     times = np.array(periods, dtype=float)
     least = np.full(len(whole), np.nan)

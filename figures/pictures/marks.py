@@ -29,7 +29,7 @@ def draw_point(
     identifier: str,
     kind: str = "",
 ) -> Line2D:
-    """As `draw_mark`, for a point that is known by its multiplicity, verdict, id and perhaps kind only."""
+    """The mark of a point of which multiplicity, verdict, id and perhaps the kind are known."""
     marker, colour = marker_of(k, kind)
     coordinates = [[value] for value in position]
     (line,) = axes.plot(

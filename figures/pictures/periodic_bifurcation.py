@@ -152,7 +152,7 @@ def _torus(
 
 
 def _value(claim: PeriodicBifurcation, values: list[float], found: Results | None) -> float:
-    """Of what varies, at the bifurcation."""
+    """Value at the bifurcation of what varies."""
     if found is not None:
         return float(found.parameter.mid())
     if claim.parameter is not None:

@@ -16,7 +16,7 @@ from orbitproof.verify.reversor_breaking import BreakingResults
 
 _WIDTH = 7.2
 _FARTHEST = 0.01
-"""Of the amplitude y that is drawn."""
+"""Largest amplitude y that is drawn."""
 _SAMPLES = 2000
 
 

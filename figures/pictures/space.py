@@ -92,7 +92,7 @@ def show_primaries(axes: Any, mass: float, low: Array, high: Array) -> tuple[Arr
 
 
 def mark_primaries(axes: Any, mass: float, rows: Array) -> None:
-    """The same in the plane z = 0 of a flat axes, for what is drawn at `rows`, shape (N, 3); its limits stay."""
+    """The primaries in the plane z = 0 of a flat axes, for what is drawn at `rows`, shape (N, 3); its limits stay."""
     low, high = rows[:, :2].min(axis=0), rows[:, :2].max(axis=0)
     near = _NEAR * float((high - low).max())
     for x in (-mass, 1.0 - mass):

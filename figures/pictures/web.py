@@ -178,7 +178,7 @@ class States:
         return cls(curve.coordinates, mu, _libration_point(mu, around[1]), around[0])
 
     def level_and_x(self, points: Array) -> Array:
-        """Of points, shape (M, 1 + n); shape (2, M)."""
+        """Level and x of points, shape (M, 1 + n); shape (2, M)."""
         program = CR3BP.first_integral_program
         assert program is not None
         states = self.states(points)
@@ -204,7 +204,7 @@ class States:
 
 
 def _libration_point(mu: float, name: str) -> float:
-    """Of the three in double precision, by bisection of the force on the axis."""
+    """x of one of the three in double precision, by bisection of the force on the axis."""
     left, right = {"L1": (-mu, 1 - mu), "L2": (1 - mu, 2.0), "L3": (-2.0, -mu)}[name]
     for _ in range(200):
         x = 0.5 * (left + right)

@@ -49,7 +49,7 @@ def _in_the_box(size: int) -> dict[str, int]:
 
 
 def margin_on_atlas(atlas: AnyAtlas, hypothesis: str, name: str, ball: arb) -> str:
-    """The same for a hypothesis on the pieces of an atlas."""
+    """The margin of a hypothesis on the pieces of an atlas, in words."""
     if not ball.is_finite():
         return ""
     covers = atlas.claim.covers

@@ -244,7 +244,7 @@ def box_table(entry: CheckedRow) -> Table:
 
 
 def _box_in_section(claim: InSection) -> Table:
-    """The same of a claim about a periodic orbit without symmetry, with the section and the level."""
+    """The box of a claim about a periodic orbit without symmetry, with the section and the level."""
     names = names_in_words(claim.system)
     coordinates = [names.get(name, name) for name in claim.coordinates]
     rows: list[tuple[Runs, ...]] = [

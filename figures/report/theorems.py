@@ -52,7 +52,7 @@ from orbitproof.verify.second_proof import BadCertificate, CannotFollow, read_cl
 
 ATLAS, WEB, CATALOGUE, INDEX = "atlas-certificate", "web-certificate", "catalogue-certificate", "index-certificate"
 CERTIFICATE_FORMATS = ("certificates", ATLAS, WEB, CATALOGUE, INDEX)
-"""Of files that a report may be about."""
+"""Formats of files that a report may be about."""
 
 
 class Refused(Exception):
@@ -84,7 +84,7 @@ class CheckedRow:
     command = "verify"
     """What proves it, and checks it again."""
     chapter = "bifurcations"
-    """Of the report."""
+    """Chapter of the report."""
 
     @property
     def name(self) -> str:
@@ -121,7 +121,7 @@ class CheckedAtlas:
 
     @property
     def chapter(self) -> str:
-        """Of the report."""
+        """Chapter of the report."""
         return "surfaces" if self.atlas.is_surface else "curves"
 
 
@@ -181,13 +181,13 @@ class CheckedIndex:
 
     @property
     def name(self) -> str:
-        """As that of a catalogue."""
+        """What the certificates are called, as a catalogue has a name."""
         return name_of_rows(self.path, self.certificate)
 
 
 Checked = CheckedRow | CheckedAtlas | CheckedWeb | CheckedCatalogue | CheckedIndex
 Entry = Certificate | Mapping[str, Any] | WebCertificate | CatalogueCertificate | IndexCertificate
-"""As it is read; of a branch the document."""
+"""What is read of a file; of a branch the document."""
 
 
 def name_of_rows(path: Path, certificate: CatalogueCertificate | IndexCertificate) -> str:
