@@ -124,7 +124,7 @@ class Curve:
         marks = sorted(
             (mark for mark in _marks(certificate) if mark.piece in order), key=lambda mark: (order[mark.piece], mark.s)
         )
-        return cls(atlas, certificate.is_proved, tuple(stretches), tuple(marks))
+        return cls(atlas, certificate.proved, tuple(stretches), tuple(marks))
 
     @property
     def system(self) -> System:

@@ -89,7 +89,7 @@ class CertifiedStability:
     def of(cls, certificate: AtlasCertificate) -> CertifiedStability | None:
         """The stability along the curve of a certificate; `None` if it has no complete list."""
         listed = (certificate.document["conclusion"] or {}).get("complete")
-        if not listed or not certificate.is_proved:
+        if not listed or not certificate.proved:
             return None
         curve = Curve.of(certificate)
         lasting = listed.get("lasting", {"stable": [], "exceptions": []})

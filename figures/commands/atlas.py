@@ -43,4 +43,4 @@ def run(options: argparse.Namespace) -> int:
     from orbitproof.verify.atlas import read_atlas_certificate
 
     draw_atlases(options.certificates, options.output, files=files_of(options), told=print_path)
-    return 0 if all(read_atlas_certificate(path).is_proved for path in options.certificates) else 1
+    return 0 if all(read_atlas_certificate(path).proved for path in options.certificates) else 1

@@ -63,7 +63,7 @@ def surface_of(certificate: AtlasCertificate) -> Surface:
     """The surface of a certificate that is about one."""
     atlas = certificate.atlas
     sheets = tuple(_sheet(certificate, piece) for piece in atlas.surface_pieces())
-    return Surface(atlas, certificate.is_proved, sheets)
+    return Surface(atlas, certificate.proved, sheets)
 
 
 def _sheet(certificate: AtlasCertificate, piece: SurfacePiece) -> Sheet:

@@ -70,7 +70,7 @@ class DrawnArc:
 
 def drawn_arcs(web: WebCertificate, curves: Mapping[str, Curve]) -> tuple[DrawnArc, ...]:
     """The arcs of a proved web of the CR3BP, from the certificates of their curves by id. Raises `InputError`."""
-    if not web.is_proved:
+    if not web.proved:
         raise InputError(f"the web {web.id}: its certificate says {web.verdict!r}; there is nothing to draw")
     vertices = {vertex.id: vertex for vertex in web.vertices}
     named = names_of([arc.id for arc in web.arcs])

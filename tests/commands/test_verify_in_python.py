@@ -40,7 +40,7 @@ def told(document: Any) -> Any:
 
 
 def test_a_branch_is_proved_as_by_the_command(curve: verify.AtlasCertificate, folder: Path, row: Any) -> None:
-    assert curve.is_proved
+    assert curve.proved
     assert curve.is_whole
     assert repr(curve) == f"<AtlasCertificate {curve.id!r}: proved, {len(curve.atlas.pieces)} pieces>"
     assert (curve.theorem or "").startswith("Consider the Falkner-Skan equation")

@@ -47,7 +47,7 @@ def test_a_certificate_is_written_and_read_again(tmp_path: Path) -> None:
     stored = read_atlas_certificate(path)
     assert stored.document == certificate
     assert replace(stored.atlas, provenance=CURVE.provenance) == CURVE
-    assert not stored.is_proved
+    assert not stored.proved
     keys = [(result.piece, result.interval) for result in stored.results]
     assert keys == sorted(keys)
 
@@ -80,7 +80,7 @@ def test_the_theorem_is_proved_printed_and_stored(tmp_path: Path, capsys: Any) -
     output, errors = capsys.readouterr()
     assert code == 0, output + errors
     stored = read_atlas_certificate(target)
-    assert stored.is_proved
+    assert stored.proved
     assert stored.document["statement"]["theorem"] in output
     assert stored.document["conclusion"]["joints"]
     place = ", ".join(
@@ -211,7 +211,7 @@ def test_an_interrupt_keeps_finished_pieces_and_the_same_command_goes_on(tmp_pat
 
     assert main([source, "-o", str(target)], atlas_work.proving) == 0
     assert "2 of 3 pieces settled already" in capsys.readouterr().err
-    assert read_atlas_certificate(target).is_proved
+    assert read_atlas_certificate(target).proved
 
 
 def test_pieces_whose_orbits_take_the_most_steps_are_proved_first(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -39,7 +39,7 @@ def test_a_list_with_gaps_is_named_and_is_not_all_that_was_asked(tmp_path: Path,
     target = str(tmp_path / "curve.json")
     assert main([SOURCE, "-o", target, "--complete", "12", "--quiet"], atlas_work.stored_without_stability) == 1
     assert "piece p015" in capsys.readouterr().out.split("Not covered")[1]
-    assert read_atlas_certificate(Path(target)).is_proved
+    assert read_atlas_certificate(Path(target)).proved
 
 
 @pytest.mark.parametrize("order", ["0", "-1", "100", "twelve", "1.5", ""])

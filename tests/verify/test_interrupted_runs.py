@@ -153,7 +153,7 @@ def test_a_closer_look_that_leaves_open_what_a_wider_interval_decides_does_not_c
     run = started(atlas, limits, path)
     assert not run.pending
     certificate = conclude_run(run, (), Workplace(quiet=True))
-    assert certificate.is_proved
+    assert certificate.proved
     assert certificate.is_whole
     known = certificate.document["conclusion"]["complete"]["lasting"]["exceptions"]
     assert [entry["piece"] for entry in known if entry["kind"] == "twistless"] == ["p014", "p015"]

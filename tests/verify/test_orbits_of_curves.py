@@ -289,7 +289,7 @@ def test_the_stability_index_is_that_of_multipliers() -> None:
 
 def test_rows_of_the_published_catalogue_are_certified() -> None:
     certificate = CatalogueCertificate(document())
-    assert not certificate.is_proved
+    assert not certificate.proved
     assert repr(certificate) == "<CatalogueCertificate by 'halo-from-the-plane': 4 of 5 rows>"
     on, off = certificate.rows[: catalogue_cases.ON_THE_ARC], certificate.rows[catalogue_cases.ON_THE_ARC :]
     assert [row.orbit is not None for row in on] == [True] * 4
@@ -320,7 +320,7 @@ def test_a_row_farther_away_than_asked_for_is_not_certified() -> None:
     for within, lacks in ((Fraction(1, 10**6), [None, None]), (Fraction(1, 10**8), [None, "nearness"])):
         found = CatalogueCertificate(certified_rows(catalogue_cases.curve(), moved, within))
         assert [row.lacks for row in found.rows] == lacks
-        assert found.is_proved is (lacks == [None, None])
+        assert found.proved is (lacks == [None, None])
     first, second = CatalogueCertificate(certified_rows(catalogue_cases.curve(), moved)).rows
     assert second.differences is not None
     # Along the curve it is compared with a neighbour: the difference shows in the coordinates together.

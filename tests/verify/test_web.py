@@ -540,7 +540,7 @@ def test_other_words_are_told_anew() -> None:
 def test_a_file_that_was_changed_is_not_read(tmp_path: Path) -> None:
     file = tmp_path / "web.json"
     write_web_certificate(file, document())
-    assert read_web_certificate(file).is_proved
+    assert read_web_certificate(file).proved
     file.write_text(file.read_text().replace("a web", "my web"))
     with pytest.raises(InputError, match="field digest"):
         read_web_certificate(file)

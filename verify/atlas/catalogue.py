@@ -189,7 +189,7 @@ def orbits_of(curve: AtlasCertificate) -> OrbitsOfCurve:
         raise InputError(f"the certificate {shown(curve.id)}: is of no curve in {known}; give the family of the rows")
     results = [result for result in curve.results if isinstance(result, StabilityResult)]
     conclusion = conclude(atlas, results)
-    if not (curve.is_proved and isinstance(conclusion.outcome, Proved)):
+    if not (curve.proved and isinstance(conclusion.outcome, Proved)):
         raise InputError(f"the certificate {shown(curve.id)}: proves no curve; prove it first")
     return OrbitsOfCurve.of(atlas, conclusion.outcome.results, results)
 

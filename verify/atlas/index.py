@@ -192,7 +192,7 @@ def indexed_atlas(certificate: AtlasCertificate, source: str = "") -> Atlas:
         raise InputError(f"{field}.claim.kind: no index is counted of {atlas.claim.kind!r}; {remedy} {systems}")
     if atlas.system not in SYSTEMS:
         raise InputError(f"{field}.system: no index is counted of {atlas.system.name}; {remedy} {systems}")
-    if not certificate.is_proved:
+    if not certificate.proved:
         raise InputError(f"{source}: field verdict: proves no curve; prove it first")
     return atlas
 

@@ -116,7 +116,7 @@ def _placed(
         for orbit in orbits:
             yield orbit, None, f"{shown(orbit.id)}: not shown to lie on {name}: that is no curve of symmetric orbits"
         return
-    if not (curve.is_proved and examined.stands):
+    if not (curve.proved and examined.stands):
         why = examined.why or "it is not proved"
         for orbit in orbits:
             yield orbit, None, f"{shown(orbit.id)}: not shown to lie on {name}: its certificate does not stand: {why}"

@@ -51,8 +51,8 @@ class Sealed:
         return str(self.document["verdict"])
 
     @property
-    def is_proved(self) -> bool:
-        """Whether it says "proved"."""
+    def proved(self) -> bool:
+        """Whether the verdict is "proved"."""
         return self.verdict == "proved"
 
     @property

@@ -249,7 +249,7 @@ _NOT_CHECKED = "it was not checked up to its conclusion"
 def _problem(certificate: AtlasCertificate | IndexCertificate, checks: Mapping[Key, Recheck], called: str) -> str:
     """Why a certificate counts for nothing; empty if it says that it is proved, and stands at its conclusion."""
     check = checks[key_of(certificate)]
-    if not certificate.is_proved:
+    if not certificate.proved:
         return f"{called} says {certificate.verdict!r}"
     if not check.stands or check.level < Level.CONCLUSION:
         return f"{called} does not stand: {check.why or _NOT_CHECKED}"

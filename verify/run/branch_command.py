@@ -112,7 +112,7 @@ def _run(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:
     except KeyboardInterrupt:
         return _ended(options, run)
     print(f"\n{conclusion_text(certificate.document)}", flush=True)
-    return 0 if certificate.is_proved and certificate.is_whole else 1
+    return 0 if certificate.proved and certificate.is_whole else 1
 
 
 def _ended(options: argparse.Namespace, run: AtlasRun) -> int:

@@ -127,7 +127,7 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
             table = certified_table(rows, certificate.document)
         table.write(options.table)
     print(_summary(certificate.document), flush=True)
-    return 0 if certificate.is_proved else 1
+    return 0 if certificate.proved else 1
 
 
 def certify_rows(
