@@ -126,8 +126,8 @@ def test_what_is_found_on_the_way_is_proved(
     )
     capsys.readouterr()
     assert verify([str(claims), "-o", str(certificates)]) == 0
-    rows = [line for line in capsys.readouterr().out.splitlines() if line.startswith(f"{name}-")]
-    found = {re.split(r"\s+", row)[0]: row for row in rows}
+    blocks = re.findall(rf"^({name}-[\w-]+): (.*\n(?:  .*\n)*)", capsys.readouterr().out, re.MULTILINE)
+    found = {id_: " ".join(text.split()) for id_, text in blocks}
     assert set(found) == {f"{name}-{each}" for each in proved}
     for each, value in proved.items():
         kind = each.rsplit("-", 1)[0]
