@@ -7,14 +7,17 @@ import re
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 
+_ALIKE = 0.75
+"""Share of letters that two words have in common if one may be the other, misspelt."""
+
 
 def meant(word: str, known: Iterable[str]) -> str:
     """The remedy for a word that is none of those known: ``; did you mean verify?``, or nothing.
 
-    >>> meant("verfy", ["explore", "verify"]), meant("xyz", ["explore", "verify"])
+    >>> meant("verfy", ["explore", "verify"]), meant("--jobs", ["--orbit", "--mass"])
     ('; did you mean verify?', '')
     """
-    close = get_close_matches(word.casefold(), list(known), 1)
+    close = get_close_matches(word.casefold(), list(known), 1, _ALIKE)
     return f"; did you mean {close[0]}?" if close else ""
 
 
