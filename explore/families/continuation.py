@@ -10,14 +10,14 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import Literal
 
 import numpy as np
 
 from orbitproof.explore.families.step_control import DEFAULT, StepControl
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
-from orbitproof.explore.numerics import predict
+from orbitproof.explore.numerics import NoStep, predict, walked
 from orbitproof.explore.orbits import Correction, CorrectionFailure, ShootingProblem, SymmetricOrbit
 
 Outcome = Literal["limit", "closed", "failed", "interrupted"]
@@ -180,23 +180,20 @@ def extend(family: Family, course: Course) -> Family:
     """Continue a family from its last orbit; result as for `trace`."""
     control, max_orbits = course.control, course.max_orbits
     problem, orbits, tangents = family.problem, list(family.orbits), list(family.tangents)
-    step = control.initial
+    first = control.initial
     if len(orbits) > 2:
-        step = min(_longest(problem, orbits[-1], control), orbits[-1].arclength - orbits[-2].arclength)
+        first = min(_longest(problem, orbits[-1], control), orbits[-1].arclength - orbits[-2].arclength)
 
     def ended(outcome: Outcome, reason: str) -> Family:
         return Family(problem, tuple(orbits), tuple(tangents), outcome, reason, family.beginning)
 
+    def advance(step: float) -> tuple[tuple[SymmetricOrbit, Vector, Matrix], float]:
+        return _advance(problem, orbits[-3:], tangents[-3:], step, control)
+
+    failures = CorrectionFailure, FlowFailure, ZeroDivisionError
     try:
-        while len(orbits) < max_orbits:
-            try:
-                orbit, tangent, states, growth = _advance(problem, orbits[-3:], tangents[-3:], step, control)
-            except (CorrectionFailure, FlowFailure, ZeroDivisionError) as error:
-                step /= 2
-                if step < control.minimum:
-                    place = describe(problem, orbits[-1])
-                    return ended("failed", f"{error}; no orbit within the smallest step {control.minimum:g} ({place})")
-                continue
+        steps = walked(advance, first, control.minimum, failures)
+        for orbit, tangent, states in islice(steps, max(0, max_orbits - len(orbits))):
             touches = orbit.crossings != orbits[-1].crossings
             orbits.append(orbit)
             tangents.append(tangent)
@@ -211,7 +208,9 @@ def extend(family: Family, course: Course) -> Family:
                 return ended("limit", f"{reason} ({describe(problem, orbit)})")
             if _retraces(problem, orbits):
                 return ended("limit", f"{RETRACES} ({describe(problem, orbit)})")
-            step = min(_longest(problem, orbit, control), step * growth)
+    except NoStep as error:
+        place = describe(problem, orbits[-1])
+        return ended("failed", f"{error}; no orbit within the smallest step {control.minimum:g} ({place})")
     except KeyboardInterrupt:
         return ended("interrupted", f"interrupted ({describe(problem, orbits[-1])})")
     return ended("limit", f"{max_orbits} orbits ({describe(problem, orbits[-1])})")
@@ -227,8 +226,8 @@ def _advance(
     tangents: Sequence[Vector],
     step: float,
     control: StepControl,
-) -> tuple[SymmetricOrbit, Vector, Matrix, float]:
-    """The next orbit after the last of `orbits`, its tangent, its states, and the factor for the next step."""
+) -> tuple[tuple[SymmetricOrbit, Vector, Matrix], float]:
+    """The next orbit after the last of `orbits`, its tangent and its states, and the length of the next step."""
     last, tangent = orbits[-1], tangents[-1]
     backwards = [orbit.unknowns / problem.scales for orbit in reversed(orbits)]
     prediction = predict(backwards, list(reversed(tangents)), tangent, step)
@@ -248,7 +247,7 @@ def _advance(
     growth = 1.0
     if angle < 0.6 * control.turning:
         growth = {0: 2.0, 1: 2.0, 2: 1.6, 3: 1.3, 4: 1.0}.get(correction.iterations, 0.7)
-    return orbit, new_tangent, states, growth
+    return (orbit, new_tangent, states), min(_longest(problem, orbit, control), step * growth)
 
 
 def in_fixed_space(problem: ShootingProblem, orbit: SymmetricOrbit) -> bool:

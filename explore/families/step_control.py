@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from orbitproof.explore import numerics
 from orbitproof.explore.numerics import SHOOTING
 
 
 @dataclass(frozen=True)
-class StepControl:
+class StepControl(numerics.StepControl):
     """Arclength steps, in scaled unknowns.
 
+    The largest grows with the scaled unknowns once these exceed 10, so that the long arcs towards a collision, where
+    velocities are large, stay affordable.
+
     Attributes:
-        initial, minimum, maximum: step lengths; the largest grows with the scaled unknowns once these
-            exceed 10, so that the long arcs towards a collision, where velocities are large, stay affordable.
-        turning: largest angle in radians between the tangents at both ends of a step.
         tolerance: of the correction; see `ShootingProblem.tolerance`.
         until_tangency: whether a family ends where an orbit touches the section, so that the number of its
             crossings changes.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import islice
 from math import acos, pi
 
 import numpy as np
@@ -17,6 +18,7 @@ from orbitproof.explore.invariants.curve import (
     returns,
     tangent,
 )
+from orbitproof.explore.numerics import NoStep, walked
 from orbitproof.explore.orbits import SymmetricOrbit
 from orbitproof.shared.systems import CR3BP
 
@@ -111,34 +113,33 @@ def trace_tori(
     direction /= np.linalg.norm(direction)
     curve = correct(guess, direction)
     curves = [replace(curve, error=measured(curve))]
-    direction, step, reason = tangent(curve, direction), 2 * FIRST_STEP, f"{most} curves"
-    while len(curves) < most:
-        try:
-            if progress is not None:
-                progress(f"{len(curves)} tori, amplitude {curves[-1].amplitude:.3g}", len(curves) / most)
-            guess = curve.with_unknowns(curve.unknowns + step * direction, curve.times)
-            found = correct(guess, direction)
-            if found.tail > TAIL and found.modes < MOST_MODES:
-                found, direction = _finer(found, direction)
+    directions, reason = [tangent(curve, direction)], f"{most} curves"
+
+    def advance(step: float) -> tuple[tuple[InvariantCurve, Vector], float]:
+        if progress is not None:
+            progress(f"{len(curves)} tori, amplitude {curves[-1].amplitude:.3g}", len(curves) / most)
+        across = directions[-1]
+        found = correct(curves[-1].with_unknowns(curves[-1].unknowns + step * across, curves[-1].times), across)
+        if found.tail > TAIL and found.modes < MOST_MODES:
+            found, across = _finer(found, across)
+        error = measured(found)
+        while error > ERROR and found.modes < MOST_MODES:
+            found, across = _finer(found, across, always=True)
             error = measured(found)
-            while error > ERROR and found.modes < MOST_MODES:
-                found, direction = _finer(found, direction, always=True)
-                error = measured(found)
-            if error > ERROR:
-                raise NoCurve(f"the error of invariance grows to {error:.1e} with {found.modes} modes")
-            ahead = tangent(found, _padded(direction, found.modes))
-        except KeyboardInterrupt:
-            reason = "interrupted"
-            break
-        except NoCurve as failure:
-            step *= 0.5
-            if step < SMALLEST_STEP:
-                reason = f"steps shorter than {SMALLEST_STEP:g}: {failure}"
-                break
-            continue
-        curve, direction = found, ahead
-        curves.append(replace(found, error=error))
-        step = min(1.5 * step, largest_step)
+        if error > ERROR:
+            raise NoCurve(f"the error of invariance grows to {error:.1e} with {found.modes} modes")
+        ahead = tangent(found, _padded(across, found.modes))
+        return (replace(found, error=error), ahead), min(1.5 * step, largest_step)
+
+    try:
+        steps = walked(advance, 2 * FIRST_STEP, SMALLEST_STEP, (NoCurve,))
+        for curve, ahead in islice(steps, max(0, most - 1)):
+            curves.append(curve)
+            directions.append(ahead)
+    except NoStep as failure:
+        reason = f"steps shorter than {SMALLEST_STEP:g}: {failure}"
+    except KeyboardInterrupt:
+        reason = "interrupted"
     centre = np.array([orbit.unknowns[0], orbit.unknowns[1], 0.0, 0.0])
     return TorusFamily(orbit, centre, stability, tuple(curves), reason)
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
+from itertools import islice, pairwise
 from math import exp, log
 from typing import Literal
 
@@ -20,7 +20,7 @@ from orbitproof.explore.families import Limits, trace_family
 from orbitproof.explore.flow import FlowFailure, Vector
 from orbitproof.explore.masses.charts import HALO, LOG_MU, UNKNOWNS, Chart, Evaluation, evaluate
 from orbitproof.explore.masses.file import CurveRecord, PointRecord
-from orbitproof.explore.numerics import BREAKING, predict
+from orbitproof.explore.numerics import BREAKING, NoStep, predict, walked
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.explore.seeds import LIBRATION_POINTS
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL
@@ -134,34 +134,31 @@ def trace_curve(
 
     if points[-1].mu <= smallest * (1 + 1e-12):
         return ended("complete", "smallest mass")
-    size = step
+
+    def advance(size: float) -> tuple[tuple[_Node, PointRecord | None], float]:
+        node, last = _next(chart, nodes[-3:], size), None
+        if node.unknowns[LOG_MU] <= log(smallest):
+            guess = _predict(nodes[-3:], (log(smallest) - nodes[-1].unknowns[LOG_MU]) / nodes[-1].tangent[LOG_MU])
+            guess[LOG_MU] = log(smallest)
+            last = correct_at(chart, guess)
+        return (node, last), min(step, size * (1.5 if node.iterations <= 3 else 0.7))
+
     try:
         node = _correct(chart, _unknowns(chart, points[-1]), np.eye(UNKNOWNS)[LOG_MU])
         tangent = node.tangent if len(points) > 1 and _turned(points) else -node.tangent
         nodes = [_Node(node.unknowns, tangent, node.at, node.residual, 0)]
-        while len(points) < max_points:
-            try:
-                node = _next(chart, nodes[-3:], size)
-                if node.unknowns[LOG_MU] <= log(smallest):
-                    guess = _predict(
-                        nodes[-3:], (log(smallest) - nodes[-1].unknowns[LOG_MU]) / nodes[-1].tangent[LOG_MU]
-                    )
-                    guess[LOG_MU] = log(smallest)
-                    points.append(correct_at(chart, guess))
-                    return ended("complete", "smallest mass")
-            except (CorrectionFailure, FlowFailure) as failure:
-                size /= 2
-                if size < minimum:
-                    return ended("failed", str(failure))
-                continue
+        steps = walked(advance, step, minimum, (CorrectionFailure, FlowFailure))
+        for node, last in islice(steps, max(0, max_points - len(points))):
+            if last is not None:
+                points.append(last)
+                return ended("complete", "smallest mass")
             nodes.append(node)
             points.append(_point(chart, node))
             if progress is not None:
                 progress(points)
             if node.unknowns[LOG_MU] > largest:
                 return ended("left", "the curve turns back to the largest mass")
-            size = min(step, size * (1.5 if node.iterations <= 3 else 0.7))
-    except (CorrectionFailure, FlowFailure) as failure:
+    except (CorrectionFailure, FlowFailure, NoStep) as failure:
         return ended("failed", str(failure))
     except KeyboardInterrupt:
         return ended("interrupted", "interrupted")

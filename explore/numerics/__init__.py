@@ -1,4 +1,4 @@
-"""Zeros, prediction along a curve, when Newton's method ends, and numbers with many digits."""
+"""Zeros, steps along a curve, Newton's method in double precision and with many digits."""
 
 import lazy_loader
 

@@ -11,6 +11,9 @@ from .precision import fraction as fraction
 from .precision import mpf as mpf
 from .precision import working_context as working_context
 from .prediction import predict as predict
+from .steps import NoStep as NoStep
+from .steps import StepControl as StepControl
+from .steps import walked as walked
 from .zeros import Samples as Samples
 from .zeros import Touch as Touch
 from .zeros import Zeros as Zeros

@@ -9,6 +9,7 @@ from fractions import Fraction
 import numpy as np
 
 from orbitproof.explore.flow import FlowFailure
+from orbitproof.explore.numerics import NoStep, walked
 from orbitproof.explore.periodic.continuation import (
     PATIENCE,
     PeriodicFamily,
@@ -71,17 +72,18 @@ def new_orbits(
 def _first(bifurcation: Bifurcation, family: Family, begin: FamilyMember, length: float) -> FamilyMember:
     """An orbit that is no old one, not farther than the length. Raises `PeriodicFailure`."""
     parts = 2 if bifurcation.kind == DOUBLING else bifurcation.parts
-    while True:
-        try:
-            first = family.corrected(begin, length)
-            gap = gap_of(family, first.orbit, bifurcation.symmetry, parts)
-            if np.max(np.abs(gap)) < _NEW * length * family.scale[0]:
-                raise PeriodicFailure("Newton's method leads back to the old orbits")
-            return first
-        except PeriodicFailure:
-            length /= 2
-            if length < PATIENCE:
-                raise
+
+    def attempt(length: float) -> tuple[FamilyMember, float]:
+        first = family.corrected(begin, length)
+        gap = gap_of(family, first.orbit, bifurcation.symmetry, parts)
+        if np.max(np.abs(gap)) < _NEW * length * family.scale[0]:
+            raise PeriodicFailure("Newton's method leads back to the old orbits")
+        return first, length
+
+    try:
+        return next(walked(attempt, length, PATIENCE, (PeriodicFailure,)))
+    except NoStep as failure:
+        raise PeriodicFailure(str(failure)) from None
 
 
 def _new_direction(bifurcation: Bifurcation, family: Family) -> Vector:

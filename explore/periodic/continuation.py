@@ -8,13 +8,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import islice
 
 import numpy as np
 
+from orbitproof.explore import numerics
 from orbitproof.explore.names import told_apart
+from orbitproof.explore.numerics import NoStep, walked
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem
 from orbitproof.explore.periodic.detection import (
     Bifurcation,
+    Passage,
     UnresolvedError,
     is_real,
     passage,
@@ -32,18 +36,16 @@ PATIENCE = 1e-4
 
 
 @dataclass(frozen=True)
-class StepControl:
+class StepControl(numerics.StepControl):
     """Steps along a family, in units of its size, period and parameter.
 
     Attributes:
-        initial, smallest, largest: lengths.
-        turning: largest angle in radians between tangents of neighbours.
         most: number of orbits.
     """
 
     initial: float = 0.02
-    smallest: float = 1e-7
-    largest: float = 0.1
+    minimum: float = 1e-7
+    maximum: float = 0.1
     turning: float = 0.3
     most: int = 500
 
@@ -172,37 +174,40 @@ def _follow(
     found: list[Bifurcation],
 ) -> str:
     """Append to `members` and `found`, and say why the family ends."""
-    before, length = start, control.initial
     low, high = bounds
-    while len(members) + 1 < control.most:
-        try:
-            now = family.corrected(before, length)
-            angle = float(np.arccos(np.clip(now.tangent @ before.tangent, -1, 1)))
-            if angle > control.turning:
-                raise PeriodicFailure("it turns too fast")
-            if np.max(np.abs(now.orbit.point - before.orbit.point)) > _FARTHEST * now.orbit.size:
-                raise PeriodicFailure("its orbits shrink to a point")
-            passed = passage(family, before, now, length, length > PATIENCE)
-        except (PeriodicFailure, UnresolvedError) as failure:
-            length /= 2
-            if length < control.smallest:
-                return f"ends near {before.value:.10g}: {failure}"
-            continue
-        found += passed.bifurcations
-        if passed.end is not None:
-            return f"{passed.end}, near {now.value:.8g}"
-        members.append(now)
-        if progress is not None:
-            progress(_share(start.value, now.value, bounds, len(members) / control.most))
-        if now.orbit.size < _SHRUNK * family.scale[0]:
-            return f"shrinks to an equilibrium near {now.value:.6g}"
-        if not low <= now.value <= high:
-            return f"reaches {now.value:.6g}"
-        if abs(now.value - start.value) < 1e-9 * (high - low) and _is_back(start, now) and len(members) > 3:
-            return "is closed"
-        before = now
-        length = min(control.largest, length * (1.4 if angle < control.turning / 3 else 1.0))
-    return f"has {control.most} orbits, the most that were asked for, at {before.value:.6g}"
+
+    def last() -> FamilyMember:
+        return members[-1] if members else start
+
+    def advance(length: float) -> tuple[tuple[FamilyMember, Passage], float]:
+        before = last()
+        now = family.corrected(before, length)
+        angle = float(np.arccos(np.clip(now.tangent @ before.tangent, -1, 1)))
+        if angle > control.turning:
+            raise PeriodicFailure("it turns too fast")
+        if np.max(np.abs(now.orbit.point - before.orbit.point)) > _FARTHEST * now.orbit.size:
+            raise PeriodicFailure("its orbits shrink to a point")
+        passed = passage(family, before, now, length, length > PATIENCE)
+        return (now, passed), min(control.maximum, length * (1.4 if angle < control.turning / 3 else 1.0))
+
+    try:
+        steps = walked(advance, control.initial, control.minimum, (PeriodicFailure, UnresolvedError))
+        for now, passed in islice(steps, max(0, control.most - 1)):
+            found += passed.bifurcations
+            if passed.end is not None:
+                return f"{passed.end}, near {now.value:.8g}"
+            members.append(now)
+            if progress is not None:
+                progress(_share(start.value, now.value, bounds, len(members) / control.most))
+            if now.orbit.size < _SHRUNK * family.scale[0]:
+                return f"shrinks to an equilibrium near {now.value:.6g}"
+            if not low <= now.value <= high:
+                return f"reaches {now.value:.6g}"
+            if abs(now.value - start.value) < 1e-9 * (high - low) and _is_back(start, now) and len(members) > 3:
+                return "is closed"
+    except NoStep as failure:
+        return f"ends near {last().value:.10g}: {failure}"
+    return f"has {control.most} orbits, the most that were asked for, at {last().value:.6g}"
 
 
 def _share(start: float, now: float, bounds: tuple[float, float], orbits: float) -> float:

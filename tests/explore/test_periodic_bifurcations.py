@@ -187,7 +187,7 @@ def test_a_doubling_on_levels_is_found_and_refined() -> None:
 
 
 def test_multipliers_that_collide_and_cross_on_one_step_are_followed() -> None:
-    family = _family(COLLIDING, "-3/20", [1, 0, 0, 0], 6.3, (-0.2, 0.05), initial=0.6, largest=0.6)
+    family = _family(COLLIDING, "-3/20", [1, 0, 0, 0], 6.3, (-0.2, 0.05), initial=0.6, maximum=0.6)
     found = _found(family, TORUS)
     assert found.member.value == pytest.approx(0, abs=1e-7)
 
