@@ -9,9 +9,9 @@ from .cover import Coverer as Coverer
 from .cover import CoverFailure as CoverFailure
 from .doubling import doubling_atlas as doubling_atlas
 from .libration_sheet import pieces_to as pieces_to
-from .lyapunov import LibrationFailure as LibrationFailure
 from .lyapunov import LyapunovFamily as LyapunovFamily
 from .lyapunov import lyapunov_atlas as lyapunov_atlas
+from .neighbours import LibrationFailure as LibrationFailure
 from .request import Source as Source
 from .request import check_names as check_names
 from .run import run_source as run_source

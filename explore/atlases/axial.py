@@ -10,13 +10,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
+from operator import attrgetter
 
 import numpy as np
 
 from orbitproof.explore.atlases.births import VX, VY, VZ, OrbitsAtBirth, X, Y, Z, birth_piece
 from orbitproof.explore.atlases.complex_flow import HalfReturns
 from orbitproof.explore.atlases.graphs import pieces_of
-from orbitproof.explore.atlases.lyapunov import LibrationFailure, LyapunovFamily
+from orbitproof.explore.atlases.lyapunov import LyapunovFamily
+from orbitproof.explore.atlases.neighbours import FARTHEST, LibrationFailure, orbit_at
 from orbitproof.explore.atlases.vertical import VerticalFamily, VerticalOrbit
 from orbitproof.explore.flow import FlowFailure, Vector, flow_of
 from orbitproof.shared.formats import Atlas, Claim, Covers
@@ -26,8 +28,6 @@ NEWTON_STEPS, TOLERANCE, NOISE = 15, 1e-11, 1e-8
 """Newton's method ends with a step below the tolerance, or one below the noise that is no shorter than the last."""
 STEPS = 60
 """So many steps lead from the planar orbit to the end."""
-FARTHEST, HALVINGS = 0.05, 6
-"""A step after which the period is another by more than this part of it is halved, so many times at most."""
 OUTER = {"L1": -1, "L2": 1, "L3": -1}
 """On which side of the libration point the planar orbit starts: where eps2 increases all the way."""
 BEFORE = 0.01
@@ -58,6 +58,10 @@ class AxialOrbit:
     half_period: float
     slopes: Vector
 
+    def is_far_from(self, other: AxialOrbit) -> bool:
+        """Whether Newton's method may have led from one to another family."""
+        return abs(self.half_period - other.half_period) > FARTHEST * other.half_period
+
 
 @dataclass(frozen=True)
 class AxialFamily:
@@ -83,27 +87,11 @@ class AxialFamily:
         """The orbit of eps2 = `place`, from its nearest known neighbour in steps. Raises `LibrationFailure`."""
         if not self._known:
             self._known.append(self._correct(0.0, *self.planar))
-        near = min(self._known, key=lambda orbit: abs(orbit.eps2 - place))
-        count = int(np.ceil(abs(place - near.eps2) / self.step))
-        for goal in np.linspace(near.eps2, place, count + 1)[1:]:
-            near = self._next(near, float(goal), HALVINGS)
-        return near
+        return orbit_at(place, self._known, self.step, attrgetter("eps2"), self._beside, AxialOrbit.is_far_from)
 
-    def _next(self, near: AxialOrbit, eps2: float, halvings: int) -> AxialOrbit:
-        """The orbit of eps2, from one beside it; farther away Newton's method may find another one, or none."""
+    def _beside(self, near: AxialOrbit, eps2: float) -> AxialOrbit:
         x, vy, time = np.array([near.x, near.vy, near.half_period]) + (eps2 - near.eps2) * near.slopes
-        try:
-            found = self._correct(eps2, float(x), float(vy), float(time))
-        except LibrationFailure:
-            if not halvings:
-                raise
-            found = None
-        if halvings and (found is None or abs(found.half_period - near.half_period) > FARTHEST * near.half_period):
-            middle = self._next(near, 0.5 * (near.eps2 + eps2), halvings - 1)
-            return self._next(middle, eps2, halvings - 1)
-        assert found is not None
-        self._known.append(found)
-        return found
+        return self._correct(eps2, float(x), float(vy), float(time))
 
     @property
     def system(self) -> ReversibleSystem:

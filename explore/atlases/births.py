@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from orbitproof.explore.atlases.lyapunov import LibrationFailure
+from orbitproof.explore.atlases.neighbours import LibrationFailure
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
 from orbitproof.explore.numerics import working_context
 from orbitproof.explore.refinement import IntegrationFailure, JetBasis, section_crossings

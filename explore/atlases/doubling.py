@@ -9,12 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
+from operator import attrgetter
 
 import numpy as np
 
 from orbitproof.explore.atlases.complex_flow import HalfReturns
 from orbitproof.explore.atlases.graphs import pieces_of
-from orbitproof.explore.atlases.lyapunov import LibrationFailure
+from orbitproof.explore.atlases.neighbours import LibrationFailure, orbit_at
 from orbitproof.explore.families import Limits, detect, trace_family
 from orbitproof.explore.flow import FlowFailure, Vector, flow_of
 from orbitproof.explore.names import NORTH, SOUTH
@@ -93,13 +94,12 @@ class DoublingFamily:
 
     def orbit(self, place: float) -> Doubling:
         """The doubling at h = `place`, from its nearest known neighbour in steps. Raises `LibrationFailure`."""
-        near = min([self.first, *self._known], key=lambda doubling: abs(doubling.h - place))
-        count = int(np.ceil(abs(place - near.h) / STEP))
-        for goal in np.linspace(near.h, place, count + 1)[1:]:
-            moved = np.append(near.start, near.half_period) + (goal - near.h) * near.slopes
-            near = _correct(float(goal), moved)
-            self._known.append(near)
-        return near
+        if not self._known:
+            self._known.append(self.first)
+        return orbit_at(place, self._known, STEP, attrgetter("h"), self._beside)
+
+    def _beside(self, near: Doubling, h: float) -> Doubling:
+        return _correct(h, np.append(near.start, near.half_period) + (h - near.h) * near.slopes)
 
     @cached_property
     def returns(self) -> HalfReturns:

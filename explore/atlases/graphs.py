@@ -14,7 +14,8 @@ from numpy.polynomial import chebyshev
 
 from orbitproof.explore.atlases.complex_flow import LANES, HalfReturns
 from orbitproof.explore.atlases.expansion import Chart, ExpansionFailure, newton_on_curve
-from orbitproof.explore.atlases.lyapunov import LibrationFailure, OrbitsOfSizes, decay, graph_piece
+from orbitproof.explore.atlases.lyapunov import OrbitsOfSizes, decay, graph_piece
+from orbitproof.explore.atlases.neighbours import LibrationFailure
 from orbitproof.explore.flow import FlowFailure, Vector
 from orbitproof.shared.formats import Piece
 

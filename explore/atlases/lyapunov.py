@@ -9,12 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
+from operator import attrgetter
 from typing import Protocol
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from orbitproof.explore.atlases.neighbours import FARTHEST, LibrationFailure, orbit_at
 from orbitproof.explore.flow import FlowFailure, Vector, flow_of
 from orbitproof.explore.numerics import bracketed_zero
 from orbitproof.explore.seeds import LibrationPoint, libration_point, lyapunov_orbit
@@ -26,8 +28,6 @@ ComplexArray = NDArray[np.complex128]
 NEWTON_STEPS, VY_TOLERANCE = 12, 1e-11
 STEP = 0.02
 """Step of the continuation in eps, in units of the distance of the libration point from the nearest primary."""
-FARTHEST, HALVINGS = 0.05, 6
-"""A step after which vy or the period is another by more than this part of it is halved, so many times at most."""
 NODES = 48
 NOISE = 3e-15
 """Size, relative to vy, below which Chebyshev coefficients are rounding."""
@@ -46,10 +46,6 @@ BIRTHS = {"halo": (5, 2), "axial": (2, 5)}
 """Row and column of the variation over the half return that vanishes at the births: dvz/dz, dz/dvz."""
 OVERLAP = 0.04
 """The part of a piece's half-width by which its neighbours reach into it."""
-
-
-class LibrationFailure(Exception):
-    """The family could not be followed; one line says why."""
 
 
 @dataclass(frozen=True)
@@ -107,27 +103,12 @@ class LyapunovFamily:
         if not self._known:
             linear = lyapunov_orbit(self.libration, 1.0, 1)
             self._known.append(self._correct(0.0, float(linear.direction[4]), linear.half_period))
-        near = min(self._known, key=lambda orbit: abs(orbit.eps - eps))
-        count = int(np.ceil(abs(eps - near.eps) / (STEP * self.libration.distance)))
-        for place in np.linspace(near.eps, eps, count + 1)[1:]:
-            near = self._next(near, float(place), HALVINGS)
-        return near
+        step = STEP * self.libration.distance
+        return orbit_at(eps, self._known, step, attrgetter("eps"), self._beside, PlanarOrbit.is_far_from)
 
-    def _next(self, near: PlanarOrbit, eps: float, halvings: int) -> PlanarOrbit:
-        """The orbit that starts at eps, from one beside it; farther away Newton's method may find another family."""
+    def _beside(self, near: PlanarOrbit, eps: float) -> PlanarOrbit:
         vy, half_period = np.array([near.vy, near.half_period]) + (eps - near.eps) * near.slopes
-        try:
-            found = self._correct(eps, float(vy), float(half_period))
-        except LibrationFailure:
-            if not halvings:
-                raise
-            found = None
-        if halvings and (found is None or found.is_far_from(near)):
-            middle = self._next(near, 0.5 * (near.eps + eps), halvings - 1)
-            return self._next(middle, eps, halvings - 1)
-        assert found is not None
-        self._known.append(found)
-        return found
+        return self._correct(eps, float(vy), float(half_period))
 
     def _correct(self, eps: float, vy: float, half_period: float) -> PlanarOrbit:
         """Newton's method for vy and the half period: y and vx vanish at its end."""

@@ -11,7 +11,7 @@ from math import inf
 from orbitproof.explore.atlases.build import BEYOND, AtlasRequest, IncompleteAtlas, build_atlas
 from orbitproof.explore.atlases.cover import CoverControl, CoverFailure
 from orbitproof.explore.atlases.doubled import doubled_atlas
-from orbitproof.explore.atlases.lyapunov import LibrationFailure
+from orbitproof.explore.atlases.neighbours import LibrationFailure
 from orbitproof.explore.atlases.request import Source, check_names
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import (

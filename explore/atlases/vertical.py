@@ -11,10 +11,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
+from operator import attrgetter
 
 import numpy as np
 
-from orbitproof.explore.atlases.lyapunov import LibrationFailure, pieces_over
+from orbitproof.explore.atlases.lyapunov import pieces_over
+from orbitproof.explore.atlases.neighbours import FARTHEST, LibrationFailure, orbit_at
 from orbitproof.explore.flow import FlowFailure, flow_of
 from orbitproof.explore.numerics import bracketed_zero
 from orbitproof.explore.seeds import LibrationPoint, libration_point, primaries
@@ -24,8 +26,6 @@ from orbitproof.shared.systems import CR3BP, VERTICAL, ReversibleSystem
 NEWTON_STEPS, TOLERANCE = 15, 1e-10
 STEP = 0.05
 """Step of the continuation in eps2, in units of the force scale c d^2, d the distance of the nearest primary."""
-FARTHEST, HALVINGS = 0.05, 6
-"""A step after which x or vy is another by more than this part of their size is halved, so many times at most."""
 BEYOND, BEFORE = 0.06, 0.02
 """So far the pieces go beyond the birth, and beyond eps2 = 0 on the other side, relative to the birth's eps2 or vy."""
 VY = 2
@@ -50,6 +50,10 @@ class VerticalOrbit:
     x: float
     vy: float
     half_period: float
+
+    def is_far_from(self, other: VerticalOrbit) -> bool:
+        """Whether Newton's method may have led from one to another family."""
+        return abs(self.x - other.x) + abs(self.vy - other.vy) > FARTHEST * (abs(other.x) + abs(other.vy))
 
 
 @dataclass(frozen=True)
@@ -100,25 +104,15 @@ class VerticalFamily:
         """The orbit of eps2 = `place`, from its nearest known neighbour in steps. Raises `LibrationFailure`."""
         if not self._known:
             self._known.append(self.first)
-        near = min(self._known, key=lambda orbit: abs(orbit.eps2 - place))
-        count = int(np.ceil(abs(place - near.eps2) / self.step))
-        for goal in np.linspace(near.eps2, place, count + 1)[1:]:
-            near = self._next(near, float(goal), HALVINGS)
-        return near
+        return orbit_at(place, self._known, self.step, attrgetter("eps2"), self._beside, VerticalOrbit.is_far_from)
 
     def values(self, place: float) -> tuple[float, float]:
         """x and vy."""
         orbit = self.orbit(place)
         return orbit.x, orbit.vy
 
-    def _next(self, near: VerticalOrbit, eps2: float, halvings: int) -> VerticalOrbit:
-        found = self._correct(eps2, near.x, near.vy, near.half_period)
-        size = abs(near.x) + abs(near.vy)
-        if halvings and abs(found.x - near.x) + abs(found.vy - near.vy) > FARTHEST * size:
-            middle = self._next(near, 0.5 * (near.eps2 + eps2), halvings - 1)
-            return self._next(middle, eps2, halvings - 1)
-        self._known.append(found)
-        return found
+    def _beside(self, near: VerticalOrbit, eps2: float) -> VerticalOrbit:
+        return self._correct(eps2, near.x, near.vy, near.half_period)
 
     def _correct(self, eps2: float, x: float, vy: float, quarter: float) -> VerticalOrbit:
         """Newton's method for x, vy and the time: y, vx and z vz vanish at its end."""
