@@ -25,11 +25,8 @@ from orbitproof.verify.atlas.recheck import lists_combinations
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.functions import BoundedFunction
 from orbitproof.verify.run.branches import limits_of
-from orbitproof.verify.stability import Gap, Matter, Segment
+from orbitproof.verify.stability import Matter, Segment
 from orbitproof.verify.stability.complete_list import Finder
-from orbitproof.verify.stability.kinds import may_change_stability
-from orbitproof.verify.stability.list_entries import Combinations
-from orbitproof.verify.words.complete_list import _combinations
 
 SYSTEMS = {
     "two, symplectic": lambda seed: line(seed, 2, True),
@@ -240,14 +237,3 @@ def test_where_stability_is_not_decided_a_place_is_named() -> None:
     assert not finder.points
     assert any("stable there is not decided" in gap.reason and gap.start < 0 < gap.end for gap in finder.gaps)
     assert all(gap.subject is Matter.COMBINATIONS for gap in finder.gaps)
-
-
-def test_that_places_are_open_is_said_with_the_list() -> None:
-    gap = Gap(0, "p", Fraction(0), Fraction(1), Matter.COMBINATIONS, "bounds too wide")
-    atlas: Any = SYSTEMS["two"](2).atlas(6)
-    for open_, gaps, but in (((gap,), (), True), ((), (gap,), True), ((gap,), (gap,), True), ((), (), False)):
-        found: Any = SimpleNamespace(combinations=Combinations((), open_), gaps=gaps, parameters=2)
-        text = "\n".join(_combinations(atlas, found))
-        assert (", but for the places named below," in text) == but
-        assert ("Whether there are more of these is not decided:" in text) == bool(open_)
-    assert not may_change_stability(Matter.COMBINATIONS)

@@ -7,7 +7,6 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -35,15 +34,14 @@ from support.chain_cases import (
 from support.curve_cases import proof, refusal
 from support.stored import values
 
-from orbitproof.shared.claims import Claim, Covers, Piece
-from orbitproof.shared.formats import InputError, read_atlas
+from orbitproof.shared.claims import Claim, Piece
+from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.curve import read_tube
 from orbitproof.verify.curve.conditions import hypotheses_of
 from orbitproof.verify.evidence import Proved, bounds, enclose
 from orbitproof.verify.words.branches import conclusion_in_words
-from orbitproof.verify.words.curve import meaning
 
 CASES: dict[str, Callable[[], Case]] = {
     "arc": parabola,
@@ -59,25 +57,6 @@ def test_a_true_curve_is_proved_with_all_its_hypotheses(case: Callable[[], Case]
     assert isinstance(conclusion.outcome, Proved)
     assert [hypothesis.name for hypothesis in conclusion.outcome.hypotheses] == list(hypotheses_of(case()[0]))
     assert json.loads(json.dumps(told(conclusion)))["verdict"] == "proved"
-
-
-def test_an_arc_has_no_self_intersections_if_a_coordinate_increases_along_it() -> None:
-    for increasing in ((), ("beta",), ("y",)):
-        told = conclusion_in_words(concluded(parabola(Claim("arc", None, increasing))))
-        assert ("There is a smooth curve without self-intersections in" in told) == bool(increasing)
-        assert ("There is a smooth curve in" in told) == (not increasing)
-
-
-def test_a_curve_is_a_lyapunov_family_if_its_sizes_lead_to_0_for_certain() -> None:
-    atlas = read_atlas(Path(__file__).parents[1] / "data" / "atlas-lyapunov.json")
-    small = Fraction(1, 100)
-    for start, end, reaches in (
-        (-small, small, True), (Fraction(0), small, True), (-small, Fraction(0), True),
-        (small, 2 * small, False), (-2 * small, -small, False),
-    ):  # fmt: skip
-        claim = replace(atlas.claim, increasing=("eps",), covers=Covers("eps", start, end))
-        assert ("the planar Lyapunov family" in meaning(replace(atlas, claim=claim))) == reaches
-        assert not meaning(replace(atlas, claim=replace(claim, increasing=())))
 
 
 def test_the_symmetric_loop_meets_the_plane_in_two_points_whose_enclosures_are_right() -> None:

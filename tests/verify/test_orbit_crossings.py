@@ -10,7 +10,6 @@ from typing import Any
 
 import mpmath
 import pytest
-from flint import acb
 from support.forgeries import noticed
 from support.reference import Orbits, three_body
 
@@ -19,10 +18,8 @@ from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, certify, digest, recheck
 from orbitproof.verify.evidence import bounds, exact_value
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.orbit import OrbitResults, OrbitTheorem, enclose_orbit
-from orbitproof.verify.orbit.multipliers import STABLE, UNDECIDED, UNSTABLE, Stability
+from orbitproof.verify.orbit import OrbitResults, enclose_orbit
 from orbitproof.verify.poincare import PHYSICAL, REGULARISED, IntegratorSettings
-from orbitproof.verify.words.orbit import _stability, orbit_in_words
 
 (VERTICAL,) = read_candidates(Path(__file__).resolve().parents[1] / "data" / "orbit-vertical.json")
 LIMITS = Limits(digits=12, max_precision=256)
@@ -153,21 +150,6 @@ def test_the_certificate_stands_when_it_is_integrated_again(certificate: Certifi
 
 def claim(**changes: Any) -> Candidate:
     return replace(VERTICAL, **changes)
-
-
-@pytest.mark.parametrize("crossings", [1, 2, 5])
-def test_as_many_meetings_are_told_as_a_period_has(crossings: int) -> None:
-    told = orbit_in_words(OrbitTheorem(claim(crossings=crossings)))
-    assert (f"meets the section in a period {2 * crossings} times" in told) == (crossings > 1)
-    assert (f"power {crossings} of the Poincare map" in told) == (crossings > 1)
-    assert ("meets the section in a period at x and P(x) only" in told) == (crossings == 1)
-
-
-@pytest.mark.parametrize("verdict", [STABLE, UNSTABLE, UNDECIDED])
-def test_that_an_orbit_is_stable_or_not_is_told_if_it_is_decided(verdict: str) -> None:
-    *_, told = _stability(Stability((acb(0.5),), (), verdict), claim())
-    words = {STABLE: "The orbit is linearly stable", UNSTABLE: "The orbit is unstable", UNDECIDED: "is not decided"}
-    assert {key for key, word in words.items() if word in told} == {verdict}
 
 
 @pytest.mark.parametrize(

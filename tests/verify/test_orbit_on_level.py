@@ -6,11 +6,10 @@ from dataclasses import replace
 from fractions import Fraction as F
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pytest
-from support.flow_checks import halo
 
 from orbitproof.explore.orbits import ShootingProblem
 from orbitproof.explore.refinement import OrbitTask, refine_orbit
@@ -21,7 +20,6 @@ from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.orbit import enclose_orbit
 from orbitproof.verify.poincare import IntegratorSettings, on_sheet
-from orbitproof.verify.words.row_in_full import symmetric_in_full
 
 DATA = Path(__file__).parents[1] / "data"
 LIMITS = Limits(max_precision=256)
@@ -106,16 +104,6 @@ def test_distances_are_those_of_points_on_both_sheets() -> None:
         # On the level 0 of Fix(R) u2^2 = u^2 - 2 u^3/3.
         u = point["u"]
         assert table.box[at].overlaps(5 + sign * (u * u - 2 * u**3 / 3).sqrt())
-
-
-@pytest.mark.parametrize(("sign", "word"), [(1, "positive"), (-1, "negative")])
-def test_which_points_of_the_level_are_meant_is_told(sign: Literal[1, -1], word: str) -> None:
-    on_sheet_of_sign = replace(system(), fixed_level=FixedLevel(F(0), sign))
-    told = symmetric_in_full(replace(claimed(), system=on_sheet_of_sign), "", ())
-    assert f"on the level H = 0, u2 being its {word} solution" in told
-    lifted = replace(halo("earth-moon", "touch_and_go", ("1e-9",) * 3), level_sign=sign)
-    told = symmetric_in_full(lifted, "", ())
-    assert f"where {lifted.system.level_coordinate} is the {word} solution of H = " in told
 
 
 def test_a_coordinate_of_no_certain_sign_is_on_no_sheet() -> None:

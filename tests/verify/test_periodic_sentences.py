@@ -6,11 +6,10 @@ import random
 import re
 from dataclasses import replace
 from fractions import Fraction
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from flint import acb, arb, ctx
+from flint import arb, ctx
 from support import periodic_cases as cases
 
 from orbitproof.shared.errors import InputError
@@ -25,7 +24,6 @@ from orbitproof.verify.periodic import (
     multipliers_of,
     prove_periodic,
 )
-from orbitproof.verify.periodic.multipliers import Multipliers
 from orbitproof.verify.poincare import IntegratorSettings
 from orbitproof.verify.words.periodic import linear_in_words, periodic_found, periodic_in_words, setting_in_section
 
@@ -85,19 +83,6 @@ def test_a_section_is_told_as_it_is(seed: int) -> None:
     for direction, word in ((1, "grows"), (-1, "falls")):
         told = "\n".join(setting_in_section(replace(claim, direction=direction)))
         assert f"where the left side {word} in time." in told
-
-
-@pytest.mark.parametrize(("inside", "on", "outside", "undecided"), [
-    (2, 0, 0, 0), (1, 0, 1, 0), (0, 0, 2, 0), (1, 0, 0, 1), (0, 2, 0, 0), (0, 0, 1, 1), (0, 0, 0, 2),
-])  # fmt: skip
-def test_an_orbit_is_told_to_be_stable_or_unstable_by_its_multipliers(
-    inside: int, on: int, outside: int, undecided: int
-) -> None:
-    counted = Multipliers((acb(0), acb(1)), inside, on, outside, undecided, 1)
-    found: Any = SimpleNamespace(point={"x": arb(1)}, period=arb(2), multipliers=counted)
-    told = list(periodic_found(cases.in_plane(HALF_TURN, 1, [ONE, ZERO, ZERO, ZERO], WIDTH), found))
-    assert ("The orbit is unstable." in told) == (outside > 0)
-    assert ("The orbit is asymptotically stable, with asymptotic phase." in told) == (inside == 2)
 
 
 def test_in_the_plane_no_multiplier_is_left_on_a_level() -> None:

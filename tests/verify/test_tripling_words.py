@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
@@ -57,16 +56,6 @@ def test_other_tuplings_do_not_use_a_symmetry_that_a_claim_names() -> None:
     assert not touching.is_tangential
     assert "exchanged" not in kind_in_words(touching)
     assert "which also has one point for every such value" in kind_in_words(touching)
-
-
-@pytest.mark.parametrize("crossings", [1, 2, 4])
-def test_as_many_crossings_as_come_before_the_end_are_told_to_be_off_the_fixed_set(crossings: int) -> None:
-    theorem = proof(outcome_of("k=2")).theorem
-    assert isinstance(theorem, BifurcationTheorem)
-    told = theorem_in_words(replace(theorem, claim=replace(theorem.claim, crossings=crossings)))
-    meets = f"is in Fix(R) when it meets the section for the first {crossings - 1} times"
-    assert (f"power P = (Poincare map)^{crossings} of" in told, meets in told) == (crossings > 1, crossings > 1)
-    assert "no further R-symmetric point x with P^4(x) = x" in told
 
 
 def new_points(system: ReversibleMap, nu: float) -> int:

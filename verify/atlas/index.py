@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -61,7 +61,7 @@ from orbitproof.verify.index import (
     stretch_of,
 )
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import Bound, ListedPlace, ProvedList, StabilityResult, conclude_list, name_of
+from orbitproof.verify.stability import Bound, ListedPlace, ProvedList, StabilityResult, conclude_list
 from orbitproof.verify.words.index import index_in_words
 
 SCHEMA = "index-certificate"
@@ -284,10 +284,8 @@ def _told(outcome: Outcome[ProvedIndex], known: _Known, rests_on: IndexedCurve) 
 
 
 def _listed(known: _Known, bound: Bound) -> ListedPlace:
-    piece = known.curve.chain.stretches[bound.stretch].tube.piece.id
-    return ListedPlace(
-        tuple(name_of(what) for what in bound.what), piece, (shortened(bound.lower, -1), shortened(bound.upper, 1))
-    )
+    place = ListedPlace.of(bound, known.curve.chain)
+    return replace(place, interval=(shortened(bound.lower, -1), shortened(bound.upper, 1)))
 
 
 def checked_index(document: Mapping[str, Any], curve: AtlasCertificate, examined: Recheck) -> Recheck:

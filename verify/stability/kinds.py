@@ -88,3 +88,8 @@ def name_of(what: Kind | What) -> Any:
     if isinstance(what, Found):
         return what.kind.value
     return {"k": what.k, "j": what.j} if isinstance(what, Resonance) else what.value
+
+
+def short_name(what: What) -> str:
+    """How a line of text names it."""
+    return f"k = {what.k}, j = {what.j}" if isinstance(what, Resonance) else str(name_of(what))

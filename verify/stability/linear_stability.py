@@ -13,7 +13,7 @@ from orbitproof.shared.claims.fields import PieceId, Short
 from orbitproof.verify.curve import Chain
 from orbitproof.verify.distances import Ranges, ranges_between, together
 from orbitproof.verify.evidence import enclose, is_positive
-from orbitproof.verify.stability.kinds import CurveEnd, Kind, Subject, What, may_change_stability
+from orbitproof.verify.stability.kinds import CurveEnd, Kind, Subject, What, may_change_stability, short_name
 from orbitproof.verify.stability.list_entries import CompleteList, Point, Segment
 from orbitproof.verify.stability.zeros import ends_of
 
@@ -46,6 +46,12 @@ class ListedPlace:
     what: tuple[Short, ...]
     piece: PieceId
     interval: tuple[Fraction, Fraction]
+
+    @staticmethod
+    def of(bound: Bound, chain: Chain) -> ListedPlace:
+        """Of an end of an interval, exactly."""
+        piece = chain.stretches[bound.stretch].tube.piece.id
+        return ListedPlace(tuple(map(short_name, bound.what)), piece, (bound.lower, bound.upper))
 
 
 @dataclass(frozen=True)

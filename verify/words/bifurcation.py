@@ -3,32 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Protocol
 
 from flint import arb
 
 from orbitproof.shared.formats import FOLD, Candidate
-from orbitproof.verify.bifurcation import TheoremInBox, parameter_name
+from orbitproof.verify.bifurcation import BifurcationResults, TheoremInBox, parameter_name
 from orbitproof.verify.claim import claim_in_words, sheet_in_words
 from orbitproof.verify.evidence import decimal_interval, located
 
 _DIGITS = 40
-
-
-class Located(Protocol):
-    """What is known of a proved bifurcation: a certificate, or results."""
-
-    @property
-    def point(self) -> Mapping[str, arb]:
-        """Enclosures of its coordinates on Fix(R)."""
-
-    @property
-    def parameter(self) -> arb | None:
-        """Enclosure of the parameter."""
-
-    @property
-    def side(self) -> str | None:
-        """Parameter values at which there are new orbits."""
 
 
 def bifurcation_in_words(theorem: TheoremInBox) -> str:
@@ -56,9 +39,8 @@ def _statement(candidate: Candidate) -> str:
         f", and none with P^(2i)(x) = x for an i < {k} off the first curve." if k > 1 else "."
     )
     if m > 1:
-        others += (
-            f" No orbit that starts in the box is in Fix(R) when it meets the section for the first {m - 1} times."
-        )
+        times = "time" if m == 2 else f"{m - 1} times"
+        others += f" No orbit that starts in the box is in Fix(R) when it meets the section for the first {times}."
     level = system.fixed_level
     if level is not None:
         where_level = f"{system.first_integral_name or 'H'} = {level.value}"
@@ -130,12 +112,11 @@ _SIDES = {
 }
 
 
-def found_in_words(found: Located, claim: Candidate, point: Mapping[str, arb]) -> Sequence[str]:
+def found_in_words(found: BifurcationResults, claim: Candidate, point: Mapping[str, arb]) -> Sequence[str]:
     """What was found, in lines: parameter and side of `found`, and its point by names as they are written."""
     where = ", ".join(located(name, ball, _DIGITS) for name, ball in point.items())
-    parameter = "not finite" if found.parameter is None else decimal_interval(found.parameter, _DIGITS)
     return [
         f"The bifurcation point has {where}.",
-        f"The parameter there, {parameter_name(claim)}, lies in {parameter}.",
-        f"The {'two' if claim.kind == FOLD else 'new'} orbits exist {_SIDES[str(found.side)]}.",
+        f"The parameter there, {parameter_name(claim)}, lies in {decimal_interval(found.parameter, _DIGITS)}.",
+        f"The {'two' if claim.kind == FOLD else 'new'} orbits exist {_SIDES[found.side]}.",
     ]

@@ -161,7 +161,7 @@ def statement_across(atlas: Atlas, across: ListAcross) -> str:
         stable,
     )
     if not (stable or unknown):
-        lines.append(f"For no orbit of {part(atlas)} they are linearly stable.")
+        lines.append(f"For no orbit of {part(atlas)} are they linearly stable.")
     lines += itemised("It is not decided whether they are linearly stable at and between these places:", unknown)
     lines += itemised("Not covered, out of the plane:", map(gap_in_words, found.gaps))
     return "\n".join(lines)

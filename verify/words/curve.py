@@ -157,7 +157,7 @@ def _bifurcation(atlas: Atlas, entry: Bifurcation) -> str:
         "touch_and_go": f"touch-and-go of order {entry.k}",
         "krein_collision": "Krein collision",
         "reversor_breaking": "loss of R",
-    }.get(entry.kind, entry.kind)
+    }.get(entry.kind, entry.kind.replace("_", " "))
     assert entry.place is not None
     # Of a first integral it is a title.
     own = names_in_words(atlas.system) if entry.parameter_name == atlas.system.family_parameter else {}

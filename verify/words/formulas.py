@@ -102,6 +102,12 @@ def _unused(inputs: Sequence[str]) -> list[str]:
     return [*letters, *(f"u{number}" for number in range(1, 1000))]
 
 
+def free_letter(system: ReversibleSystem, letter: str) -> str:
+    """A letter of a theorem, and what stands for it where somebody's coordinate or parameter is called so."""
+    names = (*system.state, *system.parameters)
+    return next(each for each in (letter, *(f"{letter}{n}" for n in range(len(names) + 1))) if each not in names)
+
+
 _TAKEN = ("c", "h", "i", "j", "s", "u")
 """Letters of theorems, which no formula of somebody's own system has for a part of it."""
 

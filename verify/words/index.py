@@ -10,7 +10,7 @@ from orbitproof.shared.wording import itemised
 from orbitproof.verify.curve import ProvedCurve, point_name, vertical_point
 from orbitproof.verify.evidence import exact_interval_text, exact_text
 from orbitproof.verify.index import CountedOrbit, IndexTheorem, Interval, ProvedIndex
-from orbitproof.verify.stability import Bound, ListedPlace, name_of
+from orbitproof.verify.stability import Bound, ListedPlace
 
 CONVENTION = (
     "It is that of the linearised flow on the level, transverse to the orbit, in a frame that is admissible in the "
@@ -38,7 +38,7 @@ def index_in_words(theorem: IndexTheorem, found: ProvedIndex, curve: ProvedCurve
             f"{_between(interval, curve)}: {_index(orbit)}"
             for interval, orbit in zip(found.intervals, found.orbits, strict=True)
         ]
-        mirrored = ", and of their mirror images," if atlas.claim.is_of_symmetric_curve else ""
+        mirrored = " and their mirror images" if atlas.claim.is_of_symmetric_curve else ""
         lines += itemised(f"All orbits{mirrored} between the places named, these not included:", entries)
     else:
         entries = [f"piece {orbit.piece}, s = {exact_text(orbit.s)}: {_index(orbit)}" for orbit in found.orbits]
@@ -69,8 +69,7 @@ def _between(interval: Interval, curve: ProvedCurve) -> str:
 
 
 def _place(bound: Bound, curve: ProvedCurve) -> str:
-    piece = curve.chain.stretches[bound.stretch].tube.piece.id
-    return place_in_words(ListedPlace(tuple(map(name_of, bound.what)), piece, (bound.lower, bound.upper)))
+    return place_in_words(ListedPlace.of(bound, curve.chain))
 
 
 def place_in_words(place: ListedPlace) -> str:

@@ -91,7 +91,7 @@ def _stability(stability: Stability, candidate: Candidate) -> Iterator[str]:
 
 
 def _distance(word: str, extremum: Extremum, name: str) -> str:
-    times = " or ".join(map(_text, extremum.times))
+    times = " and ".join(map(_text, extremum.times))
     if len(extremum.times) == 1:
         at = "at time 0 only" if extremum.times[0].is_zero() else f"at one time only, in {times}"
     else:

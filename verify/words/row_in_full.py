@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from decimal import Decimal
 from fractions import Fraction
-from itertools import count
 from math import floor, log10
 
 from orbitproof.shared.formats import Candidate
-from orbitproof.verify.bifurcation import TheoremInBox
+from orbitproof.verify.bifurcation import BifurcationResults, TheoremInBox
 from orbitproof.verify.claim import claim_in_words, inverse, keyed_in_words, sheet_in_words
 from orbitproof.verify.evidence import (
     certain_digits,
@@ -20,8 +19,8 @@ from orbitproof.verify.evidence import (
     guarded,
     symmetric,
 )
-from orbitproof.verify.words.bifurcation import Located, bifurcation_in_words, found_in_words, kind_in_words
-from orbitproof.verify.words.formulas import setting
+from orbitproof.verify.words.bifurcation import bifurcation_in_words, found_in_words, kind_in_words
+from orbitproof.verify.words.formulas import free_letter, setting
 
 _DIGITS = 40
 _BITS = 1024
@@ -59,14 +58,14 @@ def _symmetric(candidate: Candidate, theorem: str, found: Iterable[str], form: C
     yield from found
 
 
-def bifurcation_in_full(candidate: Candidate, theorem: TheoremInBox, found: Located) -> str:
+def bifurcation_in_full(candidate: Candidate, theorem: TheoremInBox, found: BifurcationResults) -> str:
     """System, boxes, theorem, what its kind of bifurcation means, and what was found."""
     form = theorem.claim if theorem.in_own_box else None
     told = _bifurcation_found(claim_in_words(form or candidate), candidate, found)
     return symmetric_in_full(candidate, bifurcation_in_words(theorem), told, form)
 
 
-def _bifurcation_found(claim: Candidate, candidate: Candidate, found: Located) -> Iterator[str]:
+def _bifurcation_found(claim: Candidate, candidate: Candidate, found: BifurcationResults) -> Iterator[str]:
     yield kind_in_words(claim)
     yield from found_in_words(found, claim, keyed_in_words(candidate.system, found.point))
 
@@ -99,8 +98,7 @@ def _box(claim: Candidate, is_form: bool) -> Iterator[str]:
 def _set(claim: Candidate, where: str) -> Iterator[str]:
     """The box as a set, exactly by reference to the numbers of the statement, and in decimals."""
     radii = ", ".join(exact_text(radius) for radius in claim.radii)
-    names = (*claim.system.state, *claim.system.parameters)
-    c, p = (next(each for each in _letters(letter) if each not in names) for letter in "cp")
+    c, p = (free_letter(claim.system, letter) for letter in "cp")
     yield (
         f"  all points {c} + A {p} with |{p}_i| <= R_i, where {c}, A and R are exactly centre, frame and radii of "
         f"{where} in this statement; (R_i) = ({radii})."
@@ -117,12 +115,6 @@ def _set(claim: Candidate, where: str) -> Iterator[str]:
             for row, radius in zip(rows, claim.radii, strict=True)
         )
         yield f"  It contains every point whose coordinates differ from those of {c} by at most {_below(reach)}."
-
-
-def _letters(letter: str) -> Iterator[str]:
-    """The letter, and what stands for it where somebody's coordinate is called so."""
-    yield letter
-    yield from (f"{letter}{number}" for number in count())
 
 
 def _below(value: Fraction) -> str:

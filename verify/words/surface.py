@@ -26,6 +26,7 @@ def surface_in_words(theorem: SurfaceTheorem, surface: ProvedSurface) -> str:
     atlas = atlas_in_words(atlas)
     height = min(entry.z for entry in heights)
     system, claim = atlas.system, atlas.claim
+    further = _meaning(atlas, height, family)
     parameter = system.fixed_parameters[0]
     symmetry = claim.symmetry
     signs = system.symmetries[symmetry or ""]
@@ -47,7 +48,7 @@ def surface_in_words(theorem: SurfaceTheorem, surface: ProvedSurface) -> str:
         f"the coordinates ({', '.join(names)}), has these properties.",
         f"1. X({parameter}, 0) is a symmetry breaking bifurcation of P^2, with {level} as parameter: a pair of "
         f"R-symmetric periodic orbits, exchanged by {symmetry}, branches off from the family of R- and "
-        f"{symmetry}-symmetric ones. {_which_family(family)}",
+        f"{symmetry}-symmetric ones. {_which_family(family if further else None)}",
         f"2. X({parameter}, {odd}) is the initial condition of an R-symmetric periodic orbit, P^2(X) = X; if {odd} is "
         f"not 0, it is none of the orbits that {symmetry} fixes point by point.",
     ]
@@ -65,7 +66,6 @@ def surface_in_words(theorem: SurfaceTheorem, surface: ProvedSurface) -> str:
     ]
     if half_period.is_finite():
         paragraphs.append(f"All half periods lie in {range_text(half_period, 4)}.")
-    further = _meaning(atlas, height, family)
     return "\n".join([*paragraphs, *([further] if further else [])])
 
 
