@@ -1,0 +1,286 @@
+"""Lists of curves in several parts, with several zeros, gaps, certificates and arcs: each of them counts."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction as Q
+from itertools import pairwise, permutations
+from math import cos, pi
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from flint import arb, ctx
+
+from orbitproof.shared.claims.web import Meeting, Web, WebArc
+from orbitproof.verify.algebra import ball_polynomial
+from orbitproof.verify.curve import Bifurcation, PlaceOnCurve
+from orbitproof.verify.distances.ranges import Extreme, KnownDistances, PartOfInterval, Where
+from orbitproof.verify.evidence import EmptyIntersectionError, enclose
+from orbitproof.verify.functions import BoundedFunction
+from orbitproof.verify.stability import (
+    BAND,
+    CompleteList,
+    Gap,
+    Kind,
+    Matter,
+    Point,
+    Resonance,
+    Segment,
+    StableInterval,
+    may_change_stability,
+    stable_intervals,
+)
+from orbitproof.verify.stability import complete_list as lists
+from orbitproof.verify.stability.matching import with_certificates
+from orbitproof.verify.web.proved_web import parts_of
+
+STRETCHES = 4
+ATLAS: Any = SimpleNamespace(system=SimpleNamespace(normalised={}, centre_coordinates=()))
+
+
+@pytest.fixture(autouse=True)
+def _precision(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.setattr(lists, "point_over", lambda stretch, s: ())
+    with ctx.workprec(192):
+        yield
+
+
+Polynomial = list[Q]
+
+
+def at(function: Polynomial, place: Q) -> Q:
+    return sum((c * place**n for n, c in enumerate(function)), Q(0))
+
+
+def along(function: Polynomial, middle: Q, radius: Q) -> BoundedFunction:
+    """As a function of tau, place = middle + radius tau."""
+    result = [Q(0)] * len(function)
+    power = [Q(1)]
+    for c in function:
+        for n, each in enumerate(power):
+            result[n] += c * each
+        power = [
+            middle * low + radius * high
+            for low, high in zip([*power, Q(0)], [Q(0), *power], strict=True)
+        ]  # fmt: skip
+    return BoundedFunction(ball_polynomial(result), arb(0))
+
+
+def distances(function: Polynomial, middle: Q, radius: Q, cut: Q) -> KnownDistances:
+    """The least one grows and the greatest falls along the curve, in two parts."""
+    ends = [Q(-1), cut, Q(1)]
+    parts = tuple(
+        PartOfInterval(
+            low, high,
+            *(
+                Extreme((enclose(at(function, middle + radius * low)).union(
+                    enclose(at(function, middle + radius * high)))) * factor, Where.ALONG)
+                for factor in (1, 3)
+            ),
+        )
+        for low, high in pairwise(ends)
+    )  # fmt: skip
+    known = along(function, middle, radius)
+    return KnownDistances(known, known, parts)
+
+
+class Known:
+    """A curve in stretches of length 2, each of two or three segments, along which all functions are known."""
+
+    def __init__(self, seed: int, factors: tuple[int, int] = (72, 80)) -> None:
+        chance = self.chance = random.Random(seed)
+        # A stability parameter that goes from beyond -1 to beyond 1 and back again and again.
+        factor, shift = Q(chance.randint(*factors), 64), Q(chance.choice((-3, -1, 1, 3)), 61)
+        self.extremes = {STRETCHES * cos(pi * n / 5): float((-1) ** n * factor + shift) for n in range(1, 5)}
+        chebyshev = [[Q(1)], [Q(0), Q(1, STRETCHES)]]
+        for _ in range(4):
+            twice = [Q(0), *(2 * c / STRETCHES for c in chebyshev[-1])]
+            chebyshev.append([a - b for a, b in zip(twice, [*chebyshev[-2], Q(0), Q(0)], strict=True)])
+        self.parameter = [factor * c for c in chebyshev[-1]]
+        self.parameter[0] += shift
+        self.half_period = [Q(20), Q(chance.choice((-1, 1))), Q(chance.randint(-4, 4), 64)]
+        self.square = [Q(10), Q(1)]
+        stretches, segments, points, extrema = [], [], [], []
+        for number in range(STRETCHES):
+            piece = SimpleNamespace(id=f"p{number}")
+            tube = SimpleNamespace(piece=piece, is_symmetric=False)
+            stretch: Any = SimpleNamespace(tube=tube, enters=Q(-1), entered=Q(-1), leaves=Q(1))
+            stretches.append(stretch)
+            cuts = sorted(Q(chance.randint(-48, 48), 64) for _ in range(chance.choice((1, 2))))
+            for low, high in pairwise([Q(-1), *cuts, Q(1)]):
+                if low < high:
+                    segments.append(self._segment(number, low, high))
+                    finder = lists.Finder(ATLAS, stretch, segments[-1])
+                    for k, j in lists.orders(6):
+                        finder.resonances(k, j)
+                    assert not finder.gaps
+                    finder.turns()
+                    points += finder.points
+                    extrema += finder.extrema
+        self.chain: Any = SimpleNamespace(stretches=stretches)
+        self.found = CompleteList(6, 1, tuple(points), (), tuple(segments), tuple(extrema))
+
+    def _segment(self, number: int, low: Q, high: Q) -> Segment:
+        middle, radius = (low + high) / 2, (high - low) / 2 * Q(17, 16)
+        there = 2 * number + 1 - STRETCHES + middle
+        own = [along(each, there, radius) for each in (self.parameter, [Q(0), Q(1)], self.half_period)]
+        cut = Q(self.chance.randint(-32, 32), 64)
+        return Segment(
+            number, low, low, high, middle, radius, (own[0],), own[1], own[2], own[1],
+            distances(self.square, there, radius, cut),
+        )  # fmt: skip
+
+    @property
+    def places(self) -> list[tuple[int, Q]]:
+        """Stretch and s of places all along."""
+        return [(number, Q(2 * n + 1, 64) - 1) for number in range(STRETCHES) for n in range(64)]
+
+    @staticmethod
+    def place(number: int, s: Q) -> Q:
+        return 2 * number + 1 - STRETCHES + s
+
+
+def is_in(entry: StableInterval, number: int, s: Q) -> bool:
+    begin, end = entry.begin, entry.end
+    return (begin.stretch, begin.upper) < (number, s) < (end.stretch, end.lower)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_all_zeros_of_all_parts_are_listed(seed: int) -> None:
+    known = Known(seed)
+    places = [(0, Q(-1)), *known.places, (STRETCHES - 1, Q(1))]
+    for k, j in lists.orders(6):
+        value = cos(2 * pi * j / k)
+        signs = [float(at(known.parameter, known.place(*each))) > value for each in places]
+        crossed = [place for place, pair in zip(pairwise(places), pairwise(signs), strict=True) if pair[0] != pair[1]]
+        points = [point for point in known.found.points if (point.k, point.j) == (k, j)]
+        assert len(points) == len(crossed)
+        for point, (before, after) in zip(points, crossed, strict=True):
+            here = (point.stretch, float(point.s.mid()))
+            assert (before[0], float(before[1])) <= here <= (after[0], float(after[1]))
+            assert point.half_period.overlaps(enclose(at(known.half_period, known.place(*before))).union(
+                enclose(at(known.half_period, known.place(*after)))))  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_all_extrema_of_all_parts_are_listed_but_for_those_beyond_the_band(seed: int) -> None:
+    known = Known(seed, (56, 80))
+    expected = {place: value for place, value in known.extremes.items() if abs(value) < BAND}
+    assert len(known.found.extrema) == len(expected)
+    for entry, place in zip(known.found.extrema, sorted(expected), strict=True):
+        assert entry.in_band
+        assert float(known.place(entry.stretch, Q(0))) + float(entry.s.mid()) == pytest.approx(place)
+        assert float(entry.value.mid()) == pytest.approx(expected[place])
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("open_places", [0, 3])
+def test_orbits_are_stable_where_all_parts_say_so_and_between_their_ranges(seed: int, open_places: int) -> None:
+    known = Known(seed)
+    chance, subjects = known.chance, [Matter.EVERYTHING, Matter.COLLISION, Resonance(1, 0), Resonance(2, 1)]
+    gaps = []
+    for number in chance.sample(range(STRETCHES), open_places):
+        low = Q(chance.randint(-60, 50), 64)
+        gaps.append(Gap(number, f"p{number}", low, low + Q(chance.randint(1, 8), 64), chance.choice(subjects), ""))
+    harmless = [Gap(0, "p0", Q(-1, 2), Q(1, 2), subject, "") for subject in (Resonance(3, 1), Matter.EXTREMA)]
+    assert not any(may_change_stability(gap.subject) for gap in harmless)
+    found = replace(known.found, gaps=(*gaps, *harmless))
+    stable, unknown = stable_intervals(known.chain, found, False)
+    assert len(stable) > 3
+    for number, s in known.places:
+        place = known.place(number, s)
+        is_open = [gap for gap in gaps if gap.stretch == number and gap.start <= s <= gap.end]
+        inside = [entry for entry in stable if is_in(entry, number, s)]
+        if is_open:
+            assert not inside
+            (gap,) = is_open
+            assert any(
+                entry.begin is entry.end and gap.subject in entry.begin.what
+                and entry.begin.lower <= gap.start and gap.end <= entry.begin.upper and entry.begin.stretch == number
+                for entry in unknown
+            )  # fmt: skip
+        else:
+            assert bool(inside) == (abs(at(known.parameter, place)) < 1)
+        for entry in inside:
+            ranges = entry.ranges
+            assert ranges is not None
+            assert ranges.half_period.contains(enclose(at(known.half_period, place)).mid())
+    for entry in stable:
+        assert entry.ranges is not None
+        first, last = (
+            known.place(entry.begin.stretch, entry.begin.lower),
+            known.place(entry.end.stretch, entry.end.upper),
+        )
+        # The least of a part is at its first orbit, the greatest at its last.
+        least, greatest = entry.ranges.least, entry.ranges.greatest
+        assert least is not None
+        assert greatest is not None
+        assert least.square.contains(enclose(at(known.square, first)).mid())
+        assert greatest.square.contains(enclose(3 * at(known.square, last)).mid())
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_each_certificate_is_with_the_point_that_it_is_about(seed: int) -> None:
+    """Several on one point, none on others, beside gaps; each of all that are on no point is refused."""
+    known, chance = Known(seed), random.Random(seed)
+    points = [replace(point, kind=_certified(point)) for point in known.found.points]
+    wanted: list[tuple[str, ...]] = [() for _ in points]
+    entries = []
+    for number in range(3 * len(points) // 2):
+        at_point = chance.randrange(len(points))
+        point, name = points[at_point], f"row-{number}"
+        other_point = point.kind is Kind.THERE
+        kind = "fold" if point.kind is Kind.FOLD else "period_tupling"
+        entries.append(_entry(name, kind, point, other_point))
+        wanted[at_point] = (*wanted[at_point], name)
+    beside = [Gap(0, "p0", Q(-1), Q(-1), Resonance(7, 1), ""), Gap(9, "p9", Q(-1), Q(1), Matter.EVERYTHING, "")]
+    assert [point.certificates for point in with_certificates(points, beside, entries)] == wanted
+    for entry in chance.sample(entries, 4):
+        assert entry.place is not None
+        away = replace(entry, place=replace(entry.place, s=entry.place.s + arb(2) ** -20))
+        with pytest.raises(EmptyIntersectionError, match="is no zero"):
+            with_certificates(points, beside, [*entries, away])
+        here = Gap(0, entry.place.piece, Q(-1), Q(1), Resonance(entry.k, 1), "")
+        found = with_certificates(points, [*beside, here], [*entries, away])
+        hidden = {
+            each.id for each in entries if each.place and (each.k, each.place.piece) == (entry.k, entry.place.piece)
+        }
+        expected = [tuple(name for name in names if name not in hidden) for names in wanted]
+        assert [point.certificates for point in found] == expected
+
+
+def _certified(point: Point) -> Kind:
+    return Kind.FOLD if point.k == 1 else point.kind
+
+
+def _entry(name: str, kind: str, point: Point, other_point: bool) -> Bifurcation:
+    return Bifurcation(name, kind, point.k, PlaceOnCurve(point.piece, point.s, False, other_point), "", {})
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_arcs_hang_together_by_all_vertices_that_they_share(seed: int) -> None:
+    chance = random.Random(seed)
+    names = [f"a{number}" for number in range(8)]
+    meets = {name: chance.sample([f"v{number}" for number in range(9)], chance.randint(0, 2)) for name in names}
+    arcs = tuple(WebArc(name, tuple(Meeting(vertex, "passes through") for vertex in meets[name])) for name in names)
+    near = {(one, other) for one, other in permutations(names, 2) if set(meets[one]) & set(meets[other])}
+    expected: list[tuple[str, ...]] = []
+    for name in names:
+        if not any(name in part for part in expected):
+            reached = {name}
+            while more := {other for one, other in near if one in reached} - reached:
+                reached |= more
+            expected.append(tuple(each for each in names if each in reached))
+    assert parts_of(Web("web", "a web", arcs)) == tuple(expected)
+
+
+def test_parts_are_joined_in_any_order() -> None:
+    """A chain of arcs, whichever is first."""
+    for order in permutations(range(4)):
+        arcs: Sequence[WebArc] = [
+            WebArc(f"a{n}", tuple(Meeting(f"v{m}", "passes through") for m in (n, n + 1))) for n in order
+        ]
+        assert parts_of(Web("web", "a web", tuple(arcs))) == (tuple(arc.id for arc in arcs),)
