@@ -25,7 +25,17 @@ from orbitproof.verify.curve import PieceLimits, conclude, prove_piece
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import TubeOfOrbits, orbit_functions, stability_of_piece, stability_slope_bits
+from orbitproof.verify.stability import (
+    Gap,
+    Matter,
+    Resonance,
+    TubeOfOrbits,
+    orbit_functions,
+    stability_of_piece,
+    stability_slope_bits,
+)
+from orbitproof.verify.stability.across_list import list_across
+from orbitproof.verify.stability.complete_list import PRECISION, complete_list
 
 Make = Callable[[int], SkewProduct]
 
@@ -98,6 +108,24 @@ def test_out_of_a_plane_nothing_is_said_without_the_symmetry_of_the_curve(power:
     found = results(system, atlas, split=True)
     complete = with_complete_list(replace(atlas, system=other), found, conclude(atlas, values(found)), 2)["complete"]
     assert ("out_of_plane" in complete) == (power == 2)
+
+
+def test_out_of_a_plane_only_that_is_open_which_is_open_for_all_functions() -> None:
+    system = SYSTEMS["in a plane"](3)
+    atlas = claimed(system)
+    found = values(results(system, atlas))
+    outcome = conclude(atlas, found).outcome
+    assert isinstance(outcome, Proved)
+    chain = outcome.results.chain
+    with ctx.workprec(PRECISION):
+        plane = complete_list(atlas, chain, found, 4)
+        subjects = (Matter.EVERYTHING, Matter.COLLISION, Resonance(1, 0), Resonance(2, 1), Matter.EVERYTHING)
+        gaps = tuple(Gap(0, "p", Fraction(n), Fraction(n), subject, "") for n, subject in enumerate(subjects))
+        alone, beside = (list_across(atlas, chain, replace(plane, gaps=own), ()) for own in ((), gaps))
+    assert alone is not None
+    assert beside is not None
+    assert set(beside.found.gaps) - set(alone.found.gaps) == {gaps[0], gaps[-1]}
+    assert repr(beside.found.points) == repr(alone.found.points)
 
 
 Change = Callable[[dict[str, Any]], None]

@@ -13,12 +13,13 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx
+from support.curve_sentences import of_curve
 
 from orbitproof.shared.claims.web import Meeting, Web, WebArc
 from orbitproof.verify.algebra import ball_polynomial
 from orbitproof.verify.curve import Bifurcation, PlaceOnCurve
 from orbitproof.verify.distances.ranges import Extreme, KnownDistances, PartOfInterval, Where
-from orbitproof.verify.evidence import EmptyIntersectionError, enclose
+from orbitproof.verify.evidence import EmptyIntersectionError, enclose, excludes_zero, up_to
 from orbitproof.verify.functions import BoundedFunction
 from orbitproof.verify.stability import (
     BAND,
@@ -30,11 +31,15 @@ from orbitproof.verify.stability import (
     Resonance,
     Segment,
     StableInterval,
+    extrema_on,
+    left_open,
     may_change_stability,
     stable_intervals,
 )
 from orbitproof.verify.stability import complete_list as lists
+from orbitproof.verify.stability.level import Level
 from orbitproof.verify.stability.matching import with_certificates
+from orbitproof.verify.stability.zeros import Zeros
 from orbitproof.verify.web.proved_web import parts_of
 
 STRETCHES = 4
@@ -90,7 +95,7 @@ def distances(function: Polynomial, middle: Q, radius: Q, cut: Q) -> KnownDistan
 class Known:
     """A curve in stretches of length 2, each of two or three segments, along which all functions are known."""
 
-    def __init__(self, seed: int, factors: tuple[int, int] = (72, 80)) -> None:
+    def __init__(self, seed: int, factors: tuple[int, int] = (72, 80), parameter: Polynomial | None = None) -> None:
         chance = self.chance = random.Random(seed)
         # A stability parameter that goes from beyond -1 to beyond 1 and back again and again.
         factor, shift = Q(chance.randint(*factors), 64), Q(chance.choice((-3, -1, 1, 3)), 61)
@@ -101,6 +106,7 @@ class Known:
             chebyshev.append([a - b for a, b in zip(twice, [*chebyshev[-2], Q(0), Q(0)], strict=True)])
         self.parameter = [factor * c for c in chebyshev[-1]]
         self.parameter[0] += shift
+        self.parameter = parameter or self.parameter
         self.half_period = [Q(20), Q(chance.choice((-1, 1))), Q(chance.randint(-4, 4), 64)]
         self.square = [Q(10), Q(1)]
         stretches, segments, points, extrema = [], [], [], []
@@ -222,6 +228,92 @@ def test_orbits_are_stable_where_all_parts_say_so_and_between_their_ranges(seed:
         assert greatest.square.contains(enclose(3 * at(known.square, last)).mid())
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_a_loop_goes_on_over_the_place_where_it_is_cut_unless_something_is_open_there(seed: int) -> None:
+    """All orbits are stable but for those beside gaps, of which some reach an end."""
+    known, chance = Known(seed, parameter=[Q(3, 7)]), random.Random(seed)
+    last = STRETCHES - 1
+    inner = [Gap(n, f"p{n}", Q(-1, 4), Q(1, 4), Matter.COLLISION, "") for n in chance.sample(range(STRETCHES), 2)]
+    beginning = Gap(0, "p0", Q(-1), Q(-3, 4), Matter.EVERYTHING, "")
+    end = Gap(last, f"p{last}", Q(3, 4), Q(1), Resonance(1, 0), "")
+    for at_ends in ([], [beginning], [end], [beginning, end]):
+        found = replace(known.found, gaps=(*inner, *at_ends))
+        stable, unknown = stable_intervals(known.chain, found, True)
+        opened, _ = stable_intervals(known.chain, found, False)
+        assert len(opened) == 3
+        assert len(unknown) == 2 + len(at_ends)
+        assert len(stable) == (2 if not at_ends else 3)
+        if not at_ends:
+            assert (stable[0].begin, stable[0].end) == (opened[-1].begin, opened[0].end)
+            assert stable[0].pieces == (opened[-1].pieces[0], opened[0].pieces[1])
+            ranges, parts = stable[0].ranges, [entry.ranges for entry in (opened[-1], opened[0])]
+            assert ranges is not None
+            assert all(part is not None and ranges.half_period.contains(part.half_period) for part in parts)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_of_many_stationary_points_each_is_found_or_open(seed: int) -> None:
+    """Simple zeros of the derivative are found, double ones and that at the joint are open."""
+    chance = random.Random(seed)
+    places = sorted(Q(n, 16) for n in chance.sample(range(-12, 13, 3), 5))
+    double = chance.sample(places, 3)
+    slope = [Q(1)]
+    for root in (*places, *double):
+        slope = [a - root * b for a, b in zip([Q(0), *slope], [*slope, Q(0)], strict=True)]
+    trace = [Q(chance.randint(-8, 8), 16), *(c / (n + 1) for n, c in enumerate(slope))]
+    entered = places[0] + Q(1, 32)
+    flat = along([Q(1)], Q(0), Q(1))
+    ends = places[0] - Q(1, 32), entered, Q(15, 16)
+    segment = Segment(0, *ends, Q(0), Q(1), (along(trace, Q(0), Q(1)),), flat, flat, flat)
+    found, undecided = extrema_on(segment, 0)
+    for root in places:
+        parts = [part for part in undecided if part[0] <= root <= part[1]]
+        near = [value for place, value in found if abs(float(place.mid()) - float(root)) < 1e-6]
+        if root < entered or root in double:
+            assert (len(parts), near) == (1, [])
+        else:
+            (value,) = near
+            assert value.overlaps(enclose(at(trace, root)))
+            assert parts == []
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_derivative_of_the_level_is_as_large_as_is_recorded_on_all_parts_of_a_piece(seed: int) -> None:
+    chance, level = random.Random(seed), Level(of_curve("list"))
+    least = {f"p{number}": (Q(chance.randint(1, 99), 100), Q(chance.randint(-60, 60), 64)) for number in range(3)}
+
+    def gradient(_: Any, stretch: Any, low: Q, high: Q) -> list[arb]:
+        size, place = least[stretch.tube.piece.id]
+        away = enclose(low - place).union(enclose(high - place))
+        square = away * away if excludes_zero(away) else up_to((away * away).abs_upper())
+        return [enclose(size) + square, arb(0, 1)]
+
+    level._gradient = gradient  # type: ignore[method-assign]
+    flat = along([Q(1)], Q(0), Q(1))
+    for number in range(3):
+        stretch: Any = SimpleNamespace(tube=SimpleNamespace(piece=SimpleNamespace(id=f"p{number}")))
+        ends = [Q(-1), *sorted(Q(chance.randint(-60, 60), 64) for _ in range(3)), Q(1)]
+        parts = [Segment(number, low, low, high, Q(0), Q(1), (flat,), flat, flat, flat) for low, high in pairwise(ends)]
+        chance.shuffle(parts)
+        regular, gaps = level.regular(stretch, parts)
+        assert [(part.start, part.end) for part in regular] == [(part.start, part.end) for part in parts]
+        assert gaps == []
+    (hypothesis,) = level.hypotheses
+    for name, (size, _) in least.items():
+        (bound,) = [ball for key, ball in hypothesis.enclosures.items() if f"on {name}," in key]
+        assert 0 < float(bound.mid()) <= float(size) + 1e-12
+
+
+def test_a_list_is_open_where_something_inside_is_undecided_and_not_at_the_ends_alone() -> None:
+    inner = Q(-3, 4), Q(3, 4)
+    ends, inside = ((Q(-1), Q(-3, 4)), (Q(3, 4), Q(1))), ((Q(-1), Q(-1, 2)), (Q(0), Q(1, 8)), (Q(5, 8), Q(1)))
+    assert not left_open._is_open(Zeros((), ()), inner)
+    assert not left_open._is_open(Zeros((), ends), inner)
+    for each in inside:
+        for undecided in ((each,), (ends[0], each), (each, ends[1])):
+            assert left_open._is_open(Zeros((), undecided), inner)
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_each_certificate_is_with_the_point_that_it_is_about(seed: int) -> None:
     """Several on one point, none on others, beside gaps; each of all that are on no point is refused."""
@@ -238,6 +330,10 @@ def test_each_certificate_is_with_the_point_that_it_is_about(seed: int) -> None:
         wanted[at_point] = (*wanted[at_point], name)
     beside = [Gap(0, "p0", Q(-1), Q(-1), Resonance(7, 1), ""), Gap(9, "p9", Q(-1), Q(1), Matter.EVERYTHING, "")]
     assert [point.certificates for point in with_certificates(points, beside, entries)] == wanted
+    # Of two points that are not separated it is not known which one a certificate is about.
+    twin = replace(points[0], s=points[0].s + arb(0, 2**-30))
+    found = with_certificates([*points, twin], beside, entries)
+    assert [point.certificates for point in found] == [(), *wanted[1:], ()]
     for entry in chance.sample(entries, 4):
         assert entry.place is not None
         away = replace(entry, place=replace(entry.place, s=entry.place.s + arb(2) ** -20))

@@ -138,10 +138,11 @@ def _narrowed(function: Enclosed, lower: Fraction, upper: Fraction) -> arb:
 
 
 def _merged(intervals: Sequence[tuple[Fraction, Fraction]]) -> tuple[tuple[Fraction, Fraction], ...]:
+    """Intervals without common inner points, neighbours as one."""
     result: list[tuple[Fraction, Fraction]] = []
     for first, last in sorted(intervals):
         if result and first <= result[-1][1]:
-            result[-1] = (result[-1][0], max(last, result[-1][1]))
+            result[-1] = (result[-1][0], last)
         else:
             result.append((first, last))
     return tuple(result)
