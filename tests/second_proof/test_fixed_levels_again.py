@@ -6,7 +6,9 @@ import copy
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import cache
+from itertools import product
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -18,6 +20,7 @@ from orbitproof.verify.certificate import Limits, certify
 from orbitproof.verify.run.second_proofs import compare
 from orbitproof.verify.second_proof import BadCertificate, NotProved, Proved, proof, second_proof
 from orbitproof.verify.second_proof.fixed_level import LevelSet
+from orbitproof.verify.second_proof.halves import HalfOrbits
 from orbitproof.verify.second_proof.jets import CannotFollow, Jet
 from orbitproof.verify.second_proof.statement import Program
 
@@ -158,3 +161,13 @@ def test_a_tupling_on_a_level_in_an_interval_is_proved_again() -> None:
     assert compare(entry, found).verdict == "agrees"
     entry["statement"]["candidate"]["system"]["fixed_level"]["between"] = ["-2", "2"]
     assert isinstance(second_proof(entry), NotProved)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_points_are_on_the_sheet_that_is_claimed_and_at_no_other_time(sign: int) -> None:
+    orbits = object.__new__(HalfOrbits)
+    claim: Any = SimpleNamespace(sheet=(2, sign), system=SimpleNamespace(state=("a", "b", "w")))
+    orbits.claim, orbits.places, orbits.time = claim, [1, 2], 2
+    for w, time in product((arb(3), arb(-3), arb(0, 1)), (arb(1), arb(-1), arb(0, 1))):
+        holds = {check.name: check.holds for check in orbits.check_point([arb(5), w, time])}
+        assert holds == {"crossings": time > 0, "sheet": sign * w > 0}

@@ -34,7 +34,7 @@ from orbitproof.verify.bifurcation import (
     narrowed_zero,
     reduced_function,
 )
-from orbitproof.verify.bifurcation.conditions import require_inside
+from orbitproof.verify.bifurcation.conditions import _crossing, require_inside
 from orbitproof.verify.bifurcation.level_forms import _images, _is_own_box
 from orbitproof.verify.evidence import (
     Checklist,
@@ -257,6 +257,8 @@ def test_the_slope_of_the_reduced_function_is_that_over_all_of_a_curved_family(s
     reduced = reduced_function(*problem.box, curve, reduction)
     for p_0 in (F(-1, 64), F(0), F(1, 64)):
         assert reduced.slope.contains(enclose(u + 2 * t * v * p_0))
+        # G_1 along the family is (u + s v) p_0 + 2 t v p_0^2.
+        assert _crossing(problem.box[0], curve, reduction).contains(enclose(u + s * v + 4 * t * v * p_0))
 
 
 def test_the_doubly_symmetric_family_has_p_1_zero() -> None:
