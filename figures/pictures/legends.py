@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 
 from orbitproof.figures.pictures.marks import marker_size
 from orbitproof.figures.style import marker_of
+from orbitproof.verify.certificate.kinds import kind_named
 
 _LEGEND_ROW, _LEGEND_FOOT, _LABEL_HEIGHT = 0.2, 0.05, 0.44
 _KINDS = {
@@ -33,12 +34,18 @@ def legend_handles(claims: Iterable[tuple[int, str]]) -> list[Line2D]:
     labels: dict[tuple[int, str, str, str], str] = {}
     for k, kind in sorted(set(claims)):
         look = (k, *marker_of(k, kind), kind if k == 1 else "")
-        label = _DOUBLING if (k, kind) == (2, "period_tupling") else _KINDS[kind].format(k=k)
+        label = _label(kind, k)
         labels[look] = f"{labels[look]} or {label.removeprefix(f'$k={k}$, ')}" if look in labels else label
     return [
         Line2D([], [], marker=marker, color=colour, linestyle="none", markersize=marker_size(marker), label=label)
         for (_, marker, colour, _), label in labels.items()
     ]
+
+
+def _label(kind: str, k: int) -> str:
+    if (k, kind) == (2, "period_tupling"):
+        return _DOUBLING
+    return _KINDS[kind].format(k=k) if kind in _KINDS else kind_named(kind).said(k, kind)
 
 
 def verdict_handles(certified: Sequence[bool]) -> list[Line2D]:

@@ -34,6 +34,7 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import shown
+from orbitproof.verify.certificate.kinds import kind_named
 from orbitproof.verify.claim import claim_in_words, keyed_in_words, names_in_words
 from orbitproof.verify.evidence import ball_from_json, decimal_interval, exact_text, interval_text
 from orbitproof.verify.words.curve import times_are_of_quarters
@@ -72,7 +73,8 @@ _BRANCHES = {
 def kind_of(entry: Checked) -> str:
     """What a theorem is about, from the claim."""
     if isinstance(entry, CheckedRow):
-        return _KINDS[entry.candidate.kind].format(k=entry.candidate.k)
+        kind, k = entry.candidate.kind, entry.candidate.k
+        return _KINDS[kind].format(k=k) if kind in _KINDS else kind_named(kind).said(k, kind).capitalize()
     if isinstance(entry, CheckedWeb):
         return "Curves of periodic orbits joined into a graph"
     if isinstance(entry, CheckedCatalogue):

@@ -17,7 +17,7 @@ import run as faults  # noqa: E402
 
 _STEP = re.compile(r"\*\*\d\. .*?(?=\*\*\d\. |\n## )", re.DOTALL)
 _BLOCK = re.compile(r"```(diff|python)\n(.*?)```", re.DOTALL)
-_FILE = re.compile(r"`((?:shared|verify|tests)/[\w/]+\.\w+)`")
+_FILE = re.compile(r"`((?:shared|verify|tests|docs)/[\w/]+\.\w+)`")
 
 
 def changed(text: str, diff: str) -> str:
@@ -33,12 +33,13 @@ def follow(guide: str, folder: Path) -> list[str]:
     files = []
     section = guide[guide.index("## A kind of theorem") :]
     for step in _STEP.findall(section):
-        names = _FILE.findall(step)
-        for form, block in _BLOCK.findall(step):
-            path = folder / names[0]
-            text = changed(path.read_text(encoding="utf-8"), block) if form == "diff" else block
+        for block in _BLOCK.finditer(step):
+            # The file that was named last.
+            *_, name = _FILE.findall(step[: block.start()])
+            path = folder / name
+            text = changed(path.read_text(encoding="utf-8"), block[2]) if block[1] == "diff" else block[2]
             path.write_text(text, encoding="utf-8")
-            files.append(names[0])
+            files.append(name)
     return files
 
 
@@ -50,6 +51,17 @@ def in_copy(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+REPORT = """
+import sys
+sys.path.insert(0, "tests")
+from pathlib import Path
+from support.metamorphic_cases import ROWS
+from orbitproof.figures.commands.report import main
+from orbitproof.verify.certificate import certify, write_certificates
+write_certificates(Path("rows.json"), [certify(ROWS["bounded-period"]())])
+sys.exit(main(["rows.json", "-o", "report.md", "--no-pictures", "--quiet"]))
+"""
+"""A report of a certificate of the new kind."""
 FALSE = """
 import sys
 sys.path.insert(0, "tests")
@@ -66,7 +78,7 @@ print(certify(replace(ROWS["bounded-period"](), between=(Fraction(1, 99), Fracti
 def test_the_kind_of_the_guide_is_made_as_it_says_and_fulfils_the_contract(tmp_path: Path) -> None:
     faults.copied(tmp_path, ("tests", "docs"))
     files = follow((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"), tmp_path)
-    assert len(set(files)) == 5
+    assert len(set(files)) == 8
     schemas = in_copy(tmp_path, "docs/schemas.py")
     assert schemas.returncode == 0, schemas.stderr
     schema = (tmp_path / "shared/schemas/candidates.schema.json").read_text(encoding="utf-8")
@@ -75,6 +87,19 @@ def test_the_kind_of_the_guide_is_made_as_it_says_and_fulfils_the_contract(tmp_p
     found = in_copy(tmp_path, *words, "tests/soundness/test_contract.py", "tests/soundness/test_metamorphic.py")
     assert found.returncode == 0, found.stdout[-4000:]
     assert found.stdout.startswith("." * 5), found.stdout
+    chapters = in_copy(
+        tmp_path,
+        *words[:-1],
+        "not broken_links",
+        "tests/soundness/test_chapters.py",
+        "tests/soundness/test_table_of_faults.py",
+    )
+    assert chapters.returncode == 0, chapters.stdout[-4000:]
+    lint = in_copy(tmp_path, "-m", "ruff", "check", "shared", "verify", "tests")
+    assert lint.returncode == 0, lint.stdout
+    report = in_copy(tmp_path, "-c", REPORT)
+    assert report.returncode == 0, report.stderr
+    assert "Orbit with a bounded period" in (tmp_path / "report.md").read_text(encoding="utf-8")
     false = in_copy(tmp_path, "-c", FALSE)
     assert (false.returncode, false.stdout) == (0, "period\n"), false.stderr
 
