@@ -242,7 +242,8 @@ def test_tracked_files_name_no_machine_path() -> None:
 def test_every_local_link_and_picture_of_the_documents_exists() -> None:
     documents = [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), *(ROOT / "docs").glob("*/*.md")]
     for document in sorted(path for path in documents if path.parent.name != "site"):
-        for target in re.findall(r"\]\(([^)#\s]+)", document.read_text("utf-8")):
+        prose = re.sub(r"^```.*?^```", "", document.read_text("utf-8"), flags=re.DOTALL | re.MULTILINE)
+        for target in re.findall(r"\]\(([^)#\s]+)", prose):
             if "://" not in target:
                 assert (document.parent / target).exists(), f"{document.name}: {target}"
 
