@@ -19,7 +19,7 @@ from orbitproof.shared.claims.web import Meeting, Web, WebArc
 from orbitproof.verify.algebra import ball_polynomial
 from orbitproof.verify.curve import Bifurcation, PlaceOnCurve
 from orbitproof.verify.distances.ranges import Extreme, KnownDistances, PartOfInterval, Where
-from orbitproof.verify.evidence import EmptyIntersectionError, enclose, excludes_zero, up_to
+from orbitproof.verify.evidence import EmptyIntersectionError, enclose, exact_value, excludes_zero, up_to
 from orbitproof.verify.functions import BoundedFunction
 from orbitproof.verify.stability import (
     BAND,
@@ -314,6 +314,74 @@ def test_a_list_is_open_where_something_inside_is_undecided_and_not_at_the_ends_
             assert left_open._is_open(Zeros((), undecided), inner)
 
 
+@pytest.mark.parametrize("size", [1, 2])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_list_has_all_that_is_found_or_open_on_each_of_its_parts(
+    size: int, seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chance = random.Random(seed)
+
+    def function() -> BoundedFunction:
+        polynomial = [Q(chance.randint(-16, 16), 16) for _ in range(5)]
+        return replace(along(polynomial, Q(0), Q(1)), error=arb(chance.choice((2**-6, 2**-3))))
+
+    parts: dict[int, list[Segment]] = {}
+    others: dict[int, list[Gap]] = {}
+    stretches = []
+    for number in range(3):
+        tube = SimpleNamespace(piece=SimpleNamespace(id=f"p{number}", tube=(1,) * size), is_symmetric=False)
+        stretches.append(SimpleNamespace(tube=tube))
+        own = [[function() for _ in range(size + 3)] for _ in range(2)]
+        ends = (Q(-7, 8), Q(-3, 4), Q(0)), (Q(0), Q(1, 16), Q(7, 8))
+        parts[number] = [
+            Segment(number, *places, Q(0), Q(1), tuple(each[:size]), *each[size:])
+            for places, each in zip(ends, own, strict=True)
+        ]
+        others[number] = [Gap(number, f"p{number}", Q(-1), Q(n), Matter.EVERYTHING, f"{n}") for n in range(4)]
+    level: Any = SimpleNamespace(regular=lambda stretch, found: (found, others[found[0].stretch][:2]), hypotheses=())
+    monkeypatch.setattr(lists, "Level", lambda atlas: level)
+    monkeypatch.setattr(lists, "segments_of", lambda number, stretch, results: (parts[number], others[number][2:]))
+    chain: Any = SimpleNamespace(stretches=stretches)
+    found = lists.complete_list(ATLAS, chain, (), 4, combinations=True)
+    expected: dict[str, list[Any]] = {"gaps": [gap for each in others.values() for gap in each], "segments": []}
+    for number, segments in parts.items():
+        for segment in segments:
+            finder, combiner = (lists.Finder(ATLAS, chain.stretches[number], segment) for _ in range(2))
+            for k, j in lists.orders(4):
+                finder.resonances(k, j)
+            finder.collisions()
+            finder.turns()
+            combiner.combinations()
+            expected["segments"].append(segment)
+            for name in ("points", "gaps", "extrema", "open_extrema"):
+                expected.setdefault(name, []).extend(getattr(finder, name))
+            for name in ("points", "gaps"):
+                expected.setdefault(f"combined {name}", []).extend(getattr(combiner, name))
+    combined = found.combinations
+    assert (combined is not None) == (size == 2)
+    if combined is not None:
+        assert sorted(map(repr, combined.points)) == sorted(map(repr, expected.pop("combined points")))
+        assert sorted(map(repr, combined.open)) == sorted(map(repr, expected.pop("combined gaps")))
+    for name in ("points", "gaps", "extrema", "open_extrema", "segments"):
+        assert sorted(map(repr, getattr(found, name))) == sorted(map(repr, expected[name]))
+    assert len({gap.stretch for gap in found.gaps if gap.subject is not Matter.EVERYTHING}) > 1
+
+
+@pytest.mark.parametrize("entered", [Q(-7, 8), Q(-1, 3), Q(1, 3), Q(7, 8)])
+def test_where_the_level_is_stationary_the_list_is_open_and_its_parts_are_entered_as_before(entered: Q) -> None:
+    level = Level(of_curve("list"))
+    level._gradient = lambda program, stretch, low, high: [enclose(low).union(enclose(high))]  # type: ignore[method-assign]
+    stretch: Any = SimpleNamespace(tube=SimpleNamespace(piece=SimpleNamespace(id="p0")))
+    flat = along([Q(1)], Q(0), Q(1))
+    segment = Segment(0, Q(-1), entered, Q(1), Q(0), Q(1), (flat,), flat, flat, flat)
+    parts, (gap,) = level.regular(stretch, [segment])
+    assert gap.start <= 0 <= gap.end
+    assert gap.end - gap.start < Q(1, 100)
+    assert [(part.start, part.end) for part in parts] == [(Q(-1), gap.start), (gap.end, Q(1))]
+    before, after = (part.entered for part in parts)
+    assert (before, after) == ((entered, gap.end) if entered < 0 else (gap.start, entered))
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_each_certificate_is_with_the_point_that_it_is_about(seed: int) -> None:
     """Several on one point, none on others, beside gaps; each of all that are on no point is refused."""
@@ -329,7 +397,11 @@ def test_each_certificate_is_with_the_point_that_it_is_about(seed: int) -> None:
         entries.append(_entry(name, kind, point, other_point))
         wanted[at_point] = (*wanted[at_point], name)
     beside = [Gap(0, "p0", Q(-1), Q(-1), Resonance(7, 1), ""), Gap(9, "p9", Q(-1), Q(1), Matter.EVERYTHING, "")]
-    assert [point.certificates for point in with_certificates(points, beside, entries)] == wanted
+    near = [
+        Gap(0, point.piece, s + share * Q(1, 2**40), s + (share + 1) * Q(1, 2**40), Resonance(point.k, 1), "")
+        for point in points for s in [exact_value(point.s.mid())] for share in (-3, 2)
+    ]  # fmt: skip
+    assert [point.certificates for point in with_certificates(points, [*beside, *near], entries)] == wanted
     # Of two points that are not separated it is not known which one a certificate is about.
     twin = replace(points[0], s=points[0].s + arb(0, 2**-30))
     found = with_certificates([*points, twin], beside, entries)
