@@ -365,6 +365,11 @@ def test_a_list_has_all_that_is_found_or_open_on_each_of_its_parts(
     for name in ("points", "gaps", "extrema", "open_extrema", "segments"):
         assert sorted(map(repr, getattr(found, name))) == sorted(map(repr, expected[name]))
     assert len({gap.stretch for gap in found.gaps if gap.subject is not Matter.EVERYTHING}) > 1
+    places = [(gap.stretch, gap.start) for gap in found.gaps]
+    assert places == sorted(places)
+    for entries in (found.points, found.extrema):
+        along_it = [(entry.stretch, exact_value(entry.s.lower())) for entry in entries]
+        assert along_it == sorted(along_it)
 
 
 @pytest.mark.parametrize("entered", [Q(-7, 8), Q(-1, 3), Q(1, 3), Q(7, 8)])
