@@ -27,7 +27,7 @@ _WORDS = {
 
 def _said(k: int, kind: str) -> str:
     word = "period doubling" if (k, kind) == (2, "period_tupling") else _WORDS.get(kind, kind)
-    return f"{word} (k = {k})"
+    return word if k == 1 else f"{word} (k = {k})"
 
 
 def _first_precision(candidate: Candidate, digits: int) -> int:
