@@ -59,24 +59,31 @@ def _support(path: Path) -> Iterator[Path]:
             yield from (file for file in files if file.exists())
 
 
-def distance(test: Path, targets: set[Path]) -> int | None:
-    """How many imports lead from a test to a file that has changed; `None` if none do."""
-    seen, front, steps = {test}, {test}, 0
+def distances(targets: set[Path], tests: Sequence[Path]) -> dict[Path, int]:
+    """How many imports lead from each of these tests to a file that has changed; those that none do are left out."""
+    users: dict[Path, set[Path]] = {}
+    seen, waiting = set(tests), list(tests)
+    while waiting:
+        path = waiting.pop()
+        for used in used_by_test(path):
+            users.setdefault(used, set()).add(path)
+            if used not in seen:
+                seen.add(used)
+                waiting.append(used)
+    found, front, steps = dict[Path, int](), set(targets), 0
     while front:
-        if front & targets:
-            return steps
-        front = {file for path in front for file in used_by_test(path)} - seen
-        seen |= front
+        found |= dict.fromkeys(front, steps)
+        front = {user for path in front for user in users.get(path, ())} - set(found)
         steps += 1
-    return None
+    return {test: found[test] for test in tests if test in found}
 
 
 def reached(files: Sequence[str]) -> list[str]:
     """Files of tests that these files can reach, the nearest first."""
     targets = {ROOT / name for name in files if name.endswith((".py", ".pyi"))}
     others = [test for name in files for test in _BY_ENDING.get(Path(name).suffix, ())]
-    tests = {path: distance(path, targets) for path in sorted((ROOT / "tests").rglob("test_*.py"))}
-    near = sorted((steps, str(path.relative_to(ROOT))) for path, steps in tests.items() if steps is not None)
+    found = distances(targets, sorted((ROOT / "tests").rglob("test_*.py"))) if targets else {}
+    near = sorted((steps, str(path.relative_to(ROOT))) for path, steps in found.items())
     return list(dict.fromkeys([*others, *(name for _, name in near)]))
 
 

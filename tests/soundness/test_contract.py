@@ -217,7 +217,9 @@ def told(name: str) -> Told:
     return tell(CURVES[name]())
 
 
-@pytest.mark.parametrize("name", CURVES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name == "list" else ()) for name in CURVES]
+)
 def test_an_honest_certificate_of_a_curve_stands_at_each_level(name: str) -> None:
     assert told(name).verdict == "proved"
     assert told(name).check(False) == "stands"
