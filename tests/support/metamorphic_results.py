@@ -31,7 +31,7 @@ TIMES = ("period", "half_period", "time", "times", "time_derivatives")
 OF_PARAMETER = ("parameter", "values", "all_values")
 OF_OTHER_UNITS = (
     "opening", "speed", "slope", "curvature", "unfolding", "coefficient", "gamma", "beta", "alpha", "twist", "defect",
-    "lyapunov", "torsion", "torsion_determinant", "normal_form", "local",
+    "lyapunov", "torsion", "torsion_determinant", "normal_form", "local", "reversibility",
 )  # fmt: skip
 """In units of the parameter, of coordinates in the section, or of both: of these only the accuracy is compared where
 units differ."""
@@ -102,8 +102,15 @@ def _is_left(place: Sequence[str], change: Change) -> bool:
 def _place(place: tuple[str, ...], change: Change) -> tuple[str, ...]:
     """The place with the names of the claim told otherwise."""
     return tuple(
-        change.name(key) if number and place[number - 1] in NAMED else key for number, key in enumerate(place)
+        change.name(key) if number and _is_named(place, number) else key for number, key in enumerate(place)
     )  # fmt: skip
+
+
+def _is_named(place: Sequence[str], number: int) -> bool:
+    """Whether a key is the name of a coordinate or parameter; of points of a list it may be that of a field."""
+    if "lasting" in place:
+        return place[number - 1] == "point" and place[number] not in ("level", "half_period", "point")
+    return place[number - 1] in NAMED
 
 
 def _difference(place: tuple[str, ...], old: Any, new: Any, change: Change, named: Named) -> str:
@@ -127,7 +134,7 @@ def _difference(place: tuple[str, ...], old: Any, new: Any, change: Change, name
 def _unit(place: tuple[str, ...], change: Change, named: Named) -> Fraction | None:
     """What a number is multiplied by; `None` where that is not known."""
     for number, key in enumerate(place[1:], start=1):
-        if place[number - 1] in NAMED:
+        if _is_named(place, number):
             return change.factor(key)
     varied = change.level if named.varies is None else change.factor(named.varies)
     if any(key in TIMES for key in place):
