@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
+
+from flint import arb
 
 from orbitproof.verify.certificate.document import AnyStatement
 from orbitproof.verify.evidence import Checklist, Outcome, Reason, Theorem
@@ -29,6 +31,8 @@ class Kind(Generic[Claim, Found, Results]):
             coordinates are those that the hypotheses are about.
         theorem_of: the theorem that a candidate claims, or why none applies; the second argument is as before.
         level_form: the same claim with the level of the first integral as parameter, if there is one.
+        check_own_box: that what is proved of the level form holds for the claim's own box, from both claims and the
+            point that was found; raises `NotEstablishedError`. `None` where there is no level form.
         first_precision: bits to begin with, for so many digits.
         check_exactly: all hypotheses that need no integration; raises `NotEstablishedError` for the first that fails.
         enclose: what its proof is evaluated from. Raises `NotEstablishedError` if there is none, or the claim is false.
@@ -48,6 +52,7 @@ class Kind(Generic[Claim, Found, Results]):
     statement: Callable[[Claim, Claim | None], AnyStatement]
     theorem_of: Callable[[Claim, Claim | None], Theorem | Reason]
     level_form: Callable[[Claim], Claim | None] = lambda claim: None
+    check_own_box: Callable[[Checklist, Claim, Claim, Mapping[str, arb]], None] | None = None
     first_precision: Callable[[Claim, int], int]
     check_exactly: Callable[[Checklist, Claim], None]
     enclose: Callable[[Claim, IntegratorSettings, Progress | None], Found]

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from orbitproof.shared.formats import BoxClaim, Candidate, InputError
-from orbitproof.verify.bifurcation import BifurcationResults, check_own_box
-from orbitproof.verify.certificate.kinds import level_form, theorem_of
+from orbitproof.shared.formats import BoxClaim, InputError
+from orbitproof.verify.certificate.kinds import kind_of
 from orbitproof.verify.evidence import (
     Checklist,
     NotEstablishedError,
@@ -22,18 +21,19 @@ def for_origin(origin: BoxClaim, outcome: Outcome[Any], precision: int) -> Outco
     """The outcome for a candidate whose level form was checked: that it holds for its own box has to be shown too."""
     if isinstance(outcome, NotProved):
         return outcome
-    form = level_form(origin)
-    if form is None or not (isinstance(origin, Candidate) and isinstance(outcome.results, BifurcationResults)):
+    kind = kind_of(origin)
+    form = kind.level_form(origin)
+    if form is None or kind.check_own_box is None:
         reason = Reason("level-box", "the candidate has no level form", "verify it with `level` coordinates")
         return NotProved(reason, outcome.hypotheses)
-    theorem = theorem_of(origin, form)
+    theorem = kind.theorem_of(origin, form)
     if isinstance(theorem, Reason):
         return NotProved(theorem, outcome.hypotheses)
     checklist = Checklist()
     checklist.hypotheses += outcome.hypotheses
     with guarded(precision):
         try:
-            check_own_box(checklist, origin, form, outcome.results.point)
+            kind.check_own_box(checklist, origin, form, outcome.results.point)
         except NotEstablishedError as error:
             return NotProved(error.reason, tuple(checklist.hypotheses))
     return Proved(theorem, outcome.results, tuple(checklist.hypotheses))

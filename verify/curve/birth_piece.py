@@ -24,7 +24,7 @@ from orbitproof.verify.curve.piece_result import Account, Interval, IntervalResu
 from orbitproof.verify.curve.proved_intervals import ProvedInterval, read_results
 from orbitproof.verify.evidence import Checklist, Evidence, dot, enclose, excludes_zero, guarded, is_inside
 from orbitproof.verify.poincare import WideOracle
-from orbitproof.verify.poincare.returns import AUTO
+from orbitproof.verify.poincare.settings import AUTO
 
 _SPARE_BITS = 32
 """Where orbits begin close to a primary, as they may at a doubling, derivatives have all but so many of the bits."""

@@ -8,16 +8,15 @@ decide how long a proof takes and whether it succeeds, not what it says.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from orbitproof.shared.systems import Program, ReversibleSystem
 from orbitproof.verify.algebra import PreparedProgram, prepare
 from orbitproof.verify.poincare.section_field import build_section_program
+from orbitproof.verify.poincare.settings import PHYSICAL
 
 if TYPE_CHECKING:
     from orbitproof.shared.systems import Regularisation
-
-PHYSICAL: Final = "physical"
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,10 @@ from orbitproof.verify.algebra import Series
 from orbitproof.verify.evidence import MAX_ORDER, Briefs, MultiIndex, guarded, indices_up_to
 from orbitproof.verify.poincare.box_format import BOX_RATIO, check_size
 from orbitproof.verify.poincare.derivatives import derivative_table
-from orbitproof.verify.poincare.iterates import IntegratorSettings, box_of, default_order
+from orbitproof.verify.poincare.iterates import box_of, default_order
 from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.returns import Returns
+from orbitproof.verify.poincare.settings import IntegratorSettings
 
 Derivatives = Mapping[MultiIndex, arb]
 """Partial derivatives of a function, by multi-index."""

@@ -19,45 +19,17 @@ from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.claim import inverse, level_program, quadratic_coefficient
 from orbitproof.verify.evidence import Briefs, DerivativeTable, IntegrationFailure, guarded
 from orbitproof.verify.poincare.box_format import BOX_RATIO, check_size, grade_bits
-from orbitproof.verify.poincare.coordinates import PHYSICAL
 from orbitproof.verify.poincare.derivatives import derivative_table
 from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.returns import (
-    AUTO,
-    REGULARISED,
     Returns,
     default_order,
     first_integral,
     initial_values,
     kernel_components,
 )
+from orbitproof.verify.poincare.settings import PHYSICAL, IntegratorSettings
 from orbitproof.verify.poincare.without_time import at_start
-
-
-@dataclass(frozen=True)
-class IntegratorSettings:
-    """How to integrate.
-
-    Attributes:
-        precision: fractional bits of the fixed-point format.
-        order: degree of the time expansions; `None` chooses it from the precision.
-        coordinates: "physical", "regularised" (where the system has such coordinates), or "auto" for
-            those in which the orbit takes less time.
-        accuracy: bits that the errors of the last crossing and of its derivative should have, for `EarlyEnd`.
-    """
-
-    precision: int
-    order: int | None = None
-    accuracy: tuple[int, int] | None = None
-    coordinates: str = AUTO
-
-    def __post_init__(self) -> None:
-        if self.precision < 1 or (self.order is not None and self.order < 1):
-            raise ValueError(f"precision {self.precision} and order {self.order} have to be positive")
-        if self.accuracy is not None and min(self.accuracy) < 0:
-            raise ValueError(f"accuracy {self.accuracy} is negative")
-        if self.coordinates not in (AUTO, PHYSICAL, REGULARISED):
-            raise ValueError(f"coordinates {self.coordinates!r} are none of {AUTO}, {PHYSICAL}, {REGULARISED}")
 
 
 @dataclass(frozen=True)

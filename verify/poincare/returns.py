@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from flint import arb
 
@@ -19,17 +19,15 @@ from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series
 from orbitproof.verify.evidence import IntegrationFailure, enclose, is_positive
 from orbitproof.verify.flow import FlowStep, advance, planned_step, rough
-from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, physical
+from orbitproof.verify.poincare.coordinates import Coordinates, physical
 from orbitproof.verify.poincare.crossing import CrossingCounter, may_touch, range_of, stays_positive
 from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.section import onto_section
+from orbitproof.verify.poincare.settings import AUTO, PHYSICAL, REGULARISED
 from orbitproof.verify.poincare.without_time import at_start
 
 if TYPE_CHECKING:
     from orbitproof.shared.systems import Regularisation
-
-AUTO: Final = "auto"
-REGULARISED: Final = "regularised"
 
 _LEAST_SHARE = 1 / 8
 MOST_STEPS = 400

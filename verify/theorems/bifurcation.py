@@ -54,6 +54,7 @@ KIND = Kind(
     statement=with_symmetry,
     theorem_of=bifurcation.theorem_of,
     level_form=bifurcation.level_form,
+    check_own_box=bifurcation.check_own_box,
     first_precision=_first_precision,
     check_exactly=bifurcation.check_exactly,
     enclose=_enclose,
