@@ -60,6 +60,9 @@ def evaluate_formula(text: str, values: Mapping[str, Any]) -> Any:
     if len(text) > LONGEST:
         raise FormulaError(f"it has more than {LONGEST} characters; define parts of it under where")
     source = " ".join(text.split())
+    if "#" in source:
+        # Python would leave out all that follows it, also of further lines.
+        raise FormulaError(f"{_quoted(source)} has a #, and formulas have no comments; {_ALLOWED}")
     try:
         tree = ast.parse(source, mode="eval")
         return _Reader(source, values).value(tree.body)

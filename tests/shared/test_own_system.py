@@ -150,7 +150,7 @@ def test_what_is_wrong_is_named_in_one_line(entry: dict[str, Any], words: tuple[
         "__import__('os').system('true')", "x.real", "[x][0]", "lambda: x", "(x := 2)", "x if x else y", "'a'", "1j",
         "f'{x}'", "x @ y", "x // 2", "x % 2", "-x < 2", "not x", "x**y", "2**(1/2)", "x**1000", "9**99999", "1e99999",
         "((10**90)**90)**90", "1/0", "sqrt(x, y)", "sqrt", "*x", "x; y", "", "\0", "(" * 5000 + "x" + ")" * 5000,
-        "x" * 30_000, "abs(x)", "open('a')", "x" + "+x" * 9000, "--" * 9000 + "x",
+        "x" * 30_000, "x # + y", "x #\n+ y", "#", "abs(x)", "open('a')", "x" + "+x" * 9000, "--" * 9000 + "x",
     ],
 )  # fmt: skip
 def test_what_is_no_formula_is_refused_and_never_run(text: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import random
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,7 +17,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from support import atlas_work
-from support.atlas_runs import CURVE, ROOT, InOrder, go, refused, write
+from support.atlas_runs import CURVE, LIMITS, ROOT, InOrder, go, refused, write
 from support.chain_cases import symmetric_loop
 from support.periodic_curves import turning_atlas
 from support.stored import values
@@ -179,6 +180,28 @@ def test_places_that_are_known_roughly_are_looked_at_once_on_short_intervals() -
     assert looks(entry(place, 128), again=(closer,)) == ((other, 0), (closer, 1))
     assert looks(entry(place, 128, "not proved"), again=(closer,)) == ((other, 0),)
     assert looks(entry(place, 128), again=((place[0], place[0] + Fraction(1, 2**40)),)) == ((other, 0),)
+
+
+def test_results_of_a_run_are_in_the_order_of_the_pieces_and_of_their_intervals() -> None:
+    """However they came: of one interval those that came first are first."""
+    atlas, results = symmetric_loop()
+    chance = random.Random(0)
+    ends = [("0x0", "0x1"), ("-0x1", "0x0"), ("-0x1p-1", "0x1p-1"), ("-0x1", "-0x1p-1"), ("0x0", "0x1")]
+    entries = [
+        {**entry, "interval": list(interval), "computation": {"precision": number, "seconds": 0.0}}
+        for entry in results for number, interval in enumerate(ends)
+    ]  # fmt: skip
+    for _ in range(4):
+        given = values(chance.sample(entries, len(entries)))
+        found = AtlasRun(atlas, LIMITS, given).results
+        places = [piece.id for piece in atlas.pieces]
+        assert sorted(map(id, found)) == sorted(map(id, given))
+        assert [(each.piece, each.interval) for each in found] == sorted(
+            ((each.piece, each.interval) for each in given), key=lambda each: (places.index(each[0]), each[1])
+        )
+        for one, other in pairwise(found):
+            if (one.piece, one.interval) == (other.piece, other.interval):
+                assert given.index(one) < given.index(other)
 
 
 def test_what_takes_too_long_is_split_at_once() -> None:

@@ -47,7 +47,7 @@ def test_a_certificate_says_what_is_proved_of_a_subcritical_collision(proved: Ce
         "the symmetric orbits are linearly stable for values of the parameter less than that",
         "their multipliers have left the unit circle for values greater than that",
         "omega/(2 pi) in [0.29999",
-        "The collision is subcritical, b > 0.",
+        "The collision is subcritical, b0 > 0.",
         "in which for this value and for those greater than it only the point of the symmetric orbit stays",
         ": no other periodic orbit and no invariant curve or torus of P^2 lies in it whole.",
         "The orbit of x is not stable. For values near it that are less all points that stay are within a constant",
@@ -61,7 +61,7 @@ def test_a_certificate_says_what_is_proved_of_a_supercritical_collision() -> Non
     told = certify(cases.clock(a="-1", b="-1/2")).statement["in_full"]
     for words in (
         "the symmetric orbits are linearly stable for values of the parameter greater than that",
-        "The collision is supercritical, b < 0. For all small d and abs(mu) <= d^2, on both sides,",
+        "The collision is supercritical, b0 < 0. For all small d and abs(mu) <= d^2, on both sides,",
         "Nothing is said of longer times: neither that the orbit of x is stable, nor that there are invariant curves",
     ):
         assert words in told, words

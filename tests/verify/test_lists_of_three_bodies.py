@@ -28,6 +28,7 @@ from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas, Piece
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import atlas_from_json, read_atlas
+from orbitproof.verify.atlas import conclusion_of
 from orbitproof.verify.curve import PieceLimits, conclude, prove_piece
 from orbitproof.verify.distances import Where
 from orbitproof.verify.evidence import Proved
@@ -172,6 +173,18 @@ def test_the_list_of_an_arc_is_complete_and_true(name: str) -> None:
     assert Counter(point.kind for point in expected.points) == FEATURES.get(name, {})
     if name in FLAT:
         assert Counter(point.kind for point in expected.across.points) == ACROSS[name]
+
+
+def test_a_conclusion_is_the_same_at_whatever_precision_it_is_asked_for() -> None:
+    """Whoever calls may compute with other numbers of bits: roots of distances are taken at one of its own."""
+    atlas, results = case(RETROGRADE)
+    found = []
+    for bits in (24, 53, 300):
+        with ctx.workprec(bits):
+            found.append(conclusion_of(atlas, values(results), (), lambda _: (), 2))
+            assert ctx.prec == bits
+    assert found[0] == found[1] == found[2]
+    assert "least_distance" in json.dumps(found[0])
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from flint import arb
-from support import stability_cases
+from support import breaking_cases, krein_cases, stability_cases
 from support.claims import known
 from support.conclusions import with_complete_list
 from support.stored import values
@@ -24,7 +24,10 @@ from orbitproof.verify.certificate.kinds import theorem_of
 from orbitproof.verify.claim import names_in_words
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.evidence import Reason
+from orbitproof.verify.krein import KreinTheorem
+from orbitproof.verify.words.breaking import breaking_found
 from orbitproof.verify.words.formulas import setting
+from orbitproof.verify.words.krein import krein_found, krein_in_words
 
 HOSTILE = {
     "falkner-skan": {"x": "P", "y": "H", "z": "s", "beta": "R"},
@@ -137,6 +140,43 @@ def test_the_box_has_other_letters_where_coordinates_have_its_own() -> None:
     assert "  c: c1 is 0.93" in text
     assert "x is a point of the section where it is called one" in text
     assert "is called one" not in words_of(known("em2"))
+
+
+LOSSES = ("x", "y", "w", "kappa"), ("mu",)
+COLLISIONS = ("x", "y", "z", "mu", "K", "d"), ("a", "b", "s_1")
+"""Coordinates and parameters that are called as numbers of these normal forms are."""
+
+
+@pytest.mark.parametrize("kind", ["loss", "subcritical", "supercritical"])
+def test_letters_of_normal_forms_are_no_names_of_the_system(kind: str) -> None:
+    candidate, (state, parameters) = (
+        (breaking_cases.modes(), LOSSES) if kind == "loss" else (krein_cases.clock(), COLLISIONS)
+    )
+    system = candidate.system
+    names = dict(zip((*system.state, *system.parameters, *system.symmetries), (*state, *parameters, "S"), strict=False))
+    hostile = replace(
+        candidate,
+        system=renamed(system, names),
+        parameters={names[name]: value for name, value in candidate.parameters.items()},
+    )
+    ball, point = arb(2, 0.25), dict.fromkeys(hostile.system.centre_coordinates, arb(1, 0.25))
+    found: Any = SimpleNamespace(
+        point=point, other_point=point, parameter=ball, period=ball, side="above", direction=dict.fromkeys(state, ball),
+        opening=ball, cosine=ball, rotation_number=ball, speed=ball, unfolding=ball, coefficient=ball, type=kind,
+    )  # fmt: skip
+    if kind == "loss":
+        (form,) = (line for line in breaking_found(hostile, found) if line.startswith("They leave"))
+        assert "along the vector w0" in form
+        assert "by kappa0 y0^2 + O(y0^4), kappa0 in [" in form
+        form = re.sub(r"with .*?\]: ", "", form)
+    else:
+        *_, form, last = krein_found(hostile, found)
+        assert "z0 -> lambda (z0 + y0 + ..), y0 -> lambda (y0 + a0 mu0 z0 + b0 z0 |z0|^2 + ..)" in form
+        form = f"{form} {last}".replace("within a constant", "").replace("There is a neighbourhood", "")
+        form = form.replace("a constant", "")
+        assert "The coefficient b0 of the normal form" in krein_in_words(KreinTheorem(hostile))
+        assert names_in_words(hostile.system)["s_1"] == "s_1_parameter"
+    assert not {*state, *parameters}.difference("x").intersection(re.findall(r"\w+", form))
 
 
 def test_titles_are_no_symbols_either() -> None:

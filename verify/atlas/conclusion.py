@@ -7,6 +7,8 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import partial
 from typing import Any
 
+from flint import ctx
+
 from orbitproof.shared.formats import AnyAtlas, Atlas
 from orbitproof.shared.systems import UNLISTED
 from orbitproof.verify.atlas.certified import certified_point
@@ -33,6 +35,9 @@ partner = partial(enclose_other_point, ORACLE)
 
 follow = partial(enclose_crossings, ORACLE)
 """Encloses crossings of the section by an orbit."""
+
+_BITS = 53
+"""Of what is done with balls between the chapters, which set their own precision, and of what is stored of it."""
 
 Watch = Callable[[Sequence[str], str], AbstractContextManager[Callable[[str], None]]]
 """For names of what is done one after the other, and a word for what is done, a context in which a function is called
@@ -62,6 +67,21 @@ def conclusion_of(
     """
     for name in repeated(bifurcations):
         raise ValueError(f"the certificates of bifurcations: {name!r} appears twice")
+    # A certificate is the same wherever it is made.
+    with ctx.workprec(_BITS):
+        return _concluded(atlas, results, bifurcations, check, order, watch, combinations)
+
+
+def _concluded(
+    atlas: AnyAtlas,
+    results: Sequence[Result],
+    bifurcations: Sequence[Certificate],
+    check: Callable[[Sequence[Certificate]], Sequence[Recheck]],
+    order: int | None,
+    watch: Watch,
+    combinations: bool,
+) -> dict[str, Any]:
+    """See `conclusion_of`."""
     conclude_whole = kind_of(atlas).conclude
     if conclude_whole is not None:
         return told(conclude_whole(atlas, results))

@@ -16,7 +16,7 @@ from orbitproof.shared.systems import ReversibleSystem, System
 from orbitproof.verify.evidence import exact_text
 
 _KINDS = ("coordinate", "parameter", "symmetry")
-_SYMBOL = re.compile(rf"(A|Fix|H|P|Q|R|Sigma|T|X|j|k|omega|s|[pPR]_[0-9]+)(_({'|'.join(_KINDS)}))*")
+_SYMBOL = re.compile(rf"(A|Fix|H|P|Q|R|Sigma|T|X|j|k|omega|s|[pPRs]_[0-9]+)(_({'|'.join(_KINDS)}))*")
 """What theorems call something; and what is made of such a name, so that no two names become the same."""
 
 Value = TypeVar("Value")

@@ -10,6 +10,7 @@ from orbitproof.shared.formats import Candidate
 from orbitproof.verify.claim import claim_in_words, keyed_in_words, sheet_in_words
 from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text, located
 from orbitproof.verify.reversor_breaking import BreakingResults, BreakingTheorem
+from orbitproof.verify.words.formulas import free_letter
 
 _DIGITS = 40
 
@@ -77,10 +78,11 @@ def breaking_found(candidate: Candidate, found: BreakingResults) -> Iterator[str
     relation = "greater" if found.side == "above" else "less"
     yield f"The two orbits exist for values of the parameter {relation} than that."
     direction = _named(keyed_in_words(system, found.direction))
+    w, y, kappa = (free_letter(system, letter) for letter in ("w", "y", "kappa"))
     yield (
-        f"They leave Fix(R) along the vector w with {direction}: the points x' have the coordinates +-y w + O(y^3), of "
-        f"those that R negates, and the parameter differs from its value at x by kappa y^2 + O(y^4), kappa in "
-        f"{interval_text(found.opening, _DIGITS)}."
+        f"They leave Fix(R) along the vector {w} with {direction}: the points x' have the coordinates +-{y} {w} + "
+        f"O({y}^3), of those that R negates, and the parameter differs from its value at x by {kappa} {y}^2 + "
+        f"O({y}^4), {kappa} in {interval_text(found.opening, _DIGITS)}."
     )
 
 
