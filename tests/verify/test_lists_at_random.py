@@ -1,0 +1,473 @@
+"""What complete lists are made of, at random: parts, zeros, stationary values, matches, by their definitions.
+
+Functions are known up to an error; that one is taken which has the zeros, or stationary values, that were chosen.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from fractions import Fraction as Q
+from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import arb, arb_poly, ctx
+
+from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR, FALKNER_SKAN, LIFTED, VERTICAL, record
+from orbitproof.verify.algebra import ball_polynomial
+from orbitproof.verify.curve import Bifurcation, PlaceOnCurve
+from orbitproof.verify.evidence import EmptyIntersectionError, NotKnown, Reason, enclose, exact_value, sign
+from orbitproof.verify.functions import REACH, BoundedFunction, StoredFunction
+from orbitproof.verify.out_of_plane import VariationFunctions
+from orbitproof.verify.stability import Gap, Kind, Matter, Point, Resonance, Segment, extrema_on, is_stable, segments_of
+from orbitproof.verify.stability.confirmation import unconfirmed
+from orbitproof.verify.stability.matching import about_the_list, with_certificates
+from orbitproof.verify.stability.stored_stability import StabilityFunctions
+from orbitproof.verify.stability.units import scales
+from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
+
+END = 1 / REACH
+
+
+@pytest.fixture(autouse=True)
+def _precision() -> Iterator[None]:
+    with ctx.workprec(192):
+        yield
+
+
+Polynomial = list[Q]
+
+
+def times(*factors: Sequence[Q]) -> Polynomial:
+    result = [Q(1)]
+    for factor in factors:
+        grown = [Q(0)] * (len(result) + len(factor) - 1)
+        for i, a in enumerate(result):
+            for j, b in enumerate(factor):
+                grown[i + j] += a * b
+        result = grown
+    return result
+
+
+def plus(one: Sequence[Q], other: Sequence[Q]) -> Polynomial:
+    size = max(len(one), len(other))
+    first, second = ([*row, *([Q(0)] * (size - len(row)))] for row in (one, other))
+    return [a + b for a, b in zip(first, second, strict=True)]
+
+
+def known_beside(member: Sequence[Q], error: Q, power: int) -> BoundedFunction:
+    """A function known up to an error, of which the member is one: the largest and the smallest there is."""
+    return BoundedFunction(ball_polynomial(plus(member, [Q(0)] * power + [error])), enclose(abs(error)).upper())
+
+
+# Parts
+
+
+def constant(*coefficients: Q) -> StoredFunction:
+    return StoredFunction(coefficients, Q(0))
+
+
+@pytest.mark.parametrize("symmetric", [False, True])
+def test_parts_of_a_stretch_are_those_of_results_that_count_there(symmetric: bool) -> None:
+    chance = random.Random(str(symmetric))
+    for _ in range(150):
+        size = chance.choice((1, 2))
+        piece = SimpleNamespace(id="p", tube=[Q(1)] * size)
+        ends = sorted(Q(chance.randint(-16, 16), 16) for _ in range(2))
+        if ends[0] == ends[1]:
+            continue
+        entered = min(ends[0] + Q(chance.randint(0, 3), 40), ends[1])
+        proved: list[Any] = []
+        results: list[Any] = []
+        counting: dict[int, tuple[Q, Q]] = {}
+        for tag in range(3, 3 + chance.randint(1, 8)):
+            low, high = sorted(chance.sample(range(-16, 17), 2))
+            interval = Q(low, 16), Q(high, 16)
+            kind = chance.choice(
+                ("good", "good", "good", "good", "piece", "unproved", "uncounted", "none", "few", "open")
+            )
+            known: Any = StabilityFunctions(
+                tuple(constant(Q(100 * k + tag), Q(1)) for k in range(size + (kind == "few"))),
+                constant(Q(1000 + tag), Q(1)), constant(Q(1100 + tag), Q(1)), constant(Q(1200 + tag), Q(1)),
+            )  # fmt: skip
+            known = {"none": None, "open": NotKnown(Reason("stability", "", ""))}.get(kind, known)
+            results.append(
+                SimpleNamespace(
+                    piece="another" if kind == "piece" else "p",
+                    is_proved=kind != "unproved",
+                    interval=interval,
+                    stability=known,
+                    computation=SimpleNamespace(precision=chance.choice((64, 80, None))),
+                )
+            )
+            if kind != "uncounted":
+                proved.append(interval)
+                if symmetric:
+                    proved.append((-interval[1], -interval[0]))
+            if kind == "good":
+                counting[tag] = interval
+        # An interval may be counted for the sake of another result.
+        counting = {tag: interval for tag, interval in counting.items() if interval in proved}
+        of_tag = dict(enumerate(results, start=3))
+        run = SimpleNamespace(intervals=[SimpleNamespace(start=low, end=high) for low, high in proved])
+        tube = SimpleNamespace(piece=piece, is_symmetric=symmetric)
+        stretch: Any = SimpleNamespace(tube=tube, run=run, enters=ends[0], entered=entered, leaves=ends[1])
+        segments, gaps = segments_of(7, stretch, results)
+        parts = sorted([(part.start, part.end) for part in (*segments, *gaps)])
+        assert parts[0][0] == ends[0]
+        assert parts[-1][1] == ends[1]
+        assert all(before[1] == after[0] and before[0] < before[1] for before, after in pairwise(parts))
+        for segment in segments:
+            assert segment.stretch == 7
+            assert segment.entered == min(max(segment.start, entered), segment.end)
+            tag = int(exact_value(segment.characteristic[0].polynomial[0].mid()))
+            turned = int(exact_value(segment.characteristic[0].polynomial[1].mid()))
+            assert of_tag[tag].piece == "p"
+            assert of_tag[tag].is_proved
+            low, high = of_tag[tag].interval
+            assert turned == 1 or symmetric
+            low, high = (low, high) if turned == 1 else (-high, -low)
+            assert (low, high) in proved
+            assert low <= segment.start < segment.end <= high
+            assert segment.tau(low) == -END
+            assert segment.tau(high) == END
+            assert len(segment.characteristic) == size
+            own = [(100 * k, function) for k, function in enumerate(segment.characteristic)]
+            own += [(1000, segment.level), (1100, segment.half_period), (1200, segment.first_factor)]
+            for base, function in own:
+                assert function.polynomial.coeffs() == [base + tag, turned]
+        for gap in gaps:
+            assert (gap.stretch, gap.piece, gap.subject) == (7, "p", Matter.EVERYTHING)
+            for tag, (low, high) in counting.items():
+                sides = [(low, high), *([(-high, -low)] if symmetric else [])]
+                assert all(end <= gap.start or start >= gap.end for start, end in sides), tag
+
+
+# Zeros
+
+
+def test_every_zero_of_every_member_is_in_one_isolating_interval_or_undecided() -> None:
+    chance = random.Random(0)
+    listed = 0
+    for _ in range(250):
+        roots = [Q(chance.randint(-36, 36), 36) for _ in range(chance.randint(0, 4))]
+        roots += [roots[0]] if roots and chance.random() < 0.3 else []
+        roots += [roots[-1] + Q(1, 2**30)] if roots and chance.random() < 0.2 else []
+        away = [Q(chance.choice((-1, 1)) * chance.randint(1, 9)), Q(chance.randint(-3, 3), 4), Q(1, 8)]
+        member = times(away, *([-root, Q(1)] for root in roots))
+        error = chance.choice((Q(0), Q(1, 2**40), Q(1, 2**20), Q(1, 64))) * chance.choice((-1, 1))
+        function = known_beside(member, error, chance.randint(0, 5))
+        low, high = sorted(chance.sample([-END, Q(-1, 2), Q(0), Q(1, 3), END], 2))
+        if chance.random() < 0.2 and roots and roots[0] < high:
+            low = max(roots[0], -END)
+        found = zeros_on(function, low, high)
+        listed += len(found.zeros)
+        inside = {root for root in roots if low <= root <= high}
+        double = {root for root in inside if roots.count(root) > 1}
+        others = np.roots([float(c) for c in away[::-1]])
+        for root in inside:
+            places = [zero for zero in found.zeros if zero.lower <= root <= zero.upper]
+            open_there = any(first <= root <= last for first, last in found.undecided)
+            assert len(places) + open_there >= 1
+            assert len(places) <= 1
+            assert root not in double or not places
+            assert root not in (low, high) or open_there
+            for zero in places:
+                assert zero.lower < root < zero.upper
+                assert zero.place.contains(enclose(root))
+        for zero in found.zeros:
+            here = [root for root in roots if zero.lower <= root <= zero.upper]
+            here += [x.real for x in others if abs(x.imag) < 1e-9 and zero.lower <= x.real <= zero.upper]
+            assert len(here) == 1
+            signs = [sign(function.value(enclose(end))) for end in (zero.lower, zero.upper)]
+            assert sorted(signs) == [-1, 1]
+            assert low <= zero.lower < zero.upper <= high
+        edges = sorted([(zero.lower, zero.upper) for zero in found.zeros] + list(found.undecided))
+        assert all(before[1] <= after[0] for before, after in pairwise(edges))
+    assert listed > 100
+
+
+def test_beside_a_double_zero_no_other_is_lost() -> None:
+    """f = tau^2 g is known up to an error whose second derivative is: g has chosen zeros on both sides."""
+    chance = random.Random(1)
+    seen = 0
+    for _ in range(120):
+        roots = [Q(chance.choice((-1, 1)) * chance.randint(1, 60), 64) for _ in range(chance.randint(0, 3))]
+        member = times([Q(0), Q(0), Q(chance.choice((-1, 1)))], *([-root, Q(1)] for root in roots))
+        error = chance.choice((Q(0), Q(1, 2**40), Q(1, 2**10))) * chance.choice((-1, 1))
+        function = known_beside(member, error, chance.randint(2, 5))
+        upper = chance.choice((-1, 1)) * chance.choice((END, Q(1, 2)))
+        end, found = zeros_beside_double_one(function, upper)
+        assert 0 <= end / upper <= 1
+        for root in set(roots):
+            if 0 < root / upper <= 1:
+                assert abs(root) > abs(end)
+                places = [zero for zero in found.zeros if zero.lower < root < zero.upper]
+                open_there = any(first <= root <= last for first, last in found.undecided)
+                assert len(places) + open_there >= 1
+                assert len(places) <= 1
+                seen += len(places)
+        for zero in found.zeros:
+            assert sum(zero.lower <= root <= zero.upper for root in roots) == 1
+            assert min(zero.lower / upper, zero.upper / upper) >= end / upper
+    assert seen > 20
+
+
+# Stationary values
+
+
+def derivative(row: Sequence[Q]) -> Polynomial:
+    return [n * c for n, c in enumerate(row)][1:] or [Q(0)]
+
+
+def near(value: float) -> arb:
+    return arb(float(value), 1e-9 * (1 + abs(float(value))))
+
+
+def value_at(row: Sequence[Q], place: float) -> float:
+    return float(np.polyval([float(c) for c in row[::-1]], place))
+
+
+def segment_with(characteristic: Sequence[BoundedFunction], start: Q, entered: Q, end: Q) -> Segment:
+    flat = BoundedFunction(arb_poly([0]), arb(0))
+    return Segment(0, start, entered, end, Q(0), Q(1), tuple(characteristic), flat, flat, flat)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+@pytest.mark.parametrize("at_end", [-1, 0, 1])
+def test_every_stationary_parameter_in_the_band_is_found_or_open(count: int, at_end: int) -> None:
+    """Parameters are polynomials, even ones beside a symmetric point; of n = 2 their sum and product are known."""
+    chance = random.Random(f"{count} {at_end}")
+    found_in_all = 0
+    for _ in range(40):
+        places = [Q(chance.randint(-60, 60), 64) + Q(1, 2**9) for _ in range(chance.randint(0, 3))]
+        if at_end:
+            # c' = tau times an even polynomial.
+            slope = times([Q(0), Q(chance.choice((-1, 1)), 2)], *([-place * place, Q(0), Q(1)] for place in places[:2]))
+        else:
+            slope = times([Q(chance.choice((-1, 1)), 2)], *([-place, Q(1)] for place in places))
+        parameter = [Q(chance.randint(-72, 72), 64), *(c / (n + 1) for n, c in enumerate(slope))]
+        rows = [parameter]
+        if count == 2:
+            other = [Q(chance.choice((-40, 40)), 16), Q(0 if at_end else 1, 3), Q(chance.choice((-1, 1)), 3)]
+            rows.append(other)
+        if count == 1:
+            symmetric = [parameter]
+        else:
+            symmetric = [plus(*rows), times(*rows)]
+        error = chance.choice((Q(0), Q(1, 2**30), Q(1, 2**16))) * chance.choice((-1, 1))
+        power = 2 * chance.randint(0, 2)
+        known = [known_beside(row, error, power) for row in symmetric]
+        start, entered, end = {-1: (Q(0), Q(0), END), 0: (-END, Q(-1, 2), END), 1: (-END, Q(-1, 2), Q(0))}[at_end]
+        found, undecided = extrema_on(segment_with(known, start, entered, end), at_end)
+        tops = [(place, value_at(row, place))
+                for row in rows
+                for place in {round(x.real, 12) for x in np.roots([float(c) for c in derivative(row)[::-1]])
+                              if abs(x.imag) < 1e-9}]  # fmt: skip
+        tops = [(place, value) for place, value in tops if abs(value) < 1.1 and start < place < end]
+        if at_end:
+            tops = [(place, value) for place, value in tops if abs(place) > 1e-9]
+        for place, value in tops:
+            here = [turn for turn in found if turn[0].overlaps(near(place)) and turn[1].overlaps(near(value))]
+            open_there = any(low - Q(1, 2**30) <= place <= high + Q(1, 2**30) for low, high in undecided)
+            assert len(here) == 1 or open_there, (place, value)
+        for tau, _ in found:
+            assert entered <= exact_value(tau.upper())
+            assert exact_value(tau.lower()) <= end
+        found_in_all += len(found)
+    assert found_in_all > 10
+
+
+def test_orbits_are_stable_if_all_parameters_differ_and_lie_inside() -> None:
+    chance = random.Random(2)
+    said = {True: 0, False: 0}
+    for _ in range(400):
+        count = chance.choice((1, 2))
+        kinds = [chance.choice(("inside", "inside", "above", "below")) for _ in range(count)]
+        places = {"inside": (-63, 63), "above": (65, 192), "below": (-192, -65)}
+        own = [Q(chance.randint(*places[kind]), 64) for kind in kinds]
+        is_pair = count == 2 and chance.random() < 0.3
+        trace, product = sum(own), own[0] * own[-1]
+        if is_pair:
+            # c = a +- i b.
+            trace, product = 2 * own[0], own[0] ** 2 + own[1] ** 2 + Q(1, 64)
+        stable = not is_pair and set(kinds) == {"inside"} and len(set(own)) == count
+        error = chance.choice((Q(0), Q(1, 2**12), Q(1, 8)))
+        known = [known_beside([c], error, 0) for c in ([trace] if count == 1 else [trace, product])]
+        said_so = is_stable(segment_with(known, -END, -END, END), enclose(Q(1, 4)))
+        assert said_so in (None, stable)
+        if said_so is None:
+            assert error or len(set(own)) < count
+        else:
+            said[said_so] += 1
+    assert min(said.values()) > 40
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_the_characteristic_polynomial_vanishes_at_the_parameters(count: int) -> None:
+    chance = random.Random(count)
+    for _ in range(20):
+        own = [Q(chance.randint(-40, 40), 16) for _ in range(count)]
+        product = times(*([-c, Q(1)] for c in own))
+        # a_k with signs: c^n - a_1 c^(n-1) + ..
+        known = [
+            BoundedFunction(ball_polynomial([(-1) ** k * product[count - k]]), arb(0)) for k in range(1, count + 1)
+        ]
+        segment = segment_with(known, -END, -END, END)
+        for c in (*own, Q(7, 3)):
+            wanted = Q(1)
+            for each in own:
+                wanted *= c - each
+            assert (segment.at(enclose(c)).value(arb(0)) - enclose(wanted)).contains(0)
+            assert segment.at(enclose(c)).value(arb(0)).rad() < 1e-30
+        assert (segment.discriminant is None) == (count != 2)
+
+
+# Certificates
+
+
+KINDS = ("doubling", "fold", "symmetry_breaking", "reversor_breaking", "krein_collision")
+
+
+def test_certificates_are_at_the_one_point_that_may_be_theirs() -> None:
+    """By the definition of section 18.5: overlapping places of the same k on the same piece, or of collisions."""
+    chance = random.Random(3)
+    outcomes = {"here": 0, "open": 0, "refused": 0, "left": 0}
+    for _ in range(1500):
+        points, gaps = [], []
+        for _ in range(chance.randint(0, 6)):
+            k = chance.choice((0, 1, 2, 3))
+            kinds = {
+                0: [Kind.COLLISION], 1: [Kind.FOLD, Kind.LOSS, Kind.SYMMETRIC, Kind.UNDECIDED],
+                2: [Kind.HERE, Kind.THERE, Kind.UNDECIDED], 3: [Kind.RESONANCE],
+            }[k]  # fmt: skip
+            place = arb(chance.randint(-1, 1)) / 8 + arb(0, 1 / 64)
+            points.append(Point(0, chance.choice("ppq"), k, min(k - 1, 1) if k else 0, chance.choice(kinds), place,
+                                arb(0), arb(1), {}))  # fmt: skip
+        for _ in range(chance.choice((0, 0, 0, 1, 2))):
+            low = Q(chance.randint(-4, 2), 8)
+            subject = chance.choice((Matter.EVERYTHING, Matter.COLLISION, Matter.EXTREMA, Resonance(1, 0),
+                                     Resonance(2, 1), Resonance(3, 1)))  # fmt: skip
+            gaps.append(Gap(0, chance.choice("pq"), low, low + Q(chance.randint(0, 2), 8), subject, ""))
+        kind = chance.choice(KINDS)
+        k = {"doubling": chance.choice((2, 3)), "krein_collision": 1}.get(kind, 1)
+        s, other = arb(chance.randint(-1, 1)) / 8 + arb(0, 1 / 64), chance.random() < 0.5
+        entry = Bifurcation("c", kind, k, PlaceOnCurve("p", s, False, other), "", {})
+        is_collision = kind == "krein_collision"
+        mine = [
+            point for point in points
+            if (point.kind is Kind.COLLISION if is_collision else point.k == k)
+            and point.piece == "p" and abs(point.s.mid() - s.mid()) < 1 / 16
+        ]  # fmt: skip
+        about = (
+            {Matter.EVERYTHING, Matter.COLLISION} if is_collision else {Matter.EVERYTHING, Resonance(k, min(k - 1, 1))}
+        )
+        hidden = [
+            gap for gap in gaps
+            if gap.subject in about and gap.piece == "p"
+            and gap.start - Q(1, 64) <= exact_value(s.mid()) <= gap.end + Q(1, 64)
+        ]  # fmt: skip
+        wanted = {"fold": Kind.FOLD, "symmetry_breaking": Kind.SYMMETRIC, "reversor_breaking": Kind.LOSS}.get(kind)
+        contradicts = len(mine) == 1 and (
+            (mine[0].kind in (Kind.FOLD, Kind.LOSS, Kind.SYMMETRIC) and mine[0].kind is not wanted)
+            or mine[0].kind is (Kind.HERE if other else Kind.THERE)
+        )
+        try:
+            found = with_certificates(points, gaps, [entry])
+        except EmptyIntersectionError:
+            assert not hidden
+            assert not mine or contradicts
+            outcomes["refused"] += 1
+            continue
+        assert len(found) == len(points)
+        certified = [point for point in found if point.certificates]
+        if hidden or len(mine) > 1:
+            assert not certified
+            outcomes["open" if hidden else "left"] += 1
+        else:
+            assert len(mine) == 1
+            assert not contradicts
+            assert certified == [replace(mine[0], certificates=("c",))]
+            outcomes["here"] += 1
+    assert min(outcomes.values()) > 10, outcomes
+
+
+def test_only_certificates_up_to_the_order_and_about_the_curve_have_to_be_in_its_list() -> None:
+    entries = [
+        Bifurcation(f"{kind} {k}", kind, k, None, "", {})
+        for kind in (*KINDS, "orbit", "stable_orbit")
+        for k in (1, 2, 3)
+    ]
+
+    def names(system: Any, order: int) -> set[str]:
+        return {entry.id for entry in about_the_list(SimpleNamespace(system=system), entries, order)}  # type: ignore[arg-type]
+
+    for order in (1, 2, 3):
+        assert names(CR3BP, order) == {f"{kind} {k}" for kind in KINDS for k in range(1, order + 1)}
+        assert names(CR3BP_PLANAR, order) == {name for name in names(CR3BP, order) if "symmetry" not in name}
+        assert names(LIFTED, order) == {f"symmetry_breaking {k}" for k in (1, 2, 3)}
+        assert names(VERTICAL["L1"], order) == {f"reversor_breaking {k}" for k in (1, 2, 3)}
+
+
+# Confirmation
+
+
+def test_any_stored_function_that_is_not_found_again_is_told_alone() -> None:
+    def functions(moved: int) -> StabilityFunctions:
+        own = [StoredFunction((Q(n, 7).limit_denominator(64) + (n == moved), Q(1)), Q(1, 2**20)) for n in range(9)]
+        rows = [replace(each, coefficients=tuple(Q(round(c * 64), 64) for c in each.coefficients)) for each in own]
+        return StabilityFunctions(tuple(rows[:2]), *rows[2:5], None, VariationFunctions(*rows[5:]))
+
+    stored = functions(-1)
+    wide = replace(
+        stored,
+        characteristic=tuple(replace(each, error=Q(1, 2**16)) for each in stored.characteristic),
+        **{
+            name: replace(getattr(stored, name), error=Q(1, 2**16)) for name in ("level", "half_period", "first_factor")
+        },
+        out_of_plane=VariationFunctions(*(replace(each, error=Q(1, 2**16)) for each in stored.out_of_plane.entries)),  # type: ignore[union-attr]
+    )
+    assert not list(unconfirmed(wide, stored))
+    words = ["coefficient 1", "coefficient 2", "level", "half period", "first factor", *["out of the plane"] * 4]
+    for moved, word in enumerate(words):
+        (told,) = unconfirmed(wide, functions(moved))
+        assert word in told
+    assert any("out of the plane" in told for told in unconfirmed(wide, replace(stored, out_of_plane=None)))
+    assert list(unconfirmed(wide, replace(stored, characteristic=stored.characteristic[:1])))
+    assert list(unconfirmed(replace(wide, characteristic=wide.characteristic[:1]), stored))
+    assert list(unconfirmed(wide, None))
+
+
+# Units
+
+
+def test_programs_scale_if_every_component_has_the_degree_of_its_coordinate() -> None:
+    def system(field: Any) -> Any:
+        names = ("x", "y", "z")
+        return SimpleNamespace(family_parameter="eps", state=names, program=record(field, names, ("eps", "c")))
+
+    good = [
+        lambda s, p: (s[0] * s[0] / s[1] + p[1] * s[2], s[1] * p[0] * s[2], s[0] + s[1] * (p[0] * s[0]) ** Q(3)),
+        lambda s, p: (p[0] * s[0] * s[1], s[2] * (s[0] / s[1]) ** Q(1, 2), s[2]),
+        lambda s, p: (1 / p[0], s[0] / (p[0] * s[1]), s[2] * (1 - p[1])),
+    ]
+    assert all(scales(system(field)) for field in good)
+    for number, field in enumerate(good):
+        for part in range(3):
+            for change in (
+                lambda value, s, p: value * s[0], lambda value, s, p: value + 1, lambda value, s, p: value - p[0],
+                lambda value, s, p: value / s[2], lambda value, s, p: value + s[0] * s[1],
+                lambda value, s, p: (value * s[0]) ** Q(1, 2), lambda value, s, p: p[1] + 0 * value,
+            ):  # fmt: skip
+
+                def changed(s: Any, p: Any, field: Any = field, part: int = part, change: Any = change) -> Any:
+                    values = list(field(s, p))
+                    values[part] = change(values[part], s, p)
+                    return values
+
+                assert not scales(system(changed)), (number, part)
+    assert not scales(FALKNER_SKAN)
