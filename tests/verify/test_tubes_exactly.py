@@ -6,15 +6,14 @@ import random
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from itertools import pairwise
 
 import pytest
 from flint import arb, ctx
 from support.inclusion import broken_inclusions
+from support.random_pieces import coordinates, corners, image, number, random_piece, random_run, values
 
 from orbitproof.shared.claims import Piece
 from orbitproof.verify.curve.gluing import Stretch
-from orbitproof.verify.curve.proved_intervals import ProvedInterval, Run
 from orbitproof.verify.curve.tube import Tube
 from orbitproof.verify.evidence import enclose
 
@@ -27,62 +26,6 @@ LITTLE = Fraction(1, 2**16)
 def precision() -> Iterator[None]:
     with ctx.workprec(BITS):
         yield
-
-
-def number(chance: random.Random, size: int = 1) -> Fraction:
-    return Fraction(chance.randint(-64 * size, 64 * size), 64)
-
-
-def bounds(chance: random.Random, count: int, most: int) -> tuple[Fraction, ...]:
-    return tuple(Fraction(chance.randint(1, 63), 64 * most) for _ in range(count))
-
-
-def random_piece(chance: random.Random, size: int, degree: int = 2, symmetric: bool = False) -> Piece:
-    """With so many coordinates across the curve; of a symmetric one the symmetry negates the coordinate 0."""
-    frame = [[number(chance) for _ in range(size + 1)] for _ in range(size + 1)]
-    for place in range(size + 1):
-        frame[place][place] += chance.choice([-3, 3])
-    if symmetric:
-        frame[0] = [frame[0][0], *[Fraction(0)] * size]
-        frame[1:] = [[Fraction(0), *row[1:]] for row in frame[1:]]
-    step = 2 if symmetric else 1
-    rows = [[number(chance) if n % step == 0 else Fraction(0) for n in range(degree + 1)] for _ in range(size)]
-    centre = [number(chance, 4) for _ in range(size + 1)]
-    return Piece(
-        "p",
-        "symmetric" if symmetric else "regular",
-        tuple([Fraction(0), *centre[1:]] if symmetric else centre),
-        tuple(map(tuple, frame)),
-        Fraction(chance.randint(1, 8), 8),
-        tuple(map(tuple, rows)),
-        tuple(Fraction(1, 4) for _ in range(size)),
-    )
-
-
-def random_run(chance: random.Random, size: int) -> Run:
-    """Of intervals that overlap, with bounds of their own."""
-    places = [Fraction(-1), Fraction(-1, 2), Fraction(1, 4), Fraction(1)]
-    ends = [(start, min(end + Fraction(1, 16), Fraction(1))) for start, end in pairwise(places)]
-    return Run(tuple(ProvedInterval(*each, bounds(chance, size, 8), bounds(chance, size, 8)) for each in ends))
-
-
-def corners(errors: Sequence[Fraction], chance: random.Random) -> list[Fraction]:
-    return [chance.choice([-1, 1]) * error for error in errors]
-
-
-def values(coefficients: Sequence[Fraction], s: Fraction, order: int = 0) -> Fraction:
-    """Of a polynomial, or of its derivative."""
-    for _ in range(order):
-        coefficients = [n * c for n, c in enumerate(coefficients)][1:]
-    return sum((c * s**n for n, c in enumerate(coefficients)), Fraction(0))
-
-
-def image(rows: Sequence[Sequence[Fraction]], vector: Sequence[Fraction]) -> list[Fraction]:
-    return [sum((a * b for a, b in zip(row, vector, strict=True)), Fraction(0)) for row in rows]
-
-
-def coordinates(piece: Piece, p: Sequence[Fraction]) -> list[Fraction]:
-    return [c + value for c, value in zip(piece.centre, image(piece.frame, p), strict=True)]
 
 
 def holds(balls: Sequence[arb], exact: Sequence[Fraction]) -> bool:
