@@ -222,13 +222,20 @@ def test_the_integral_tells_the_last_coordinate_on_every_part_between_points_and
 
 
 def test_the_period_is_that_of_all_parts() -> None:
-    orbits = tube_of(turning_atlas())
-    for slope in (F(1), F(-1), F(1, 2)):
-        time = orbits.arithmetic.polynomial({(0,): [F(5), slope]})
-        found = Returns({}, time).time_of_all()
-        assert found.overlaps(enclose(5 + slope))
-        assert found.overlaps(enclose(5 - slope))
-        assert float(found.rad()) < float(abs(slope)) * 1.01
+    """Wherever it is longest or shortest: at an end, in the middle, on any part between."""
+    arithmetic, chance = tube_of(turning_atlas()).arithmetic, random.Random(0)
+    rows = [[F(5), F(1)], [F(5), F(-1)], [F(5), F(0), F(1)], [F(5), F(0), F(-1)]]
+    rows += [[F(5), *(F(chance.randint(-8, 8), 8) for _ in range(3))] for _ in range(8)]
+    for row in rows:
+        unknown = F(chance.randint(0, 4), 64)
+        found = Returns({}, arithmetic.polynomial({(0,): row}).widened(unknown)).time_of_all()
+        times = [sum(c * F(place, 32) ** n for n, c in enumerate(row)) for place in range(-32, 33)]
+        for time in times:
+            assert found.overlaps(enclose(time + unknown))
+            assert found.overlaps(enclose(time - unknown))
+        # On each of the eight parts a little is lost.
+        lost = sum(n * abs(c) for n, c in enumerate(row)) / 8
+        assert float(found.rad()) < float((max(times) - min(times)) / 2 + unknown + lost) * 1.01
 
 
 def functions(source: random.Random, size: int, error: float) -> list[list[BoundedFunction]]:

@@ -81,8 +81,9 @@ _TYPES = {
     "supercritical": (
         "The collision is supercritical, {b} < 0. For all small {d} and abs({mu}) <= {d}^2, on both sides, the points"
         " with abs({z}) <= {d} and abs({y}) <= {d}^2 stay in abs({z}) <= {K} {d}, abs({y}) <= {K} {d}^2, with a "
-        "constant {K}, for at least 1/({K} {d}^2) forward and backward iterates of P^2. Nothing is said of longer "
-        "times: neither that the orbit of x is stable, nor that there are invariant curves or tori near it."
+        "constant {K}, for at least 1/({K} {d}^2) forward and backward iterates of P^2. "
+        "Nothing is said of longer times: neither that the orbit of x is stable, nor that there are invariant curves "
+        "or tori near it."
     ),
 }
 
