@@ -16,19 +16,27 @@ from typing import Any
 import numpy as np
 import pytest
 from flint import arb, arb_poly, ctx
+from support.chain_cases import concluded, parabola, proved
+from support.curve_cases import proof
+from support.stored import values
 
+from orbitproof.shared.claims import Claim
 from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR, FALKNER_SKAN, LIFTED, VERTICAL, record
 from orbitproof.verify.algebra import ball_polynomial
 from orbitproof.verify.curve import Bifurcation, PlaceOnCurve
+from orbitproof.verify.curve.tube import read_tube
 from orbitproof.verify.evidence import EmptyIntersectionError, NotKnown, Reason, enclose, exact_value, sign
 from orbitproof.verify.functions import REACH, BoundedFunction, StoredFunction
 from orbitproof.verify.out_of_plane import VariationFunctions
 from orbitproof.verify.stability import Gap, Kind, Matter, Point, Resonance, Segment, extrema_on, is_stable, segments_of
+from orbitproof.verify.stability import complete_list as lists
+from orbitproof.verify.stability.complete_list import resonant_value
 from orbitproof.verify.stability.confirmation import unconfirmed
+from orbitproof.verify.stability.level import Level
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
 from orbitproof.verify.stability.stored_stability import StabilityFunctions
 from orbitproof.verify.stability.units import scales
-from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
+from orbitproof.verify.stability.zeros import Zero, between, zeros_beside_double_one, zeros_on
 
 END = 1 / REACH
 
@@ -471,3 +479,190 @@ def test_programs_scale_if_every_component_has_the_degree_of_its_coordinate() ->
 
                 assert not scales(system(changed)), (number, part)
     assert not scales(FALKNER_SKAN)
+
+
+# Points of one part
+
+
+def by_tau(row: Sequence[Q], middle: Q, radius: Q) -> Polynomial:
+    result, power = [Q(0)], [Q(1)]
+    for c in row:
+        result, power = plus(result, [c * each for each in power]), times(power, [middle, radius])
+    return result
+
+
+def integrated(row: Sequence[Q]) -> Polynomial:
+    return [Q(0), *(c / (n + 1) for n, c in enumerate(row))]
+
+
+ATLAS: Any = SimpleNamespace(system=SimpleNamespace(normalised={}, centre_coordinates=()))
+
+
+@pytest.mark.parametrize("at_end", [-1, 0, 1])
+@pytest.mark.parametrize("matter", ["1:1", "2:1", "4:1", "5:2", "collision"])
+def test_on_a_part_every_zero_is_listed_with_its_kind_or_named(
+    matter: str, at_end: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At r_1 the level is stationary, or the first factor vanishes; at the others it does not."""
+    monkeypatch.setattr(lists, "point_over", lambda stretch, s: ())
+    chance = random.Random(f"{matter} {at_end}")
+    seen: dict[Kind, int] = {}
+    for _ in range(25):
+        middle, radius = (Q(0), Q(1)) if at_end else (Q(chance.randint(-20, 20), 32), Q(chance.randint(8, 40), 32))
+        tau = {-1: (Q(0), Q(0), END), 0: (-END, Q(-5, 8), END), 1: (-END, Q(-5, 8), Q(0))}[at_end]
+        start, entered, end = (middle + radius * each for each in tau)
+        roots = [middle + radius * Q(chance.randint(-60, 60), 64) + Q(1, 2**10) for _ in range(chance.randint(1, 3))]
+        if len(set(roots)) < len(roots):
+            continue
+        if at_end:
+            roots = [root * at_end for root in map(abs, roots)]
+            roots = [-root for root in roots]
+        factors = [[-root, Q(1)] if not at_end else [-root * root, Q(0), Q(1)] for root in roots]
+        strength = [Q(chance.choice((-1, 1)) * chance.randint(1, 6), 2)]
+        rest = times(strength, *factors)
+        # The level, or the first factor, as the lemma of kinds lets them be: no other zeros.
+        vanishing = factors[0] if not at_end else times([Q(0), Q(1)], factors[0])
+        level = integrated(vanishing)
+        value = {"1:1": Q(1), "2:1": Q(-1), "4:1": Q(0)}.get(matter, Q(0))
+        flat = [Q(3)]
+        if matter == "1:1" and at_end:
+            # A double zero at the symmetric point, and those of the rest.
+            rest = times([Q(0), Q(0), Q(1)], rest)
+        one = plus([value], rest)
+        if matter == "collision":
+            trace = [Q(1, 3), Q(0) if at_end else Q(1, 5), Q(1, 7)]
+            rows = [trace, [c / 4 for c in plus(times(trace, trace), [-c for c in rest])]]
+        elif matter == "5:2":
+            rows = [one]
+        else:
+            other = [Q(chance.choice((-3, 3))), Q(0) if at_end else Q(1, 16), Q(1, 16)]
+            rows = [plus(one, other), times(one, other)] if chance.random() < 0.5 else [one]
+        error, power = chance.choice((Q(0), Q(1, 2**40))) * chance.choice((-1, 1)), 2 * chance.randint(0, 2)
+        if at_end and matter == "1:1":
+            error = Q(0)
+        own = [known_beside(by_tau(row, middle, radius), error, power) for row in (*rows, level, flat, factors[0])]
+        if matter == "5:2":
+            # c = cos(4 pi/5) + rest.
+            own[0] = BoundedFunction(own[0].polynomial + arb_poly([resonant_value(5, 2)]), own[0].error)
+        segment = Segment(3, start, entered, end, middle, radius, tuple(own[: len(rows)]), *own[len(rows) :])
+        stretch: Any = SimpleNamespace(tube=SimpleNamespace(piece=SimpleNamespace(id="p"), is_symmetric=bool(at_end)))
+        finder = lists.Finder(ATLAS, stretch, segment)
+        k, j = {"1:1": (1, 0), "2:1": (2, 1), "4:1": (4, 1), "5:2": (5, 2), "collision": (0, 0)}[matter]
+        if k:
+            finder.resonances(k, j)
+        else:
+            finder.collisions()
+        points = list(finder.points)
+        if at_end and k == 1:
+            (centre,) = [point for point in points if point.kind is Kind.SYMMETRIC]
+            assert centre.s.contains(0)
+            points.remove(centre)
+        assert all((point.k, point.j, point.stretch, point.piece) == (k, j, 3, "p") for point in points)
+        inside = [root for root in roots if start <= root <= end]
+        for root in inside:
+            here = [point for point in points if point.s.contains(enclose(root))]
+            named = [gap for gap in finder.gaps if gap.start <= root <= gap.end]
+            assert len(here) + bool(named) >= 1
+            assert len(here) <= 1
+            if root < entered:
+                assert named
+                assert not here
+            for gap in named:
+                assert (gap.stretch, gap.piece) == (3, "p")
+                assert gap.subject == (Resonance(k, j) if k else Matter.COLLISION)
+            for point in here:
+                kinds = {1: (Kind.FOLD, Kind.LOSS), 2: (Kind.HERE, Kind.THERE)}.get(k)
+                expected = kinds[0 if root == roots[0] else 1] if kinds else Kind.RESONANCE if k else Kind.COLLISION
+                assert point.kind in (expected, Kind.UNDECIDED)
+                seen[point.kind] = seen.get(point.kind, 0) + 1
+                wanted = sum((c * root**n for n, c in enumerate(level)), Q(0))
+                assert (point.level + arb(0, 1e-9)).contains(enclose(wanted))
+        assert len(points) == sum(1 for root in inside if any(p.s.contains(enclose(root)) for p in points))
+    assert sum(seen.values()) > 8
+    assert Kind.UNDECIDED not in seen or seen[Kind.UNDECIDED] < 4
+
+
+def test_which_of_two_factors_vanishes_is_said_where_it_is_certain() -> None:
+    chance = random.Random(5)
+    counts = {"changes": 0, "keeps": 0, "undecided": 0}
+    for _ in range(400):
+        low, high = sorted(Q(each, 64) for each in chance.sample(range(-60, 61), 2))
+        root = low + (high - low) * Q(chance.randint(1, 15), 16)
+        place = enclose(root) + arb(0, 1) * enclose((high - low) / 2 ** chance.choice((6, 20)))
+        own = (
+            root
+            if chance.random() < 0.5
+            else chance.choice((low, high, low - Q(1, 8), high + Q(1, 2), Q(1, 10**6) + high))
+        )
+        slope = chance.choice((-1, 1)) * Q(chance.randint(1, 8), 4)
+        member = times([slope], [-own, Q(1)])
+        error = chance.choice((Q(0), Q(1, 2**10), (high - low) / 3)) * chance.choice((-1, 1))
+        function = known_beside(member, error, chance.randint(0, 3))
+        found = lists._factor(function.value, Zero(low, high, place), Kind.FOLD, Kind.LOSS)
+        assert found in (Kind.UNDECIDED, Kind.FOLD if own == root else Kind.LOSS)
+        counts["undecided" if found is Kind.UNDECIDED else "changes" if own == root else "keeps"] += 1
+    assert min(counts.values()) > 20, counts
+
+
+# The level
+
+
+def test_parts_on_which_the_level_is_regular_are_those_on_which_a_derivative_is_not_0() -> None:
+    """Of two derivatives along the curve, at random; where both vanish, or may, nothing is listed."""
+    chance = random.Random(6)
+    gaps_seen = 0
+    for _ in range(40):
+        rows = [[Q(chance.randint(-8, 8), 8) for _ in range(3)] for _ in range(2)]
+        if chance.random() < 0.6:
+            common = [-Q(chance.randint(-48, 48), 64), Q(1)]
+            rows = [times(common, row[:2]) for row in rows]
+        functions = [BoundedFunction(ball_polynomial(row), arb(0)) for row in rows]
+
+        def slopes(program: Any, stretch: Any, low: Q, high: Q, functions: Any = functions) -> list[arb]:
+            return [function.value(between(low, high)) for function in functions]
+
+        level: Any = object.__new__(Level)
+        level._program, level._title, level._slopes, level._gradient = object(), "H", {}, slopes
+        stretch: Any = SimpleNamespace(tube=SimpleNamespace(piece=SimpleNamespace(id="p")))
+        cuts = [Q(-7, 8), Q(chance.randint(-40, 0), 64), Q(chance.randint(1, 40), 64), Q(7, 8)]
+        entered = cuts[0] + Q(chance.randint(0, 8), 64)
+        given = [segment_with(functions[:1], low, min(max(low, entered), high), high) for low, high in pairwise(cuts)]
+        found, gaps = level.regular(stretch, given)
+        gaps_seen += len(gaps)
+        parts = sorted([(each.start, each.end) for each in (*found, *gaps)])
+        assert parts[0][0] == cuts[0]
+        assert parts[-1][1] == cuts[-1]
+        assert all(before[1] == after[0] for before, after in pairwise(parts))
+        for part in found:
+            (own,) = [each for each in given if each.start <= part.start < part.end <= each.end]
+            assert part.entered == min(max(own.entered, part.start), part.end)
+            assert part.characteristic == own.characteristic
+            for n in range(17):
+                s = float(part.start + (part.end - part.start) * n / 16)
+                assert any(abs(value_at(row, s)) > 1e-12 for row in rows)
+        least = min(max(abs(value_at(row, float(p.start + (p.end - p.start) * n / 16))) for row in rows)
+                    for p in found for n in range(17)) if found else 1.0  # fmt: skip
+        assert all(0 < bound <= least + 1e-12 for bound in level._slopes.values())
+        assert all((gap.stretch, gap.piece, gap.subject) == (0, "p", Matter.EVERYTHING) for gap in gaps)
+    assert gaps_seen > 10
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_derivative_of_the_level_on_a_part_is_that_at_all_its_points(sign: int) -> None:
+    """Along y = beta^2/100, known up to a deviation of either sign."""
+    atlas, found = parabola(Claim("arc", None, ("beta",)))
+    stretch, piece = proof(concluded((atlas, found))).chain.stretches[0], atlas.curve_pieces()[1]
+    tube = read_tube(piece, values([proved(piece, deviation=["0x1p-21"])]))
+    stretch = replace(stretch, tube=tube, run=tube.runs[0], enters=Q(-1), leaves=Q(1))
+    program = record(lambda s, p: (s[0] * s[0] * s[1] + p[0] * s[1] * s[1] * s[1],), ("beta", "y"), ("c",))
+    level: Any = object.__new__(Level)
+    level._known, level._names, level._system = {"c": enclose(Q(5))}, ("beta", "y"), None
+    for low, high in ((Q(-1), Q(-1, 2)), (Q(1, 4), Q(1, 2)), (Q(0), Q(1))):
+        slopes = level._gradient(program, stretch, low, high)
+        for s in (low, high, (low + high) / 2, low + (high - low) / 64):
+            beta = piece.centre[0] + piece.half_width * s
+            y = piece.centre[1] + piece.frame[1][0] * piece.half_width * s + piece.polynomial[0][2] * s**2
+            y += sign * Q(1, 2**21)
+            for slope, wanted in zip(slopes, (2 * beta * y, beta**2 + 15 * y**2), strict=True):
+                assert slope.contains(enclose(wanted))
+                assert slope.rad() < abs(slope.mid()) + 1

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from fractions import Fraction as Q
 from typing import Any
 
 import pytest
 from flint import arb, ctx
 from support.random_halves import (
+    LIMITS,
     FirstHalf,
     Halves,
     Polynomial,
@@ -19,15 +22,16 @@ from support.random_halves import (
     second_half,
 )
 
-from orbitproof.shared.systems import CR3BP_PLANAR
-from orbitproof.verify.algebra import Series, ball_polynomial
+from orbitproof.shared.systems import AROUND, CR3BP_PLANAR, FALKNER_SKAN, LIFTED, VERTICAL, ReversibleSystem
+from orbitproof.verify.algebra import Grading, Series, WideArithmetic, ball_polynomial
 from orbitproof.verify.evidence import IntegrationFailure, enclose
 from orbitproof.verify.functions import BoundedFunction, bounded, known_part
 from orbitproof.verify.out_of_plane import VariationFunctions
-from orbitproof.verify.stability import about_closer_polynomial, first_half, matrix
+from orbitproof.verify.stability import TubeOfOrbits, about_closer_polynomial, first_half, matrix
 from orbitproof.verify.stability.first_half import from_first_half
 from orbitproof.verify.stability.matrix import SHARE
 from orbitproof.verify.stability.stored_stability import OrbitFunctions
+from orbitproof.verify.stability.units import at_other_point, units_of
 
 
 @pytest.fixture(autouse=True)
@@ -180,3 +184,47 @@ def test_where_one_of_several_polynomials_leaves_the_tube_none_is_taken(j: int) 
     halves = Halves(0, 2, share=Q(1, 4), reach=reach)
     half = halves.half
     assert about_closer_polynomial(halves.tube, half) == (halves.tube, half)
+
+
+# In units of the orbit
+
+ALGEBRA = WideArithmetic(Grading((1,), 0), 120, 0, 0, width=4)
+
+
+@pytest.mark.parametrize("system", [AROUND["L1"], VERTICAL["L1"], LIFTED], ids=lambda system: system.name)
+@pytest.mark.parametrize("end", [0, 1])
+def test_a_return_is_told_in_units_of_its_end(system: ReversibleSystem, end: int) -> None:
+    """After scaling by a power of lambda, which is none of the family, each orbit is the same orbit (18.9)."""
+    chance = random.Random(end)
+    oracle: Any = None
+    tube = TubeOfOrbits(system, {}, Halves(0, 1).tube.piece, (Q(-1), Q(1)), LIMITS, "physical", oracle)
+    # What is 1 there, and the power of lambda by which each coordinate is multiplied.
+    unit = {"cr3bp-l1": "xx", "cr3bp-l1-vertical": "wu", "cr3bp-lifted": ("vz", "vz")}[system.name][end]
+    scaled_alike = ("z", "vz") if system is LIFTED else system.state
+    for _ in range(8):
+        own = {name: Q(chance.choice((-1, 1)) * chance.randint(8, 64), 32) for name in system.centre_coordinates}
+        factor = Q(chance.choice((-1, 1)) * chance.choice((1, 2, 4)), 4)
+        state = {name: own.get(name, Q(0)) for name in system.state} | {unit: Q(1)}
+        state = {name: value * (factor if name in scaled_alike else 1) for name, value in state.items()}
+        parameter = str(system.family_parameter)
+        start = {parameter: own[parameter] / factor ** (2 if system is LIFTED else 1)}
+        found = tube.named(
+            {name: ALGEBRA.constant(value) for name, value in start.items()},
+            [ALGEBRA.constant(state[name]) for name in system.state],
+            end,
+        )
+        for name, element in zip(system.centre_coordinates, found, strict=True):
+            value = bounded(element).value(arb(0))
+            assert value.contains(enclose(own[name]))
+            assert value.rad() < 1e-25
+    other = at_other_point(system).normalised
+    assert {name: value for name, value in other.items() if value} == {units_of(system)[1]: 1}
+    assert set(other) == set(system.normalised)
+
+
+def test_units_are_told_of_systems_that_scale_alone() -> None:
+    system = AROUND["L1"]
+    bent = replace(system, vector_field=lambda s, p: (s[2], s[3], s[0] * s[0], s[1]))
+    for other in (FALKNER_SKAN, bent, replace(VERTICAL["L1"], title="another")):
+        with pytest.raises(IntegrationFailure, match="not known in its own units"):
+            units_of(other)
