@@ -101,11 +101,15 @@ def of_quotient(sigma: Matrix) -> list[Q]:
 
 @dataclass
 class Unknown:
-    """What of the flow is not known: of one value, a term of one grade, of one sign, times a power of sigma."""
+    """What of the flow is not known: of one value, a term of one grade, of one sign, times a power of sigma.
+
+    It is a multiple of omega_variable, or of its square, if it is of grade 1 or 2.
+    """
 
     name: str = ""
     grade: int = 0
     sign: int = 1
+    variable: int = 0
     power: int = 0
 
     def of(self, name: str, size: Q) -> Q:
@@ -119,13 +123,14 @@ def enclosing(
     unknown: Unknown,
     name: str,
     size: Q = Q(1),
-    variable: int = 0,
+    variable: int | None = None,
 ) -> Series:
     """Encloses a function of (sigma, omega), of these value and derivatives at omega = 0, up to what is not known.
 
-    What is not known is size UNKNOWN sigma^power, times an omega_j, or times the square of the first one.
+    What is not known is size UNKNOWN sigma^power, times an omega_j, or times its square.
     """
     part = unknown.of(name, size)
+    variable = unknown.variable if variable is None else variable
     tail = [Q(0)] * unknown.power + [-part]
     count = len(slopes)
     terms: dict[tuple[int, ...], Any] = {(0,) * count: total(value, tail) if not unknown.grade else list(value)}
@@ -226,16 +231,14 @@ class Halves:
 
     def on_curve(self, value: Polynomial, slopes: Sequence[Polynomial], name: str, size: Q = Q(1)) -> Series:
         """A function of (sigma, omega) with this value and these derivatives on the curve; bent by what is unknown."""
+        chosen = self.unknown.variable
         bend = [Q(0)] * self.unknown.power + [self.unknown.of(name, size) if self.unknown.grade == 2 else Q(0)]
-        first, turned = self.omega[0], scaled(bend, Q(-2))
-        slopes = [total(slope, times(turned, first)) if j == 0 else slope for j, slope in enumerate(slopes)]
-        # f = value + sum slope_j (omega_j - omega_j*) + bend (omega_1 - omega_1*)^2, by powers of omega.
-        lowest = [value, times(bend, times(first, first))]
-        lowest += [scaled(times(slope, omega), Q(-1)) for slope, omega in zip(slopes, self.omega, strict=True)]
-        if self.unknown.grade == 2:
-            lowest.append(times(turned, times(first, first)))
-            lowest[-1] = [Q(0)]
-            lowest[1] = scaled(times(bend, times(first, first)), Q(-1))
+        omega = self.omega[chosen]
+        # f = value + sum slope_j (omega_j - omega_j*) + bend (omega_chosen - omega_chosen*)^2, by powers of omega.
+        lowest = [value, times(bend, times(omega, omega))]
+        lowest += [scaled(times(slope, each), Q(-1)) for slope, each in zip(slopes, self.omega, strict=True)]
+        turned = scaled(times(bend, omega), Q(-2))
+        slopes = [total(slope, turned) if j == chosen else slope for j, slope in enumerate(slopes)]
         return enclosing(self.flow, total(*lowest), slopes, self.unknown, name, size)
 
     @property

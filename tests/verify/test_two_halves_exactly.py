@@ -22,12 +22,21 @@ from support.random_halves import (
     second_half,
 )
 
-from orbitproof.shared.systems import AROUND, CR3BP_PLANAR, FALKNER_SKAN, LIFTED, VERTICAL, ReversibleSystem
+from orbitproof.shared import define_system
+from orbitproof.shared.systems import (
+    AROUND,
+    CR3BP_PLANAR,
+    FALKNER_SKAN,
+    LIFTED,
+    VERTICAL,
+    ReversibleSystem,
+)
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic, ball_polynomial
 from orbitproof.verify.evidence import IntegrationFailure, enclose
 from orbitproof.verify.functions import BoundedFunction, bounded, known_part
 from orbitproof.verify.out_of_plane import VariationFunctions
 from orbitproof.verify.stability import TubeOfOrbits, about_closer_polynomial, first_half, matrix
+from orbitproof.verify.stability.along import CurveInTube
 from orbitproof.verify.stability.first_half import from_first_half
 from orbitproof.verify.stability.matrix import SHARE
 from orbitproof.verify.stability.stored_stability import OrbitFunctions
@@ -94,8 +103,9 @@ def test_what_is_not_known_of_either_half_is_in_the_stability_matrix(
 ) -> None:
     """One value of one half is known up to a term of one grade, of both signs."""
     for sign in (1, -1):
-        for seed in range(2):
-            halves = Halves(seed, n, Unknown(name, grade, sign, power=seed))
+        for variable in range(n):
+            reach = [Q(3, 8) if j == variable else Q(1, 64) for j in range(n)]
+            halves = Halves(variable, n, Unknown(name, grade, sign, variable, power=variable), reach=reach)
             back = halves.back
             monkeypatch.setattr(matrix, "HalfOrbits", second_half(halves, back, []))
             check(halves, halves.tube.functions(halves.half, None), back, 1e-2)
@@ -228,3 +238,29 @@ def test_units_are_told_of_systems_that_scale_alone() -> None:
     for other in (FALKNER_SKAN, bent, replace(VERTICAL["L1"], title="another")):
         with pytest.raises(IntegrationFailure, match="not known in its own units"):
             units_of(other)
+
+
+def test_the_other_points_are_on_one_sheet_all_along_the_curve() -> None:
+    """The level coordinate is s - c or c - s there: of one sign unless |c| < 1, and of each sign at some end."""
+    system = define_system({
+        "name": "signs", "state": "x y vx vy", "parameters": "a", "R": {"vx": -1, "vy": -1}, "section": "vy",
+        "field": {"x": "vx", "y": "vy", "vx": "-a*x", "vy": "-y"}, "family_parameter": "a",
+        "first_integral": "(vx**2 + vy**2 + a*x**2 + y**2)/2", "level_coordinate": "y",
+        "fixed_level": {"value": "1/2", "sign": 1},
+    })  # fmt: skip
+    assert isinstance(system, ReversibleSystem)
+    tube = replace(Halves(0, 1).tube, system=system)
+    curve = CurveInTube((ALGEBRA.constant(Q(0)),), Q(0))
+    flow = WideArithmetic(Grading((1,), 1), 80, 0, 0, width=4)
+    for sign in (1, -1):
+        for c in (Q(-3, 2), Q(-15, 16), Q(-1, 32), Q(1, 32), Q(15, 16), Q(3, 2)):
+            level = flow.polynomial({(0,): [-sign * c, Q(sign)]})
+            state = [level if name == "y" else flow.constant(Q(0)) for name in system.state]
+            if abs(c) < 1:
+                with pytest.raises(IntegrationFailure, match="one sign"):
+                    tube._at_other_point(curve, state)
+                continue
+            there = tube._at_other_point(curve, state)
+            assert isinstance(there, ReversibleSystem)
+            assert there.fixed_level is not None
+            assert there.fixed_level.sign == (-sign if c > 0 else sign)
