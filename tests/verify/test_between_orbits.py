@@ -30,7 +30,8 @@ def _precision() -> Iterator[None]:
 class Curve:
     """A segment whose stability parameters are polynomials of s, known up to `ERROR`: one turns, one is large."""
 
-    def __init__(self, seed: int, alone: bool = False) -> None:
+    def __init__(self, seed: int, alone: bool = False, middle: Fraction = Fraction(0), radius: Fraction = Fraction(1)):
+        self.middle, self.radius = middle, radius
         source = random.Random(seed)
         self.place = Fraction(source.randint(-60, 60), 100) + Fraction(1, 10**7)
         self.value = -1 - Fraction(source.randint(1, 9), 10**5)
@@ -41,20 +42,33 @@ class Curve:
         products = [turning] if alone else [turning + self.parameters[1], turning * self.parameters[1]]
         characteristic = tuple(BoundedFunction(f, arb(ERROR)) for f in products)
         self.segment = Segment(
-            0, -1 / REACH, -1 / REACH, 1 / REACH, Fraction(0), Fraction(1), characteristic, flat, flat, flat
+            0,
+            *(middle + side * radius / REACH for side in (-1, -1, 1)),
+            middle,
+            radius,
+            characteristic,
+            flat,
+            flat,
+            flat,
         )
         found, undecided = extrema_on(self.segment, 0)
-        self.gaps = [Gap(0, "p", low, high, Matter.EXTREMA, "") for low, high in undecided]
-        self.extrema = [Extremum(0, "p", height, is_in_band(height), tau, arb(0), arb(1)) for tau, height in found]
+        self.gaps = [
+            Gap(0, "p", middle + radius * low, middle + radius * high, Matter.EXTREMA, "") for low, high in undecided
+        ]
+        self.extrema = [
+            Extremum(0, "p", height, is_in_band(height), self.segment.s_of(tau), arb(0), arb(1))
+            for tau, height in found
+        ]
 
     @property
     def listed(self) -> Extremum:
-        (entry,) = [entry for entry in self.extrema if entry.s.contains(ball(self.place))]
+        (entry,) = [entry for entry in self.extrema if entry.s.contains(ball(self.middle + self.radius * self.place))]
         return entry
 
-    def orbit(self, s: Fraction, piece: str = "p", shift: Fraction = Fraction(0)) -> Bifurcation:
-        """The certified orbit at s, of which is said that its stability parameters are larger by `shift`."""
-        values = tuple(acb(polynomial(ball(s)) + ball(shift)) for polynomial in self.parameters)
+    def orbit(self, tau: Fraction, piece: str = "p", shift: Fraction = Fraction(0)) -> Bifurcation:
+        """The certified orbit at tau, of which is said that its stability parameters are larger by `shift`."""
+        values = tuple(acb(polynomial(ball(tau)) + ball(shift)) for polynomial in self.parameters)
+        s = self.middle + self.radius * tau
         place = PlaceOnCurve(piece, ball(s) + arb(0, 1) / 10**25, False)
         return Bifurcation(f"orbit at {float(s)}", "orbit", 1, place, "", {}, stability=values[::-1])
 
@@ -170,3 +184,55 @@ def test_nothing_is_said_where_the_stability_parameters_may_meet() -> None:
     characteristic = tuple(BoundedFunction(f, arb(ERROR)) for f in products)
     curve.segment = replace(curve.segment, characteristic=characteristic)
     assert curve.narrowed(curve.beside()) == curve.extrema
+
+
+@pytest.mark.parametrize("alone", [False, True])
+@pytest.mark.parametrize("seed", range(8))
+def test_the_value_is_true_on_intervals_of_any_length(seed: int, alone: bool) -> None:
+    """The middle one of the orbits is far from the extremum, as far as one may be that shows it."""
+    source = random.Random(seed + 200)
+    middle, radius = Fraction(source.randint(-40, 40), 64), Fraction(1, 2 ** source.randint(1, 8))
+    curve = Curve(seed, alone, middle, radius)
+    side, apart = source.choice((-1, 1)), Fraction(1, 10**3)
+    offsets = [Fraction(-102, 100), Fraction(1), Fraction(102, 100)]
+    found = curve.narrowed([curve.orbit(curve.place + side * apart * offset) for offset in offsets])
+    (entry,) = [entry for entry in found if entry.certificates]
+    assert entry.value.contains(ball(curve.value))
+    assert entry.s.contains(ball(middle + radius * curve.place))
+    # Beyond the curve's own error.
+    assert entry.value.rad() < 1e-4
+
+
+def test_each_parameter_turns_by_itself_and_beyond_the_band_nothing_is_said() -> None:
+    """The larger parameter turns at the value 40, where the smaller one does not."""
+    curve = Curve(9)
+    low = arb_poly([arb(-1) / 2, 1])
+    for height, told in ((arb(40), False), (arb(1), True)):
+        high = arb_poly([height, 0, 1])
+        curve.parameters = [low, high]
+        characteristic = tuple(BoundedFunction(f, arb(ERROR)) for f in (low + high, low * high))
+        curve.segment, curve.gaps = replace(curve.segment, characteristic=characteristic), []
+        for listed in (True, False):
+            curve.extrema = [Extremum(0, "p", arb(1, 1e-3), True, arb(0, 1e-3), arb(0), arb(1))] if listed else []
+            orbits = [curve.orbit(side * Fraction(1, 10**4)) for side in (-1, 0, 1)]
+            if told and not listed:
+                with pytest.raises(EmptyIntersectionError, match="the list does not have"):
+                    curve.narrowed(orbits)
+                continue
+            found = curve.narrowed(orbits)
+            assert [bool(entry.certificates) for entry in found] == [told] * listed
+            assert all(entry.value.contains(1) for entry in found)
+
+
+def test_extrema_and_gaps_of_other_parts_are_no_answer() -> None:
+    curve = Curve(5)
+    orbits, listed, gaps = curve.beside(), curve.listed, curve.gaps
+    curve.extrema = [replace(listed, stretch=1)]
+    with pytest.raises(EmptyIntersectionError, match="the list does not have"):
+        curve.narrowed(orbits)
+    curve.gaps = [*gaps, Gap(1, "q", curve.place - 1, curve.place + 1, Matter.EXTREMA, "")]
+    with pytest.raises(EmptyIntersectionError, match="the list does not have"):
+        curve.narrowed(orbits)
+    curve.extrema = [listed]
+    (entry,) = curve.narrowed(orbits)
+    assert entry.certificates

@@ -36,7 +36,7 @@ from orbitproof.verify.stability.level import Level
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
 from orbitproof.verify.stability.stored_stability import StabilityFunctions
 from orbitproof.verify.stability.units import scales
-from orbitproof.verify.stability.zeros import Zero, between, zeros_beside_double_one, zeros_on
+from orbitproof.verify.stability.zeros import Zero, _narrowed, between, ends_of, zeros_beside_double_one, zeros_on
 
 END = 1 / REACH
 
@@ -666,3 +666,31 @@ def test_the_derivative_of_the_level_on_a_part_is_that_at_all_its_points(sign: i
             for slope, wanted in zip(slopes, (2 * beta * y, beta**2 + 15 * y**2), strict=True):
                 assert slope.contains(enclose(wanted))
                 assert slope.rad() < abs(slope.mid()) + 1
+
+
+def test_ends_of_balls_are_beyond_all_of_their_points() -> None:
+    chance = random.Random(7)
+    for _ in range(200):
+        ball = arb(chance.uniform(-1, 1)) + arb(0, 1) * arb(chance.choice((0.0, 2.0**-190, 2.0**-20, 0.5)))
+        low, high = ends_of(ball)
+        middle, radius = exact_value(ball.mid()), exact_value(ball.rad())
+        assert low <= middle - radius
+        assert high >= middle + radius
+        assert high - low <= 2 * radius + Q(1, 2**150)
+
+
+def test_a_zero_is_in_what_newton_leaves_of_its_interval_for_every_member() -> None:
+    """Also where the derivative may vanish, and nothing is gained."""
+    chance = random.Random(8)
+    narrowed = 0
+    for _ in range(200):
+        root = Q(chance.randint(-20, 20), 64)
+        slope = chance.choice((-1, 1)) * Q(chance.randint(1, 16), 4)
+        member = times([slope], [-root, Q(1)], [Q(chance.randint(3, 8)), Q(chance.randint(-2, 2))])
+        error = chance.choice((Q(0), Q(1, 2**20), Q(1, 8), Q(3))) * chance.choice((-1, 1))
+        function = known_beside(member, error, chance.randint(0, 3))
+        low, high = root - Q(chance.randint(0, 16), 32), root + Q(chance.randint(1, 16), 32)
+        found = _narrowed(function, low, high)
+        assert found.contains(enclose(root))
+        narrowed += found.rad() < enclose((high - low) / 16)
+    assert narrowed > 50
