@@ -33,6 +33,7 @@ from orbitproof.verify.distances.stored_distances import PARTS, DistanceFunction
 from orbitproof.verify.evidence import enclose, hull
 from orbitproof.verify.functions import REACH, BoundedFunction, StoredFunction
 from orbitproof.verify.index.along_curve import Interval, places_in
+from orbitproof.verify.lasting.stored import may_be_stable
 from orbitproof.verify.periodic_curve.turns import turns_of
 from orbitproof.verify.stability.linear_stability import Bound
 from orbitproof.verify.stability.list_entries import Segment
@@ -227,6 +228,18 @@ def test_stored_parts_are_equal_parts_of_the_interval_from_left_to_right() -> No
         other = [replace(part, **change) if n == place else part for n, part in enumerate(parts)]  # type: ignore[arg-type]
         with pytest.raises(ValueError, match="bounds of a distance are none"):
             known_distances(DistanceFunctions(function, function, tuple(other)))
+
+
+@pytest.mark.parametrize("place", [-1, Fraction(-31, 32), Fraction(-1, 2), 0, Fraction(1, 64), Fraction(3, 4), 1])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_twist_is_asked_for_wherever_on_an_interval_one_orbit_may_be_stable(place: Fraction, sign: int) -> None:
+    """c = 9/10 + 4096 (tau - place)^2 or its opposite: below 1 next to one place alone."""
+    tau = place * END
+    row = [sign * each for each in (Fraction(9, 10) + 4096 * tau * tau, -8192 * tau, Fraction(4096))]
+    known: Any = SimpleNamespace(characteristic=(StoredFunction.near(list(map(enclose, row)), arb(0)),))
+    assert may_be_stable(known)
+    flat: Any = SimpleNamespace(characteristic=(StoredFunction.near([sign * arb("1.1"), arb("0.05")], arb(0)),))
+    assert not may_be_stable(flat)
 
 
 # Curves whose first coordinate turns.
