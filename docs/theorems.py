@@ -17,21 +17,34 @@ from pathlib import Path
 from archive import certificates_in
 
 from orbitproof.figures.report import CheckedAtlas, CheckedWeb, Refused, check_files
+from orbitproof.figures.report.formulas import typeset
 from orbitproof.shared import InputError
 
 PAGES = Path(__file__).resolve().parent / "theorems"
 MARKED = re.compile(r"(<!-- theorem (\S+) -->\n\n)(.*?)(\n\n<!-- end -->)", re.DOTALL)
+EXACT = re.compile(r"-?0x[0-9a-f]+p[-+]?[0-9]+")
 LIST = re.compile(r"^Hypothesis \S+ of the list:", re.MULTILINE)
 """The line with which the list of a curve begins. Lists come last."""
 
 
 def as_page(theorem: str) -> str:
     """A theorem as Markdown: each line a paragraph, but for the points of a list, which stay together."""
-    lines = LIST.split(theorem)[0].strip().splitlines()
+    lines = list(map(in_markdown, LIST.split(theorem)[0].strip().splitlines()))
     told = lines[0]
     for before, line in pairwise(lines):
         told += ("\n" if before.startswith("- ") and line.startswith("- ") else "\n\n") + line
     return re.sub(r"\n{3,}", "\n\n", told)
+
+
+def in_markdown(line: str) -> str:
+    """A line with its formulas between dollars, and exact numbers as code."""
+    runs = (run if isinstance(run, str) else f"${_latex(run.latex)}$" for run in typeset(line))
+    return EXACT.sub(r"`\g<0>`", "".join(runs))
+
+
+def _latex(text: str) -> str:
+    """LaTeX that Markdown leaves as it is: no sign that it would take for an escape."""
+    return re.sub(r" +", " ", text.replace(r"\{", r"\lbrace ").replace(r"\}", r"\rbrace"))
 
 
 def theorems(folder: Path) -> dict[str, str]:

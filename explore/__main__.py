@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Sequence
 
 from orbitproof.explore.commands.arguments import parser
 from orbitproof.explore.names import Contradiction
 from orbitproof.explore.search import check
+from orbitproof.shared.answers import answered
 from orbitproof.shared.formats import InputError, refused
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.shared.output import what_is_written
@@ -20,6 +22,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     after an interrupt. Bad options end in `SystemExit` with code 2.
     """
     options = parser().parse_args(arguments)
+    return answered(f"orbitproof explore {options.command}", options.json, lambda: _done(options))
+
+
+def _done(options: argparse.Namespace) -> int:
     try:
         # Commands in a module of their own bring their `run` along; the others share the search.
         if hasattr(options, "run"):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import csv
+import io
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,10 +22,12 @@ from orbitproof.figures.commands import tori as tori_command
 from orbitproof.figures.commands import web as web_command
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_family, draw_resonances, print_path, tables_of, write_tables
+from orbitproof.shared.answers import add_json_option, answered, tell
 from orbitproof.shared.formats import InputError, refused
 from orbitproof.shared.help_text import HelpFormatter
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.shared.misspelt import with_remedy
+from orbitproof.shared.printed_tables import terminal_width, wrapped
 
 _EXAMPLES = """\
 examples:
@@ -142,6 +146,8 @@ def argument_parser() -> argparse.ArgumentParser:
         interactive_command,
     ):
         command.add_parser(commands)
+    for command_parser in commands.choices.values():
+        add_json_option(command_parser)
     return parser
 
 
@@ -153,9 +159,13 @@ def _digits(text: str) -> int:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
-    arguments = argument_parser().parse_args(argv)
+    options = argument_parser().parse_args(argv)
+    return answered(f"orbitproof figures {options.command}", options.json, lambda: _done(options))
+
+
+def _done(options: argparse.Namespace) -> int:
     try:
-        return int(arguments.run(arguments))
+        return int(options.run(options))
     except InputError as error:
         return refused(error)
     except KeyboardInterrupt:
@@ -192,10 +202,11 @@ def _run_resonances(options: argparse.Namespace) -> int:
 def _run_tables(options: argparse.Namespace) -> int:
     tables = tables_of(options.certificates, candidates=options.candidates, published=options.published)
     if options.output is None:
-        from orbitproof.figures.tables import to_text
+        from orbitproof.figures.tables import to_csv, to_text
 
         for table in tables:
-            print(to_text(table, options.digits))
+            rows = csv.DictReader(io.StringIO(to_csv(table, options.digits)))
+            tell(wrapped(to_text(table, options.digits, terminal_width()).splitlines()), list(rows))
     else:
         write_tables(tables, options.output, digits=options.digits, told=print_path)
     sections = [(table, section) for table in tables for section in table.sections]

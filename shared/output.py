@@ -91,10 +91,15 @@ def write_bytes(path: Path, data: bytes) -> None:
         raise InputError(f"{path}: cannot be written ({_why(error)}); free space or choose another path") from None
 
 
+def written_files() -> tuple[Path, ...]:
+    """The files that the command that runs has written so far."""
+    files = _files.get()
+    return () if files is None else tuple(files.written)
+
+
 def what_is_written() -> str:
     """What the command that runs has written so far, in words."""
-    files = _files.get()
-    written = ", ".join(map(str, files.written)) if files is not None else ""
+    written = ", ".join(map(str, written_files()))
     return f"written before: {written}" if written else "nothing was written"
 
 

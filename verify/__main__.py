@@ -27,7 +27,7 @@ _FORMATS: Mapping[str, str] = {
     "index-certificate": "index",
 }
 """Commands by the formats that files say they have; rows are the rest."""
-_FLAGS = ("--recheck", "--integrate", "--fresh", "--quiet")
+_FLAGS = ("--recheck", "--integrate", "--fresh", "--quiet", "--json", "--lasting", "--combinations", "--indices")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

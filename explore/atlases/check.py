@@ -5,7 +5,6 @@ Not rigorous: it finds wrong files, not small errors.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -19,7 +18,9 @@ from orbitproof.explore.atlases.expansion import Chart, ExpansionFailure, newton
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
 from orbitproof.explore.names import examined
+from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import Atlas, InputError, Piece, read_atlas
+from orbitproof.shared.printed_tables import wrapped
 from orbitproof.shared.systems import REGULARISATIONS
 from orbitproof.shared.wording import counted
 
@@ -99,9 +100,8 @@ def check_file(path: Path, quiet: bool) -> int:
                 good &= joint.good
                 line += f"  next at s = {joint.place:.3f}, {joint.deviation:.1e} tubes"
                 line += "" if joint.good else "  NOT IN THE NEXT TUBE"
-            sys.stdout.write(line + "\n")
-            sys.stdout.flush()
-    print(f"{counted(len(pieces), 'piece')}: " + ("all as they should be" if good else "not all as they should be"))
+            tell(wrapped([line]), [{"piece": piece.id, "line": line}])
+    tell(f"{counted(len(pieces), 'piece')}: {'all' if good else 'not all'} as they should be")
     return 0 if good else 1
 
 

@@ -25,6 +25,7 @@ from orbitproof.explore.commands import (
 )
 from orbitproof.explore.families import CONTROL, SAMPLING_TIMEOUT
 from orbitproof.explore.names import FAMILY_NAMES, POINTS, PRESETS, family_name, mass_name
+from orbitproof.shared.answers import add_json_option
 from orbitproof.shared.help_text import HelpFormatter
 from orbitproof.shared.misspelt import with_remedy
 from orbitproof.shared.systems import MASS_PARAMETERS
@@ -141,6 +142,8 @@ def parser() -> Parser:
         atlas_mass,
     ):
         command.add_parser(commands)
+    for command_parser in commands.choices.values():
+        add_json_option(command_parser)
     return result
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands.common import add_command, add_output, add_quiet
 from orbitproof.explore.names import examined
+from orbitproof.shared.answers import tell
 from orbitproof.shared.claims import REVERSOR_BREAKING
 from orbitproof.shared.formats import (
     Candidate,
@@ -24,6 +25,7 @@ from orbitproof.shared.formats import (
     validate_document,
 )
 from orbitproof.shared.interrupts import INTERRUPTED
+from orbitproof.shared.printed_tables import fitted
 from orbitproof.shared.systems import shown
 
 if TYPE_CHECKING:
@@ -209,6 +211,20 @@ def _print_rows(branches: Sequence[BranchRecord]) -> None:
         certified = branch.certified_side or ("-" if branch.verdict is None else branch.verdict)
         numbers = ["-"] * 3 if birth is None else [birth.side, f"{birth.slope:.6g}", f"{birth.curvature:.6g}"]
         rows.append((str(branch.k), numbers[0], certified, *numbers[1:], counts[0], counts[1], shown(branch.id)))
-    widths = [max(len(row[i]) for row in rows) for i in range(len(_COLUMNS))]
-    for row in rows:
-        print("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
+    tell("\n".join(fitted(rows, head=-1)), list(map(_as_json, branches)))
+
+
+def _as_json(branch: BranchRecord) -> dict[str, Any]:
+    """What is known of a branch, for programs."""
+    birth = branch.birth
+    return {
+        "id": branch.id,
+        "k": branch.k,
+        "verdict": branch.verdict,
+        "certified_side": branch.certified_side,
+        "side": None if birth is None else birth.side,
+        "slope": None if birth is None else birth.slope,
+        "curvature": None if birth is None else birth.curvature,
+        "orbits": [len(side.orbits) for side in branch.sides],
+        "failure": branch.failure or None,
+    }

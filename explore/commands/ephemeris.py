@@ -11,7 +11,9 @@ from typing import Any
 from orbitproof.explore.commands.common import add_command, add_orbit_choice, add_quiet, positive
 from orbitproof.explore.commands.trajectory import add_spice_numbers
 from orbitproof.explore.names import NoOrbit
+from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import InputError, check_writable, write_text
+from orbitproof.shared.printed_tables import wrapped
 
 _EXAMPLES = """\
 examples:
@@ -133,7 +135,7 @@ def run(options: argparse.Namespace) -> int:
             )  # fmt: skip
         if options.oem is not None:
             write_text(options.oem, message)
-    print("\n".join(lines))
+    tell(wrapped(lines), [{"about": lines}])
     return 0
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -11,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands import common
-from orbitproof.explore.commands.orbit_lines import described, lines_of
+from orbitproof.explore.commands.orbit_lines import tell_corrected, tell_refined
 from orbitproof.explore.commands.orbit_options import equation_of, kind_of
 from orbitproof.explore.names import (
     families_to_give,
@@ -26,6 +27,7 @@ from orbitproof.explore.names import (
     system_named,
     system_with,
 )
+from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import (
     HALF_PERIOD,
     Candidate,
@@ -218,7 +220,7 @@ def _started(options: argparse.Namespace, system: ReversibleSystem) -> int:
             write_families(options.output, [family_record(item) for item in found])
             report.message(f"written to {options.output}")
     for item in found:
-        print("\n".join(lines_of(item)))
+        tell_corrected(item)
     return 0 if len(found) == len(requests) else 1
 
 
@@ -251,7 +253,7 @@ def _of_families(options: argparse.Namespace, system: ReversibleSystem | None) -
             report.message(f"{named}: {counted(len(tasks), 'orbit')} with {_shown(equation)}")
             return _refined(options, tasks, report)
     except FamilyFailure as error:
-        print(f"{options.family[0]}: {error}")
+        print(f"{options.family[0]}: {error}", file=sys.stderr)
         return 1
 
 
@@ -352,7 +354,7 @@ def _catalogue(options: argparse.Namespace) -> int:
     catalogue = read_catalogue(options.from_catalogue)
     if options.certificates is not None:
         lines, complete = compare_certificates(catalogue, options.certificates)
-        print("\n".join(lines))
+        tell("\n".join(lines), [{"about": lines}])
         return 0 if complete else 1
     if options.output is None:
         raise InputError("--output: missing; give the candidates file to write")
@@ -404,9 +406,11 @@ def _refined(options: argparse.Namespace, tasks: Sequence[OrbitTask], report: Re
         report.error(f"interrupted: {len(done)} of {len(tasks)} orbits refined{_GOES_ON if done else ''}")
         return 130
     report.message(f"{len(done)} of {len(tasks)} orbits are in {options.output}")
-    if len(done) <= _MOST_SHOWN:
-        for name in done:
-            print("\n".join(described(name, options.output)))
+    for name in done:
+        if len(done) <= _MOST_SHOWN:
+            tell_refined(name, options.output)
+        else:
+            tell("", [{"id": name}])
     return 0 if complete else 1
 
 

@@ -2,68 +2,138 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from orbitproof.explore.names import NoOrbit
-from orbitproof.shared.systems import THREE_BODY
+from orbitproof.explore.names import NoOrbit, units_of_system
+from orbitproof.shared.answers import tell
+from orbitproof.shared.printed_tables import filled, terminal_width
+from orbitproof.shared.systems import MASS_PARAMETERS, THREE_BODY, UNITS
 
 if TYPE_CHECKING:
     from orbitproof.explore.families import TracedFamily
 
+_DAY = 86400.0
+_NEAR = 1e-3
+"""So much mass parameters of the same two bodies differ."""
+_EARTH_MOON = 0.0121, 0.0122
 
-def described(name: str, path: Path) -> list[str]:
-    """What an orbit of a candidates file is, in double precision."""
-    import numpy as np
 
-    from orbitproof.explore.catalogues.distances import distances
+def tell_refined(name: str, path: Path) -> None:
+    """Tell what an orbit of a candidates file is, in double precision."""
     from orbitproof.explore.values import read_orbit
 
     try:
         orbit = read_orbit(path, id=name)
     except NoOrbit as error:
-        return [f"{name}: {error}"]
-    units = orbit.units
-    days = "" if units is None else f"  ({orbit.period_days:.6g} days)"
-    places = [f"{name} = {value:.12g}" for name, value in zip(orbit.system.state, orbit.point.tolist(), strict=True)]
-    rows = [("state", ", ".join(places[:3])), *([("", ", ".join(places[3:]))] if places[3:] else [])]
-    rows.append(("period", f"{orbit.period:.12g}{days}"))
+        tell(f"{name}: {error}", [{"id": name, "failure": str(error)}])
+        return
+    values = dict(zip(orbit.system.state, map(float, orbit.point), strict=True))
+    orbit_told = _Told({"id": name, "system": orbit.system.name, "parameters": orbit.parameters})
+    orbit_told.place("state", values, 12)
+    orbit_told.period(orbit.period, orbit.parameters, 12)
     if orbit.first_integral is not None:
-        rows.append((orbit.system.first_integral_name or "first integral", f"{orbit.first_integral:.12g}"))
-    rows.append(("stability index", f"{orbit.stability_index:.6g}"))
+        orbit_told.level(orbit.system.first_integral_name, orbit.first_integral, 12)
+    orbit_told.stability(orbit.stability)
     if orbit.system in THREE_BODY:
-        mass, times = orbit.parameters["mu"], np.array([orbit.period])
-        least = float(distances(orbit.point[None, :], times, mass).least[0])
-        far = "" if units is None else f"  ({least * units.length:.6g} km)"
-        rows.append(("perilune" if 0.0121 < mass < 0.0122 else "periapsis", f"{least:.8g}{far}"))
-    return [name, *(f"  {line}" for line in _aligned(rows))]
+        orbit_told.nearest(orbit.point, orbit.period, orbit.parameters["mu"])
+    tell("\n".join([name, *_aligned(orbit_told.rows, "  ")]), [orbit_told.result])
 
 
-def lines_of(item: TracedFamily) -> list[str]:
-    """What a corrected orbit is."""
+def tell_corrected(item: TracedFamily) -> None:
+    """Tell what a corrected orbit is."""
     problem, (orbit,) = item.family.problem, item.family.orbits
-    system = problem.system
-    rows = [("orbit", item.title), *([] if item.branch is None else [("branch", f"{item.branch}ern")])]
-    for title, side in (("point", "first"), ("other point", "second")):
-        place = zip(system.centre_coordinates, orbit.centre("first" if side == "first" else "second"), strict=True)
-        rows.append((title, ", ".join(f"{name} = {value:.15g}" for name, value in place)))
-    rows += [("half period", f"{orbit.half_period:.15g}"), ("crossings", f"{orbit.crossings} in the half period")]
+    system, half_period = problem.system, float(orbit.half_period)
+    orbit_told = _Told({"id": item.title, "system": system.name, "parameters": problem.parameters})
+    orbit_told.rows.append(("orbit", item.title))
+    if item.branch is not None:
+        orbit_told.add("branch", f"{item.branch}ern", {"branch": item.branch})
+    for title, centre in (("point", orbit.centre("first")), ("other point", orbit.centre("second"))):
+        orbit_told.place(title, dict(zip(system.centre_coordinates, map(float, centre), strict=True)), 15)
+    orbit_told.add("half period", f"{half_period:.15g}", {"half_period": half_period})
+    orbit_told.period(2 * half_period, problem.parameters, 15)
+    crossings = {"crossings": orbit.crossings}
+    orbit_told.add("crossings", f"{orbit.crossings} in the half period", crossings)
     if orbit.first_integral is not None:
-        rows.append((system.first_integral_name or "first integral", f"{orbit.first_integral:.15g}"))
-    rows.append(
-        (
-            "stability",
-            ", ".join(f"{value.real:.10g}" if value.imag == 0 else f"{value:.10g}" for value in orbit.stability),
-        )
-    )
-    if orbit.derivative is not None:
-        rows[-1] = (rows[-1][0], f"{rows[-1][1]}   (float64, error about {orbit.derivative.error:.0e})")
+        orbit_told.level(system.first_integral_name, float(orbit.first_integral), 15)
+    error = None if orbit.derivative is None else orbit.derivative.error
+    orbit_told.stability(tuple(orbit.stability), error)
+    if system in THREE_BODY:
+        state = [0.0] * len(system.state)
+        for index, value in zip(system.fixed_coordinates, orbit.centre("first"), strict=True):
+            state[index] = float(value)
+        orbit_told.nearest(state, 2 * half_period, float(problem.parameters["mu"]))
     if problem.symmetry is not None:
-        rows.append(("symmetry", problem.symmetry))
-    return _aligned(rows)
+        orbit_told.add("symmetry", problem.symmetry, {"symmetry": problem.symmetry})
+    tell("\n".join(_aligned(orbit_told.rows)), [orbit_told.result])
 
 
-def _aligned(rows: Sequence[tuple[str, str]]) -> list[str]:
-    width = max(len(title) for title, _ in rows)
-    return [f"{title:{width}}  {text}" for title, text in rows]
+class _Told:
+    """What is said of an orbit.
+
+    Attributes:
+        rows: titles, and the texts beside them.
+        result: the same for programs.
+    """
+
+    def __init__(self, result: dict[str, Any]) -> None:
+        self.rows: list[tuple[str, str]] = []
+        self.result = result
+
+    def add(self, title: str, text: str, result: Mapping[str, Any]) -> None:
+        self.rows.append((title, text))
+        self.result |= result
+
+    def place(self, title: str, values: Mapping[str, float], digits: int) -> None:
+        text = ", ".join(f"{name} = {value:.{digits}g}" for name, value in values.items())
+        self.add(title, text, {title.replace(" ", "_"): values})
+
+    def period(self, period: float, parameters: Mapping[str, Any], digits: int) -> None:
+        mass, result = parameters.get("mu"), {"period": period}
+        units = units_of_system(mass)
+        remark = "" if mass is None else _unknown(float(mass))
+        if units is not None:
+            result["period_days"] = period * units.time / _DAY
+            remark = f"  ({result['period_days']:.6g} days)"
+        self.add("period", f"{period:.{digits}g}{remark}", result)
+
+    def level(self, name: str | None, value: float, digits: int) -> None:
+        title = name or "first integral"
+        self.add(title, f"{value:.{digits}g}", {"first_integral_name": title, "first_integral": value})
+
+    def stability(self, parameters: Sequence[complex], error: float | None = None) -> None:
+        from orbitproof.explore.orbits import stability_index
+
+        words = ", ".join(f"{value.real:.10g}" if value.imag == 0 else f"{value:.10g}" for value in parameters)
+        known = "" if error is None else f"  (float64, error about {error:.0e})"
+        index = stability_index(tuple(parameters))
+        self.add("stability", f"{words}{known}", {"stability": list(parameters)})
+        self.add("stability index", f"{index:.6g}", {"stability_index": index})
+
+    def nearest(self, state: Sequence[float], period: float, mass: float) -> None:
+        import numpy as np
+
+        from orbitproof.explore.catalogues.distances import distances
+
+        least = float(distances(np.array([state], float), np.array([period]), mass).least[0])
+        result, far, units = {"least_distance": least}, "", units_of_system(mass)
+        if units is not None:
+            result["least_distance_km"] = least * units.length
+            far = f"  ({result['least_distance_km']:.6g} km)"
+        is_moon = _EARTH_MOON[0] < mass < _EARTH_MOON[1]
+        self.add("perilune" if is_moon else "periapsis", f"{least:.8g}{far}", result)
+
+
+def _unknown(mass: float) -> str:
+    """Under which name a mass parameter has units, if one that is nearly the same has."""
+    named = ((name, value) for name, value in MASS_PARAMETERS.items() if value in UNITS)
+    near = [name for name, value in named if abs(mass / float(value) - 1) < _NEAR]
+    return f"  (days and km: --mass {near[0]})" if near else ""
+
+
+def _aligned(rows: Sequence[tuple[str, str]], margin: str = "") -> list[str]:
+    """Titles, and what they are beside them, in lines that fit."""
+    column, width = max(len(title) for title, _ in rows), terminal_width()
+    other = margin + " " * (column + 2)
+    return [line for title, text in rows for line in filled(text, width, f"{margin}{title:{column}}  ", other)]

@@ -14,6 +14,7 @@ from orbitproof.explore.commands.periodic_branches import take_from_branches
 from orbitproof.explore.commands.periodic_claims import (
     Along,
     ClaimStore,
+    Told,
     follow_families,
     kept_claims,
     refine_orbits,
@@ -30,8 +31,10 @@ from orbitproof.explore.names import (
     varied,
 )
 from orbitproof.explore.seeds import TRIANGULAR
+from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.interrupts import INTERRUPTED
+from orbitproof.shared.printed_tables import wrapped
 from orbitproof.shared.systems import CR3BP, System
 
 if TYPE_CHECKING:
@@ -202,6 +205,7 @@ def run(options: argparse.Namespace) -> int:
         PeriodicRequest,
         described,
         find_periodic,
+        orbit_as_json,
         remarks,
     )
 
@@ -217,7 +221,7 @@ def run(options: argparse.Namespace) -> int:
         options.follow,
     )
     orbits: list[FoundOrbit] = []
-    lines: list[str] = []
+    told: list[Told] = []
     claims = options.claims or ("orbits" if along is None else "bifurcations")
     code = 0
     with Reporter(options.quiet) as report:
@@ -227,7 +231,7 @@ def run(options: argparse.Namespace) -> int:
                 for remark in remarks(request, orbit):
                     report.message(remark)
                 orbits.append(orbit)
-                lines += described(orbit)
+                told.append((described(orbit), orbit_as_json(orbit)))
         except PeriodicFailure as failure:
             report.error(f"{system.name}: {failure}")
             return 1
@@ -237,7 +241,7 @@ def run(options: argparse.Namespace) -> int:
                 refine_orbits(options, orbits, store, report)
             if along is not None:
                 wanted = None if claims == "orbits" else store
-                code = follow_families(options, orbits[0], along, wanted, report, lines)
+                code = follow_families(options, orbits[0], along, wanted, report, told)
                 if options.atlas is not None and code != INTERRUPTED:
                     code = max(code, cover(options, orbits[0], along, report))
         except KeyboardInterrupt:
@@ -246,7 +250,8 @@ def run(options: argparse.Namespace) -> int:
         if store is not None:
             store.close()
             code = max(code, 0 if store.complete else 1)
-    print("\n".join(lines))
+    for lines, result in told:
+        tell(wrapped(lines), [result])
     return code
 
 

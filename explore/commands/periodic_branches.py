@@ -6,8 +6,10 @@ import argparse
 from functools import partial
 
 from orbitproof.explore.commands.periodic_claims import ClaimStore, kept_claims, refuse_claims
+from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import InputError, select_ids
 from orbitproof.shared.interrupts import INTERRUPTED
+from orbitproof.shared.printed_tables import wrapped
 
 _OTHERS = (
     "system", "parameter", "period", "section", "direction", "level", "transient", "along", "generations", "symmetry",
@@ -61,5 +63,7 @@ def take_from_branches(options: argparse.Namespace) -> int:
     for task in tasks:
         orbit = numbered(records[task.provenance["branch"]], task.provenance["number"])
         level = "" if task.level is None else f", level {float(task.level):.12g}"
-        print(f"{task.id}: period {task.period:.12g}{level}, {orbit.level_difference:.3g} from the birth")
+        words = f"{task.id}: period {task.period:.12g}{level}, {orbit.level_difference:.3g} from the birth"
+        result = {"id": task.id, "period": task.period, "level": task.level, "level_difference": orbit.level_difference}
+        tell(wrapped([words]), [result])
     return 0 if store.complete else 1

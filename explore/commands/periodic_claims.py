@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 Along = tuple[str | None, float, float]
 """The parameter (`None`: the level) and the interval of ``--along``."""
 
+Told = tuple[list[str], dict[str, Any]]
+"""Lines, and what they say for programs."""
+
 _WORDS = {
     "fold": "fold", "period doubling": "doubling", "pitchfork": "pitchfork", "Neimark-Sacker": "torus",
 }  # fmt: skip
@@ -93,17 +96,24 @@ def follow_families(
     along: Along,
     store: ClaimStore | None,
     report: Any,
-    lines: list[str],
+    told: list[Told],
 ) -> int:
     """Follow the family of an orbit, and those that are born from it; returns the exit code.
 
     Arguments:
         store: for claims about the bifurcations; `None`: they are only told.
-        lines: to which what is to be printed is appended.
+        told: to which what is to be printed is appended, lines with what they say for programs.
 
     Raises `InputError`.
     """
-    from orbitproof.explore.periodic import PeriodicFailure, family_described, followed, is_same, refine_bifurcation
+    from orbitproof.explore.periodic import (
+        PeriodicFailure,
+        family_as_json,
+        family_described,
+        followed,
+        is_same,
+        refine_bifurcation,
+    )
 
     name, low, high = along
     report.stage(f"following the family in {name or 'the level'}")
@@ -119,7 +129,7 @@ def follow_families(
     try:
         for family in followed(orbit, name, (low, high), options.generations, options.symmetry, say):
             number += 1
-            lines += family_described(family)
+            told.append((family_described(family), family_as_json(family)))
             _write_family(options, family, number, report)
             if family.interrupted:
                 report.error("interrupted; the family so far is kept")

@@ -7,11 +7,16 @@ import sys
 from importlib import import_module
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands.common import add_command, add_orbit_choice, positive
 from orbitproof.explore.names import NoOrbit, units_of_system
+from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import InputError, check_writable, write_text
+from orbitproof.shared.printed_tables import wrapped
+
+if TYPE_CHECKING:
+    from orbitproof.explore.trajectories import Samples
 
 _EXAMPLES = """\
 examples:
@@ -159,8 +164,24 @@ def run(options: argparse.Namespace) -> int:
         write_csv(options.output, samples)
     if message is not None:
         write_text(options.oem, message)
-    print("\n".join(lines))
+    tell(wrapped(lines), [_as_json(samples, lines)])
     return 0
+
+
+def _as_json(samples: Samples, lines: list[str]) -> dict[str, Any]:
+    """What was written, for programs; times and lengths in the units of the file."""
+    trajectory = samples.trajectory
+    return {
+        "orbit": trajectory.source.title,
+        "system": trajectory.source.system.name,
+        "parameters": trajectory.source.parameters,
+        "period": trajectory.period,
+        "first_integral": trajectory.first_integral,
+        "states": len(samples.times),
+        "last_time": samples.times[-1],
+        "interpolation_error": samples.error,
+        "about": lines,
+    }
 
 
 def _check(options: argparse.Namespace) -> None:

@@ -9,6 +9,7 @@ from types import TracebackType
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from orbitproof.shared.printed_tables import wrapped
 from orbitproof.shared.printing import printable
 
 _REFRESH_SECONDS = 0.1
@@ -84,6 +85,6 @@ class Reporter:
     def error(self, text: str) -> None:
         """A line that is written even with `quiet`."""
         if self._live:
-            self._console.print(printable(text), markup=False)
+            self._console.print(wrapped([printable(text)]), markup=False)
         else:
-            print(text, file=sys.stderr, flush=True)
+            print(wrapped([text]) if sys.stderr.isatty() else text, file=sys.stderr, flush=True)

@@ -38,7 +38,9 @@ from orbitproof.explore.masses.precision import (
     precise_extremum,
 )
 from orbitproof.explore.orbits import CorrectionFailure
+from orbitproof.shared.answers import tell
 from orbitproof.shared.interrupts import INTERRUPTED
+from orbitproof.shared.printed_tables import fitted
 from orbitproof.shared.wording import counted
 
 _SAVE_EVERY = 50
@@ -302,9 +304,8 @@ def _print(request: MassCurveRequest, curves: dict[str, CurveRecord]) -> None:
                 )
     if len(lines) == 1:
         return
-    widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
-    for line in lines:
-        print("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip())
+    titles = [title.replace(" ", "_") or "note" for title in lines[0]]
+    tell("\n".join(fitted(lines)), [dict(zip(titles, line, strict=True)) for line in lines[1:]])
 
 
 def _line(

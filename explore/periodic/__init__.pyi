@@ -8,6 +8,7 @@ from .births import new_orbits as new_orbits
 from .continuation import PeriodicFamily as PeriodicFamily
 from .continuation import StepControl as StepControl
 from .continuation import continue_orbit as continue_orbit
+from .continuation import family_as_json as family_as_json
 from .continuation import family_csv as family_csv
 from .continuation import family_described as family_described
 from .correction import ClosedOrbit as ClosedOrbit
@@ -36,6 +37,7 @@ from .search import PeriodicRequest as PeriodicRequest
 from .search import described as described
 from .search import find_periodic as find_periodic
 from .search import followed as followed
+from .search import orbit_as_json as orbit_as_json
 from .search import refined as refined
 from .search import remarks as remarks
 from .section import AffineSection as AffineSection

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import islice
+from typing import Any
 
 import numpy as np
 
@@ -240,6 +241,29 @@ def family_described(family: PeriodicFamily) -> list[str]:
             f"{under}"
         )
     return lines
+
+
+def family_as_json(family: PeriodicFamily) -> dict[str, Any]:
+    """A family for programs; its orbits are in the files."""
+    names = family.problem.system.given_state
+    return {
+        "family": family.name,
+        "orbits": len(family.members),
+        "first": family.members[0].value,
+        "last": family.members[-1].value,
+        "ends": family.reason,
+        "born": None if family.born is None else {"kind": family.born.kind, "value": family.born.member.value},
+        "bifurcations": [
+            {
+                "kind": each.kind,
+                "value": each.member.value,
+                "period": each.member.orbit.period,
+                "point": dict(zip(names, each.member.orbit.point, strict=True)),
+                "multiplier": complex(each.multiplier),
+            }
+            for each in family.bifurcations
+        ],
+    }
 
 
 def family_csv(family: PeriodicFamily) -> str:

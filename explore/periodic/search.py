@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import floor, isfinite, log, log10
+from typing import Any
 
 import numpy as np
 
@@ -222,6 +223,21 @@ def described(found: FoundOrbit) -> list[str]:
     if orbit.level is not None:
         lines.append(f"  {system.first_integral_name}: {orbit.level:.12g}")
     return lines
+
+
+def orbit_as_json(found: FoundOrbit) -> dict[str, Any]:
+    """An orbit for programs."""
+    system, orbit = found.problem.system, found.orbit
+    return {
+        "system": system.name,
+        "parameters": found.problem.parameters,
+        "point": dict(zip(system.given_state, orbit.point, strict=True)),
+        "period": orbit.period,
+        "crossings": found.crossings,
+        "multipliers": orbit.multipliers,
+        "first_integral_name": system.first_integral_name,
+        "first_integral": orbit.level,
+    }
 
 
 def _complex(value: complex, error: float) -> str:

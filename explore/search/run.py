@@ -30,8 +30,10 @@ from orbitproof.explore.search.branches import branches_of, shared_branches
 from orbitproof.explore.search.outputs import write_catalogue, write_outputs, write_traced
 from orbitproof.explore.search.request import FamilyRequest, Request
 from orbitproof.explore.search.targets import Target, is_refined, merged, targets_of
+from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import Candidate, InputError, read_candidates, write_candidates
 from orbitproof.shared.interrupts import INTERRUPTED
+from orbitproof.shared.printed_tables import aligned, terminal_width, wrapped
 from orbitproof.shared.systems import FALKNER_SKAN, THREE_BODY, ReversibleSystem, shown
 from orbitproof.shared.wording import counted
 
@@ -67,8 +69,8 @@ def search(request: Request) -> int:
                 write_catalogue(start.corrected, start.name, *_catalogue_paths(request), report)
         code, rows = _search(request, tasks, kept, report) if tasks else (1, [])
     # Only now: a running progress display would take what is printed to standard output.
-    for line in lines:
-        print(line)
+    if lines:
+        tell("\n".join(lines), [{"catalogue": lines}])
     _print_rows(rows)
     return code or (0 if complete else 1)
 
@@ -318,36 +320,50 @@ def _print_rows(rows: list[Row]) -> None:
         _print_table([row for row in rows if row.target.item.system.name == name])
 
 
+_KINDS = {"touch_and_go": "touch-and-go"}
+
+
 def kind_in_words(k: int, kind: str) -> str:
     """A kind of bifurcation as tables have it."""
-    return "period doubling" if (k, kind) == (2, "period_tupling") else kind.replace("_", " ")
+    return "period doubling" if (k, kind) == (2, "period_tupling") else _KINDS.get(kind, kind.replace("_", " "))
 
 
 def _print_table(rows: list[Row]) -> None:
+    """Rows of one system as a table or, where that is wider than the terminal, as blocks like those of the verifier."""
     system = rows[0].target.item.system
     title = system.family_parameter or system.first_integral_name or "parameter"
-    sides = [row.target.item.branch for row in rows]
-    header = ["family", "k", "kind", "on Fix(R)", title, ", ".join(system.centre_coordinates), "id"]
-    lines = [header]
+    with_sides = any(row.target.item.branch for row in rows)
+    lines = [["family", "branch", "k", "kind", "on Fix(R)", title, ", ".join(system.centre_coordinates), "id"]]
+    blocks: list[str] = []
     for row in rows:
-        resonance, item = row.target.resonance, row.target.item
-        point = ", ".join(f"{value:.10g}" for value in row.point)
+        resonance, item, name = row.target.resonance, row.target.item, shown(row.target.id)
+        values = [f"{value:.10g}" for value in row.point]
         level = row.level if isinstance(row.level, str) else f"{row.level:.12g}"
         level = level[: level.index(".") + 21] if "." in level else level
-        lines.append(
-            [
-                item.title,
-                str(resonance.k),
-                kind_in_words(resonance.k, resonance.kind),
-                row.target.side,
-                level,
-                point,
-                shown(row.target.id),
-            ]
-        )
-    if any(sides):
-        for line, side in zip(lines, ["branch", *(side or "" for side in sides)], strict=True):
-            line.insert(1, side)
-    widths = [max(len(line[i]) for line in lines) for i in range(len(header))]
-    for line in lines:
-        print("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip())
+        kind, k = kind_in_words(resonance.k, resonance.kind), str(resonance.k)
+        lines.append([item.title, item.branch or "", k, kind, row.target.side, level, ", ".join(values), name])
+        place = ", ".join(f"{x} = {y}" for x, y in zip(system.centre_coordinates, values, strict=True))
+        blocks += [f"{name}: {kind} (k = {k})", f"  {title} = {level}"]
+        blocks.append(f"  at {place}, the {row.target.side} point on Fix(R)")
+    if not with_sides:
+        for line in lines:
+            del line[1]
+    table = aligned(lines)
+    fits = max(map(len, table)) <= terminal_width()
+    tell("\n".join(table) if fits else wrapped(blocks), list(map(_as_json, rows)))
+
+
+def _as_json(row: Row) -> dict[str, Any]:
+    """A line of the result table for programs; the parameter with all digits that are known of it."""
+    resonance, item, system = row.target.resonance, row.target.item, row.target.item.system
+    return {
+        "id": row.target.id,
+        "family": item.title,
+        "branch": item.branch,
+        "k": resonance.k,
+        "kind": resonance.kind,
+        "fix_r": row.target.side,
+        "parameter_name": system.family_parameter or system.first_integral_name,
+        "parameter": row.level,
+        "point": dict(zip(system.centre_coordinates, row.point.tolist(), strict=True)),
+    }

@@ -60,8 +60,10 @@ def chosen_units(
     if length is not None and time is not None:
         return Units(length, time, "given by the user")
     if known is None:
+        known_as = "" if system is None else f"; of {system.name}: {system.length:.15g} and {system.time:.15g}"
         raise InputError(
             "--lunit, --tunit: missing; the orbit's file names no units: give the unit of length in km, of time in s"
+            + known_as
         )
     return known
 

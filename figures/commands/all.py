@@ -9,8 +9,10 @@ from typing import Any
 
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_all, print_path
+from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import InputError, select_ids
 from orbitproof.shared.help_text import HelpFormatter
+from orbitproof.shared.printed_tables import wrapped
 
 _EXAMPLES = """\
 examples:
@@ -50,7 +52,9 @@ def run(options: argparse.Namespace) -> int:
 
         known = {picture.name: picture for picture in PICTURES}
         for picture in (known[name] for name in select_ids(known, options.only, "picture")):
-            print(f"{picture.name}: {picture.shows}; needs {', '.join(picture.data) or 'no data'}")
+            line = f"{picture.name}: {picture.shows}; needs {', '.join(picture.data) or 'no data'}"
+            result = {"name": picture.name, "shows": picture.shows, "data": picture.data}
+            tell(wrapped([line]), [result])
         return 0
     if options.output is None:
         raise InputError("-o: missing; name the folder for the pictures")

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.figures.scripting import make_data, missing_steps, print_path
+from orbitproof.shared.answers import tell
 from orbitproof.shared.help_text import HelpFormatter
 
 _EXAMPLES = """\
@@ -40,7 +41,8 @@ def run(options: argparse.Namespace) -> int:
     """Run the commands whose products are missing; returns the exit code. Raises `InputError`."""
     if options.dry_run:
         for step in missing_steps(options.data, options.only):
-            print(step.text(options.data))
+            command = step.text(options.data)
+            tell(command, [{"command": command}])
         return 0
     made = make_data(options.data, only=options.only, told=print_path)
     return 2 if made.failed else 1 if made.not_made or made.incomplete else 0

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from orbitproof.figures.scripting import write_page
+from orbitproof.figures.scripting import print_path, write_page
 from orbitproof.shared.help_text import HelpFormatter
 
 _EXAMPLES = """\
@@ -49,5 +49,5 @@ def run(options: argparse.Namespace) -> int:
     """Write the page; returns the exit code. Raises `InputError`."""
     points = {"candidates": options.candidates, "certificates": options.certificates}
     chosen = {"family": options.family, "identifier": options.id, "orbit": options.orbit}
-    print(write_page(options.file, options.output, **chosen, **points))
+    print_path(write_page(options.file, options.output, **chosen, **points))
     return 0

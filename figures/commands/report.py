@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from orbitproof.shared.answers import answered
 from orbitproof.shared.formats import InputError, as_options, refused
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.shared.output import what_is_written
@@ -51,6 +52,10 @@ def argument_parser() -> argparse.ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     options = argument_parser().parse_args(arguments)
+    return answered("orbitproof report", options.json, lambda: _done(options))
+
+
+def _done(options: argparse.Namespace) -> int:
     try:
         return _run(options)
     except InputError as error:

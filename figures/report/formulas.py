@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 
 from orbitproof.figures.report.document import Math, Run, Runs
 
@@ -100,31 +99,172 @@ def _word(text: str) -> str:
     return f"{name}_{{{index}}}" if index else name
 
 
-_IN_WORDS: tuple[tuple[str, Callable[[re.Match[str]], str]], ...] = (
-    (r"P\^\((\w+)\)\(([xX])\) = \2", lambda m: rf"P^{{{m[1]}}}({m[2]}) = {m[2]}"),
-    (r"P\^(\d+)\(([xX])\) = \2", lambda m: rf"P^{{{m[1]}}}({m[2]}) = {m[2]}"),
-    (r"P\^(\d+)\b", lambda m: rf"P^{{{m[1]}}}"),
-    (r"Fix\((\w)\)", lambda m: rf"\mathrm{{Fix}}({m[1]})"),
-    (r"\{(\w+) = 0\}", lambda m: rf"\{{{to_latex(m[1])} = 0\}}"),
-    (r"\|(\w+)\| <= ([\w.-]*\w)(?: mu\^\(1/3\))?",
-     lambda m: rf"|{to_latex(m[1])}| \le {to_latex(m[2])}" + (r"\, \mu^{1/3}" if "mu^" in m[0] else "")),
-)  # fmt: skip
+_SINGLE = frozenset("BCDEFGHJKLMNPQRSTUVWXYZbcdefghjklmnopqrstuvwxyz")
+"""Letters that are names where they stand alone; a, A and I are words."""
+_PIECES = re.compile(r"[^\W\d]\w*|[0-9]+[ijkmn]\b|[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]+)?(?!\w)|<=|>=|->|\.\.|\s|.")
+_OPERATORS = ("+", "-", "*", "/", "=", "<", ">", "<=", ">=", "->")
+_CLOSING = {"(": ")]", "[": ")]", "{": "}"}
+_LONGEST_NUMBERS = 26
+"""Enclosures with many digits stay words: they are to be copied."""
+_LONGEST = 60
+"""Letters of a formula that is kept in one piece: one in a line of text is not broken."""
 
 
 def typeset(text: str) -> Runs:
-    """The words of a statement, with the formulas in them that have a form known here; the others stay as written."""
-    runs: list[Run] = [text]
-    for pattern, latex in _IN_WORDS:
-        runs = [piece for run in runs for piece in _split(run, re.compile(pattern), latex)]
-    return tuple(runs)
+    """The words of a statement, with the formulas in them; a tuple that is long is one formula for each entry."""
+    pieces = [found[0] for found in _PIECES.finditer(text)]
+    runs: list[Run] = []
+    position = 0
+    while position < len(pieces):
+        end = _formula(pieces, position) if _is_apart(pieces, position) else position
+        if end > position and _is_whole(pieces, position, end):
+            runs += _set(pieces[position:end])
+            position = end
+        else:
+            runs.append(pieces[position])
+            position += 1
+    return _joined(runs)
 
 
-def _split(run: Run, pattern: re.Pattern[str], latex: Callable[[re.Match[str]], str]) -> list[Run]:
-    if not isinstance(run, str):
-        return [run]
-    pieces: list[Run] = []
-    end = 0
-    for found in pattern.finditer(run):
-        pieces += [run[end : found.start()], Math(latex(found))]
-        end = found.end()
-    return [piece for piece in (*pieces, run[end:]) if piece != ""]
+def _joined(runs: list[Run]) -> Runs:
+    """Texts that follow each other as one."""
+    found: list[Run] = []
+    for run in runs:
+        if isinstance(run, str) and found and isinstance(found[-1], str):
+            found[-1] += run
+        else:
+            found.append(run)
+    return tuple(found)
+
+
+def _set(pieces: list[str]) -> list[Run]:
+    text = "".join(pieces)
+    if len(text) <= _LONGEST or pieces[0] not in "([" or _group(pieces, 0) != len(pieces):
+        return [Math(_fixed(to_latex(text)))]
+    runs: list[Run] = [pieces[0]]
+    entry: list[str] = []
+    depth = 0
+    for piece in pieces[1:-1]:
+        depth += (piece in "([{") - (piece in ")]}")
+        if piece == "," and not depth:
+            runs += [*_set(entry), ","]
+            entry = []
+        elif piece == " " and not entry:
+            runs.append(" ")
+        else:
+            entry.append(piece)
+    return [*runs, *_set(entry), pieces[-1]]
+
+
+def _fixed(latex: str) -> str:
+    powers = re.sub(
+        r"(?<=[0-9])e([+-]?)0*([0-9]+)", lambda found: rf" \cdot 10^{{{found[1].strip('+')}{found[2]}}}", latex
+    )
+    return powers.replace(r"\text{ Fix }", r"\mathrm{Fix}").strip()
+
+
+def _is_apart(pieces: list[str], position: int) -> bool:
+    """Whether a formula may begin here: not within a word with hyphens, a number with a colon, or a file's name."""
+    before = pieces[position - 1] if position else " "
+    return before in (" ", "(", "[", "|")
+
+
+def _is_whole(pieces: list[str], start: int, end: int) -> bool:
+    """Whether what was found is a formula, and not the beginning of a word; a number alone stays a number."""
+    if end - start - 2 * (pieces[start] == "(") == 1 and pieces[end - 1 - (pieces[start] == "(")][0].isdigit():
+        return False
+    after, more = (pieces[end : end + 2] + [" ", " "])[:2]
+    if after == "-":
+        return pieces[start] in ("R", "S") and (more.isalpha() or more == " ")
+    return not (after[0].isalnum() or after in "_'^/" or (after in ".:" and more.strip() and more[0].isalnum()))
+
+
+def _is_name(piece: str) -> bool:
+    stem = piece.split("_")[0]
+    return (
+        piece.rstrip("0123456789") == "eps"
+        or stem in _SINGLE
+        or stem in GREEK
+        or (stem[:1] == "v" and (stem[1:] in _SINGLE or stem[1:] in GREEK))
+    )
+
+
+def _formula(pieces: list[str], position: int) -> int:
+    """Where the formula that begins here ends; the position itself if none does."""
+    end = _term(pieces, position)
+    while end > position:
+        following = end + 1 if pieces[end : end + 1] == [" "] else end
+        operator = pieces[following : following + 1]
+        if operator == ["in"] or (operator and operator[0] in _OPERATORS):
+            # Spaces on both sides, or on neither.
+            right = following + 1 + (following > end)
+            if following > end and pieces[following + 1 : right] != [" "]:
+                return end
+            further = _term(pieces, right)
+            if operator == ["in"] and pieces[right : right + 1] not in (["("], ["["], ["Fix"]):
+                return end
+        elif following > end and pieces[following : following + 1] and _juxtaposed(pieces, end, following):
+            right, further = following, _term(pieces, following)
+        else:
+            return end
+        if further <= right:
+            return end
+        end = further
+    return end
+
+
+def _juxtaposed(pieces: list[str], end: int, following: int) -> bool:
+    """Whether a product is written without a sign: a number or letter before a Greek letter, eps before a name."""
+    before, name = pieces[end - 1], pieces[following]
+    stem = name.removeprefix("v")
+    if before.rstrip("0123456789") == "eps":
+        return _is_name(name)
+    return stem in GREEK and (before[0].isdigit() or before in _SINGLE)
+
+
+def _term(pieces: list[str], position: int) -> int:
+    """Where a name, a number or a group, with what is attached to it, ends."""
+    if position >= len(pieces):
+        return position
+    piece, end = pieces[position], position + 1
+    if piece == "-":
+        end = _term(pieces, end)
+        return position if end == position + 1 else end
+    if piece in _CLOSING:
+        end = _group(pieces, position)
+        if end == position:
+            return position
+    elif piece == "|":
+        inner = _formula(pieces, position + 1)
+        if inner == position + 1 or pieces[inner : inner + 1] != ["|"]:
+            return position
+        end = inner + 1
+    elif piece == "Fix":
+        further = _group(pieces, end) if pieces[end : end + 1] == ["("] else end
+        return position if further == end else further
+    elif not (_is_name(piece) or piece[0].isdigit()):
+        return position
+    if pieces[end : end + 1] == ["'"] and not "".join(pieces[end + 1 : end + 2]).isalnum():
+        end += 1
+    while pieces[end : end + 1] in (["^"], ["("]):
+        start = end + 1 if pieces[end] == "^" else end
+        further = _group(pieces, start) if pieces[start : start + 1] == ["("] else start + 1
+        if further == start or (pieces[end] == "(" and not _is_name(piece) and pieces[end - 1] != ")"):
+            return end
+        end = further
+    return end
+
+
+def _group(pieces: list[str], position: int) -> int:
+    """Where formulas in brackets, with commas between them, end."""
+    closing, end = _CLOSING[pieces[position]], position + 1
+    while True:
+        further = _formula(pieces, end)
+        if further == end or further >= len(pieces):
+            return position
+        if pieces[further] in closing:
+            text = "".join(pieces[position : further + 1])
+            return position if len(text) > _LONGEST_NUMBERS and not re.search("[a-z]", text) else further + 1
+        if pieces[further : further + 2] != [",", " "]:
+            return position
+        end = further + 2

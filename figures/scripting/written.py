@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from orbitproof.figures.files import check_folder
+from orbitproof.shared.answers import tell
 
 Source = str | Path
 Told = Callable[[Path], object]
@@ -18,7 +19,7 @@ def quietly(path: Path) -> None:
 
 def print_path(path: Path) -> None:
     """For `told`: each file on standard output, as it comes."""
-    print(path, flush=True)
+    tell(str(path))
 
 
 class Written:

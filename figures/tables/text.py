@@ -19,22 +19,27 @@ from orbitproof.figures.tables.cells import (
     quantities_of,
 )
 from orbitproof.figures.tables.tables import Section, Table, TableRow
+from orbitproof.shared.printed_tables import aligned, fitted
 from orbitproof.verify.evidence import decimal_interval
 
 _Line = tuple[str, ...]
 _SPECIAL = "\\`*_{}[]<>|#"
 
 
-def to_text(table: Table, digits: int) -> str:
-    """Plain text with aligned columns; a row takes a line for each quantity that the paper encloses."""
+def to_text(table: Table, digits: int, width: int | None = None) -> str:
+    """Plain text with aligned columns; a row takes a line for each quantity that the paper encloses.
+
+    Where that is wider than `width`, each row is a block of lines.
+    """
     lines = [one_line(table.title), ""]
     for section in table.sections:
         lines += [one_line(section.label), ""] if section.label else []
-        cells = [_headers(section)]
-        for row in section.rows:
-            cells += _lines(row, section, table, digits)
-        widths = [max(len(line[column]) for line in cells) for column in range(len(cells[0]))]
-        lines += ["  ".join(c.ljust(w) for c, w in zip(line, widths, strict=True)).rstrip() for line in cells]
+        rows = [_lines(row, section, table, digits) for row in section.rows]
+        found = aligned([_headers(section), *(line for row in rows for line in row)])
+        if width is not None and max(map(len, found)) > width:
+            blocks = [[", ".join(filter(None, column)) for column in zip(*row, strict=True)] for row in rows]
+            found = fitted([_headers(section), *blocks], head=-1)
+        lines += found
         lines += ["", *(f"published: {one_line(source)}" for source in section.sources), section.summary()]
         lines += [*(f"[{number}] {text}" for number, text in footnotes(section)), ""]
     return "\n".join([*lines, *legend_of(table)]) + "\n"

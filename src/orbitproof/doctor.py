@@ -8,7 +8,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from importlib import metadata
 from typing import TYPE_CHECKING
@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from orbitproof.shared import Candidate
 
+from orbitproof.shared.answers import add_json_option, answered, tell
 from orbitproof.shared.help_text import HelpFormatter
 
 _IMPORTS = {
@@ -50,12 +51,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         epilog="examples:\n  orbitproof doctor\n\nExit codes: 0 all is well, 1 what is installed does not all work.",
         formatter_class=HelpFormatter,
     )
-    parser.parse_args(arguments)
+    add_json_option(parser)
+    options = parser.parse_args(arguments)
+    return answered(parser.prog, options.json, _report)
+
+
+def _report() -> int:
     is_well = True
     for finding in findings():
         is_well = is_well and not finding.is_fault
-        print(f"{finding.topic:13}{finding.words}", flush=True)
-    print("all is well" if is_well else "not all is well: see the lines with FAULT")
+        tell(f"{finding.topic:13}{finding.words}", [asdict(finding)])
+    tell("all is well" if is_well else "not all is well: see the lines with FAULT")
     return 0 if is_well else 1
 
 

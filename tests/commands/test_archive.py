@@ -40,8 +40,8 @@ def test_pages_of_theorems_get_the_words_of_certificates_and_keep_what_has_none(
     assert known.endswith("<!-- end -->\n\nafter\n")
     assert (pages / "unknown.md").read_text() == page.format("elsewhere")
     assert "elsewhere: no certificate" in capsys.readouterr().err
-    listed = "Consider.\n- a\n- b\nEnd.\nHypothesis level of the list: x.\n- c"
-    assert script["as_page"](listed) == "Consider.\n\n- a\n- b\n\nEnd."
+    listed = "Consider.\n- one\n- two\nEnd.\nHypothesis level of the list: x.\n- c"
+    assert script["as_page"](listed) == "Consider.\n\n- one\n- two\n\nEnd."
 
 
 def test_an_archive_names_every_certificate_and_refuses_one_that_was_changed(

@@ -331,7 +331,7 @@ def test_the_least_half_period_is_found_of_any_multiple(times: int, capsys: pyte
     assert explore([*words, "--half-period", str(3.131862672256 * times)]) == 0
     found = capsys.readouterr()
     assert f"the half period given is {times} times that of the orbit" in found.err
-    assert "half period  3.1318626722" in found.out
+    assert "half period      3.1318626722" in found.out
     assert "1 in the half period" in found.out
 
 

@@ -106,7 +106,7 @@ def test_table_shows_every_row_and_what_is_proved_is_kept(
 def test_what_is_proved_is_printed_as_json(finished: tuple[Path, Path], tmp_path: Path, capsys: Any) -> None:
     source, target = copies(finished, tmp_path)
     assert main([str(source), "-o", str(target), "--quiet", "--json", "--only", "k=3"]) == 0
-    (row,) = json.loads(capsys.readouterr().out)
+    (row,) = json.loads(capsys.readouterr().out)["results"]
     assert (row["id"], row["kind"], row["k"], row["verdict"]) == ("k=3", "touch_and_go", 3, "proved")
     assert row["results"]["side"] == "both"
 

@@ -358,8 +358,8 @@ def test_a_formula_as_it_is_set_is_what_the_program_computes(name: str) -> None:
     [
         ("so P^2(x) = x here", "P^{2}(x) = x"),
         ("P^(2i)(x) = x for", "P^{2i}(x) = x"),
-        ("of {vy = 0}", r"\{v_{y} = 0\}"),
-        ("|z| <= 0.003 mu^(1/3), and", r"|z| \le 0.003\, \mu^{1/3}"),
+        ("of {vy = 0}", r"\{ v_{y} = 0\}"),
+        ("|z| <= 0.003 mu^(1/3), and", r"|z| \le  0.003 \mu ^{1/3}"),
     ],
 )
 def test_formulas_in_words_are_set_and_the_words_stay(text: str, formula: str) -> None:

@@ -184,7 +184,7 @@ def test_a_command_of_the_search_says_what_it_has_written(
             write_text(path, "a,b\n")
         raise KeyboardInterrupt
 
-    parser = SimpleNamespace(parse_args=lambda arguments: SimpleNamespace(command="family", run=run))
+    parser = SimpleNamespace(parse_args=lambda arguments: SimpleNamespace(command="family", json=False, run=run))
     monkeypatch.setattr(explore, "parser", lambda: parser)
     assert run_command(lambda: explore.main([])) == INTERRUPTED
     said = capsys.readouterr().err

@@ -4,7 +4,7 @@ from orbitproof.shared.processes import GRACE_SECONDS, Answer, Failure, Progress
 from orbitproof.verify.run.cluster import connected, engine_of
 from orbitproof.verify.run.options import ArgumentParser, gibibytes, interrupted, positive_seconds, whole_number
 from orbitproof.verify.run.processes import Engine, Processes, Work
-from orbitproof.verify.run.progress import Display, aligned
+from orbitproof.verify.run.progress import Display
 from orbitproof.verify.run.workplace import (
     CHECK_SECONDS,
     GIBIBYTE,

@@ -7,15 +7,17 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from orbitproof.shared.answers import answered, tell
 from orbitproof.shared.formats import InputError, read_atlas, read_document, refused, select_ids
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
+from orbitproof.shared.printed_tables import wrapped
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import SCHEMA, kind_of
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate, read_certificates
 from orbitproof.verify.run import LONG_CHECK_SECONDS, ArgumentParser, Work, Workplace, interrupted, whole_number
 from orbitproof.verify.run.branch_checks import examined, holds_points
-from orbitproof.verify.run.branch_tables import conclusion_text, piece_table
+from orbitproof.verify.run.branch_tables import branch_as_json, conclusion_text, piece_table
 from orbitproof.verify.run.branch_tasks import LARGEST_ORDER, MOST_SPLITS, RunLimits
 from orbitproof.verify.run.branches import (
     AtlasRun,
@@ -24,7 +26,7 @@ from orbitproof.verify.run.branches import (
     prove_pieces,
     started,
 )
-from orbitproof.verify.run.row_tables import recheck_table
+from orbitproof.verify.run.row_tables import recheck_table, rechecks_as_json
 
 _EXAMPLES = """\
 examples:
@@ -80,6 +82,10 @@ def _parser() -> ArgumentParser:
 def main(arguments: Sequence[str] | None = None, work: Work = prove_task) -> int:
     """Run the command line; returns the exit code. `work` is what a process does for each interval."""
     options = _parser().parse_args(arguments)
+    return answered("orbitproof verify atlas", options.json, lambda: _done(options, work))
+
+
+def _done(options: argparse.Namespace, work: Work) -> int:
     workplace = Workplace(options.jobs, options.scheduler, options.timeout, options.memory, options.quiet)
     try:
         return _recheck(options, workplace, work) if options.recheck else _run(options, workplace, work)
@@ -100,18 +106,20 @@ def _run(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:
     try:
         prove_pieces(run, workplace, work)
     except KeyboardInterrupt:
-        print(piece_table(run), flush=True)
+        tell(piece_table(run), [branch_as_json(run)])
         return _ended(options, run)
     except InputError:
         if run.results:
-            print(piece_table(run), flush=True)
+            tell(piece_table(run))
         raise
-    print(piece_table(run), flush=True)
+    tell(piece_table(run))
     try:
         certificate = conclude_run(run, bifurcations, workplace)
     except KeyboardInterrupt:
+        tell("", [branch_as_json(run)])
         return _ended(options, run)
-    print(f"\n{conclusion_text(certificate.document)}", flush=True)
+    conclusion = conclusion_text(certificate.document)
+    tell(wrapped(["", *conclusion.splitlines()]), [branch_as_json(run, certificate.document)])
     return 0 if certificate.proved and certificate.is_whole else 1
 
 
@@ -132,7 +140,7 @@ def _recheck(options: argparse.Namespace, workplace: Workplace, work: Work) -> i
     except KeyboardInterrupt:
         print("interrupted: nothing is known yet", file=sys.stderr)
         return INTERRUPTED
-    print(recheck_table([found.id], {found.id: found}), flush=True)
+    tell(recheck_table([found.id], {found.id: found}), rechecks_as_json([found.id], {found.id: found}))
     for finding in found.findings[:1]:
         print(f"FAILED {shown(found.id)}: {finding.place}: {finding.message}", file=sys.stderr)
     return 0 if found.stands else 1

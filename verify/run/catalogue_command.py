@@ -10,6 +10,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import (
     CatalogueRows,
     InputError,
@@ -20,6 +21,7 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.interrupts import run_command
 from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.printed_tables import wrapped
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import (
     WITHIN,
@@ -101,7 +103,7 @@ def _distance(text: str) -> Fraction:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
-    return prove_or_check(_parser().parse_args(arguments), _run, _recheck)
+    return prove_or_check("catalogue", _parser().parse_args(arguments), _run, _recheck)
 
 
 def _run(options: argparse.Namespace, workplace: Workplace) -> int:
@@ -126,7 +128,7 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
         with about(options.file):
             table = certified_table(rows, certificate.document)
         table.write(options.table)
-    print(_summary(certificate.document), flush=True)
+    tell(wrapped(_summary(certificate.document).splitlines()), certificate.document["rows"])
     return 0 if certificate.proved else 1
 
 

@@ -57,7 +57,7 @@ def _parser() -> ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
-    return prove_or_check(_parser().parse_args(arguments), _run, _recheck)
+    return prove_or_check("index", _parser().parse_args(arguments), _run, _recheck)
 
 
 def _run(options: argparse.Namespace, workplace: Workplace) -> int:

@@ -9,6 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
 
+from orbitproof.shared.answers import add_json_option
 from orbitproof.shared.help_text import HelpFormatter
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.misspelt import with_remedy
@@ -22,6 +23,7 @@ class ArgumentParser(argparse.ArgumentParser):
     def __init__(self, prog: str, description: str, examples: str) -> None:
         layout = HelpFormatter
         super().__init__(prog=prog, description=description, epilog=examples, formatter_class=layout)
+        add_json_option(self)
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and end."""

@@ -1,13 +1,14 @@
-"""What people see of a run: progress with a time estimate on stderr, and aligned tables."""
+"""What people see of a run: progress with a time estimate on stderr."""
 
 from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from orbitproof.shared.printed_tables import wrapped
 from orbitproof.shared.printing import printable
 from orbitproof.shared.systems import ID, fits, shown
 
@@ -75,7 +76,7 @@ class Display:
         if self._quiet:
             return
         if self._bar is not None:
-            self._bar.console.print(printable(text), markup=False)
+            self._bar.console.print(wrapped([printable(text)]), markup=False)
         else:
             print(text, file=sys.stderr, flush=True)
 
@@ -94,8 +95,3 @@ class Display:
 def _shown(name: str) -> str:
     """An id as tables have it; names of intervals, which are no ids, as they are."""
     return shown(name) if fits(ID, name) else name
-
-
-def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]

@@ -7,9 +7,11 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from orbitproof.shared.answers import answered, tell
 from orbitproof.shared.formats import InputError, as_options, refused
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.output import what_is_written
+from orbitproof.shared.printed_tables import wrapped
 from orbitproof.shared.processes import Failure
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import AtlasCertificate, IndexCertificate, WebCertificate
@@ -17,7 +19,7 @@ from orbitproof.verify.certificate import Recheck
 from orbitproof.verify.run.branch_checks import examined
 from orbitproof.verify.run.options import ArgumentParser, positive_seconds, whole_number
 from orbitproof.verify.run.progress import Display
-from orbitproof.verify.run.row_tables import recheck_table
+from orbitproof.verify.run.row_tables import recheck_table, rechecks_as_json
 from orbitproof.verify.run.workplace import LONG_CHECK_SECONDS, CheckLimits, Workplace, apart
 
 
@@ -38,11 +40,20 @@ def limits_of(workplace: Workplace) -> CheckLimits:
 
 
 def prove_or_check(
+    command: str,
     options: argparse.Namespace,
     prove: Callable[[argparse.Namespace, Workplace], int],
     check: Callable[[argparse.Namespace, Workplace], Recheck],
 ) -> int:
-    """Do what is asked for; returns the exit code."""
+    """Do what is asked for by `command`; returns the exit code."""
+    return answered(f"orbitproof verify {command}", options.json, lambda: _done(options, prove, check))
+
+
+def _done(
+    options: argparse.Namespace,
+    prove: Callable[[argparse.Namespace, Workplace], int],
+    check: Callable[[argparse.Namespace, Workplace], Recheck],
+) -> int:
     workplace = Workplace(options.jobs, None, options.timeout, options.memory, options.quiet)
     try:
         if not options.recheck:
@@ -94,15 +105,17 @@ def by_curve(
 def told(certificate: IndexCertificate | WebCertificate) -> int:
     """Print what is proved, or why it is not; returns the exit code."""
     reason = certificate.reason
+    result = {name: certificate.document.get(name) for name in ("id", "verdict", "reason")}
     if reason is None:
-        print(f"PROVED\n\n{certificate.theorem}", flush=True)
+        tell(wrapped(f"PROVED\n\n{certificate.theorem}".splitlines()), [result | {"theorem": certificate.theorem}])
         return 0
-    print(f"NOT PROVED: {reason.condition}: {reason.message}; {as_options(reason.remedy)}", flush=True)
+    words = f"NOT PROVED: {reason.condition}: {reason.message}; {as_options(reason.remedy)}"
+    tell(wrapped([words]), [result])
     return 1
 
 
 def _told_again(found: Recheck) -> int:
-    print(recheck_table([found.id], {found.id: found}), flush=True)
+    tell(recheck_table([found.id], {found.id: found}), rechecks_as_json([found.id], {found.id: found}))
     for finding in found.findings[:1]:
         print(f"FAILED {shown(found.id)}: {finding.place}: {finding.message}", file=sys.stderr)
     return 0 if found.stands else 1

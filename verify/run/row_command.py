@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Sequence
 from contextlib import closing
@@ -11,13 +10,15 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
+from orbitproof.shared.answers import answered, tell
 from orbitproof.shared.formats import ORBIT_KINDS, InputError, read_claims, refused, select_ids
+from orbitproof.shared.printed_tables import wrapped
 from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate import LEVELS, Limits, Recheck, read_certificates
 from orbitproof.verify.evidence import GREATEST_PRECISION, LEAST_PRECISION
 from orbitproof.verify.run import CHECK_SECONDS, ArgumentParser, Workplace, interrupted, whole_number
 from orbitproof.verify.run.checking_again import checked_again
-from orbitproof.verify.run.row_tables import recheck_table, verdict_text, verdicts_as_json
+from orbitproof.verify.run.row_tables import recheck_table, rechecks_as_json, verdict_text, verdicts_as_json
 from orbitproof.verify.run.rows import RowRun
 
 if TYPE_CHECKING:
@@ -80,7 +81,6 @@ def _parser() -> ArgumentParser:
     parser.number("--other-boxes", "N", words, whole_number(0, 100), Limits.other_boxes)
     words = "certificate of a curve, from verify atlas: where on it the orbits of the candidates lie"
     parser.add_argument("--curve", type=Path, metavar="FILE", help=words)
-    parser.add_argument("--json", action="store_true", help="print what is proved as JSON")
     parser.run_options("candidates", "--row-timeout", "a candidate", CHECK_SECONDS)
     return parser
 
@@ -88,6 +88,10 @@ def _parser() -> ArgumentParser:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     options = _parser().parse_args(arguments)
+    return answered("orbitproof verify", options.json, lambda: _done(options))
+
+
+def _done(options: argparse.Namespace) -> int:
     workplace = Workplace(options.jobs, options.scheduler, options.row_timeout, options.memory, options.quiet)
     try:
         return _recheck(options, workplace) if options.recheck else _run(options, workplace)
@@ -116,17 +120,15 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
         if not run.fresh:
             raise
         unsaved = error
-    if options.json:
-        print(json.dumps(verdicts_as_json(selected, run.done), indent=1), flush=True)
-    else:
-        print(verdict_text(selected, run.done, run.kept), flush=True)
+    tell(verdict_text(selected, run.done, run.kept), verdicts_as_json(selected, run.done))
     if curve is not None:
         from orbitproof.verify.run.branch_checks import places_on_apart
 
         orbits = [run.done[c.id] for c in selected if c.kind in ORBIT_KINDS and c.id in run.done]
         # The time of a candidate is no limit for checking the curve.
         for placed in places_on_apart(curve, orbits, Workplace(memory=options.memory).branch_checks):
-            print(placed.line, flush=True)
+            place = placed.certificate.to_json().get("place")
+            tell(wrapped([placed.line]), [{"id": placed.certificate.id, "place": place, "line": placed.line}])
             run.certificates[placed.certificate.id] = placed.certificate
         run.save()
     if unsaved is not None:
@@ -135,9 +137,8 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
         saved = options.output if run.certificates else None
         return interrupted(len(run.done), len(selected), "candidates finished", saved)
     proved = sum(run.done[candidate.id].proved for candidate in selected)
-    if not options.json:
-        where = "" if options.output is None else f"; certificates: {options.output}"
-        print(f"\n{proved} of {len(selected)} proved in {monotonic() - start:.0f} s{where}", flush=True)
+    where = "" if options.output is None else f"; certificates: {options.output}"
+    tell(f"\n{proved} of {len(selected)} proved in {monotonic() - start:.0f} s{where}")
     return 0 if proved == len(selected) else 1
 
 
@@ -158,7 +159,8 @@ def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
                 done[result.id] = result
     except KeyboardInterrupt:
         ended = True
-    print(recheck_table([entry.id for entry in selected], done), flush=True)
+    names = [entry.id for entry in selected]
+    tell(recheck_table(names, done), rechecks_as_json(names, done))
     if ended:
         return interrupted(len(done), len(selected), "certificates checked")
     failed = [result for result in done.values() if not result.stands]

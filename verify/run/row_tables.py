@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from textwrap import TextWrapper
 from typing import Any
 
 from orbitproof.shared.formats import BoxClaim, as_options
+from orbitproof.shared.printed_tables import filled, fitted, terminal_width
 from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate import MEANINGS, Certificate, Level, Recheck
 from orbitproof.verify.evidence import certain_digits
-from orbitproof.verify.run import aligned
 from orbitproof.verify.run.other_boxes import remark
 
 _SHOWN_DIGITS = 34
 _DIGITS_OF_A_POINT = 16
-_WIDTH = 80
 
 
 def verdict_text(
@@ -34,20 +32,8 @@ def verdict_text(
         when = "by an earlier run" if candidate.id in kept else f"in {certificate.computation.seconds:.1f} s"
         lines.append(f"{shown(certificate.id)}: {certificate.verdict} {when}")
         for text in _found(certificate):
-            lines += _wrapped(text)
+            lines += filled(text, terminal_width(), "  ", "    ")
     return "\n".join(lines)
-
-
-def _wrapped(text: str) -> list[str]:
-    """Lines of a block; a number stays in one piece, and beside its name."""
-    filler = TextWrapper(
-        _WIDTH, initial_indent="  ", subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
-    )
-    lines = filler.wrap(text.replace(" = ", _JOINT))
-    return [line.replace(_JOINT, " = ") for line in lines]
-
-
-_JOINT = "\0=\0"
 
 
 def _found(certificate: Certificate) -> Iterator[str]:
@@ -73,7 +59,7 @@ def _found(certificate: Certificate) -> Iterator[str]:
 
 
 def verdicts_as_json(candidates: Sequence[BoxClaim], certificates: Mapping[str, Certificate]) -> list[dict[str, Any]]:
-    """The table for programs: the fields of the certificates that say what is proved."""
+    """What is proved, for programs: the fields of the certificates that say what is proved."""
     done = (certificates[each.id] for each in candidates if each.id in certificates)
     rows = []
     for certificate in done:
@@ -83,12 +69,31 @@ def verdicts_as_json(candidates: Sequence[BoxClaim], certificates: Mapping[str, 
     return rows
 
 
+def rechecks_as_json(names: Sequence[str], rechecks: Mapping[str, Recheck]) -> list[dict[str, Any]]:
+    """What checking certificates again has shown, for programs; those that are not finished are left out."""
+    return [
+        {
+            "id": check.id,
+            "verdict": check.verdict,
+            "check": check.word,
+            "stands": check.stands,
+            "level": int(check.passed),
+            "hypotheses": check.hypotheses,
+            "bits": check.precision or None,
+            "findings": [{"place": entry.place, "message": entry.message} for entry in check.findings],
+            "remarks": [as_options(text) for text in (check.obstacle, check.open_place, *check.notes) if text],
+        }
+        for check in map(rechecks.get, names)
+        if check is not None
+    ]
+
+
 def recheck_table(names: Sequence[str], rechecks: Mapping[str, Recheck]) -> str:
     """What checking certificates again has shown, as plain text; then every finding, or the first ones.
 
     Last, for the levels that were climbed, what was checked, how, and what remains to be believed.
     """
-    rows = [("certificate", "verdict", "check", "level passed", "hypotheses", "integrated again")]
+    rows: list[tuple[str, ...]] = [("certificate", "verdict", "check", "level", "hypotheses", "integrated")]
     remarks: list[str] = []
     for each in names:
         name, result = shown(each), rechecks.get(each)
@@ -104,7 +109,10 @@ def recheck_table(names: Sequence[str], rechecks: Mapping[str, Recheck]) -> str:
         remarks += [
             f"{name}: {as_options(text)}" for text in (result.obstacle, result.open_place, *result.notes) if text
         ]
-    tables = [aligned(rows), remarks, _levels_table(rechecks)]
+    if not any(result.precision for result in rechecks.values()):
+        rows = [row[:-1] for row in rows]
+    # Remarks quote what files say, and are not broken: no line begins with words of a file.
+    tables = [fitted(rows), remarks, _levels_table(rechecks)]
     return "\n\n".join("\n".join(lines) for lines in tables if lines)
 
 
@@ -117,7 +125,7 @@ def _levels_table(rechecks: Mapping[str, Recheck]) -> list[str]:
     for level in list(Level)[1 : highest + 1]:
         meaning = MEANINGS[level]
         rows.append((f"{level:d} {level.name.lower()}", meaning.checked, meaning.how, meaning.remains))
-    return aligned(rows)
+    return fitted(rows)
 
 
 _SHOWN_FINDINGS = 5

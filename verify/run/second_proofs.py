@@ -17,7 +17,9 @@ from typing import Any
 
 from flint import arb
 
+from orbitproof.shared.answers import answered, tell
 from orbitproof.shared.formats import InputError, check_writable, read_document, refused, select_ids, write_text
+from orbitproof.shared.printed_tables import fitted
 from orbitproof.shared.processes import Answer, Failure, Report, Task
 from orbitproof.shared.systems import shown
 from orbitproof.verify import second_proof as folder
@@ -28,7 +30,6 @@ from orbitproof.verify.run import (
     Display,
     Processes,
     Workplace,
-    aligned,
     apart,
     interrupted,
     positive_seconds,
@@ -83,6 +84,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--fresh", action="store_true", help="prove again what an earlier run proved")
     parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
     options = parser.parse_args(arguments)
+    return answered("orbitproof verify --second-proof", options.json, lambda: _done(options))
+
+
+def _done(options: argparse.Namespace) -> int:
     try:
         return _run(options)
     except InputError as error:
@@ -238,7 +243,7 @@ def _run(options: argparse.Namespace) -> int:
         proofs.prove(Workplace(options.jobs, None, options.row_timeout, options.memory, options.quiet))
     except KeyboardInterrupt:
         ended = True
-    print("\n".join(_table(list(certificates), proofs.rows)), flush=True)
+    tell("\n".join(_table(list(certificates), proofs.rows)), [proofs.rows[n] for n in certificates if n in proofs.rows])
     if ended:
         done = sum(name in proofs.rows for name in certificates)
         return interrupted(done, len(certificates), "rows finished", options.output if proofs.rows else None)
@@ -298,7 +303,7 @@ def _table(names: Sequence[str], rows: Mapping[str, Row]) -> list[str]:
     cells = [
         [shown(name), row["verdict"], row.get("side", "-"), f"{row.get('cpu_seconds', '-')}"] for name, row in found
     ]
-    lines = aligned([["row", "verdict", "side", "CPU s"], *cells])
+    lines = fitted([["row", "verdict", "side", "CPU s"], *cells])
     reasons = [
         f"{shown(name)}: {row['reason']}" for name, row in found if row["verdict"] not in ("agrees", "not tried")
     ]
