@@ -132,6 +132,12 @@ def test_pieces_that_overlap_become_one_surface() -> None:
         assert evaluate(after.parameters["h"], -ONE) < joint.parameter < evaluate(before.parameters["h"], ONE)
         assert all(ball.contains(0) for ball in joint.offsets)
     assert {entry.z for entry in heights(flat_atlas(pieces))} == {Fraction(2, 4096)}
+    # Whichever way the directions point.
+    turned = [
+        replace(piece, frame=tuple(tuple(sign * entry for entry in row) for row in piece.frame))
+        for piece, sign in zip(pieces, (-1, 1, -1), strict=True)
+    ]
+    assert {entry.z for entry in heights(flat_atlas(turned))} == {Fraction(2, 4096)}
     text = conclusion_in_words(conclusion)
     assert "for all mu in [0.001953125, 0.125000000]" in text
     assert "|zeta| <= 0.00048828125" in text
@@ -343,6 +349,12 @@ def test_heights_are_those_of_the_first_direction_of_the_box() -> None:
     """R_1 times the entry of the frame, whatever the other radii are."""
     pieces = [replace(piece, radii=(ONE / 7, ONE / 4096, ONE / 5)) for piece in three()]
     assert {entry.z for entry in heights(flat_atlas(pieces))} == {Fraction(2, 4096)}
+    # Whichever way the directions point.
+    turned = [
+        replace(piece, frame=tuple(tuple(sign * entry for entry in row) for row in piece.frame))
+        for piece, sign in zip(pieces, (-1, 1, -1), strict=True)
+    ]
+    assert {entry.z for entry in heights(flat_atlas(turned))} == {Fraction(2, 4096)}
 
 
 SHOWN = [
