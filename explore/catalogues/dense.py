@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
 
 from orbitproof.explore.catalogues.columns import (
     ALTITUDE,
+    CLOSING,
     GREATEST,
     HITS,
     LEAST,
@@ -20,17 +22,20 @@ from orbitproof.explore.catalogues.file import Catalogue
 from orbitproof.explore.catalogues.orbits import catalogue_of
 from orbitproof.explore.engines import Progress
 from orbitproof.explore.families import Family, TracedFamily
-from orbitproof.explore.flow import Matrix, Vector
+from orbitproof.explore.flow import Flags, Matrix, Vector, flow_batch
 from orbitproof.explore.numerics import predict
-from orbitproof.explore.orbits import correct_batch, stability_index
+from orbitproof.explore.orbits import ShootingProblem, correct_batch
 from orbitproof.shared.systems import UNITS
 
+CLOSES = 1e-9
+"""Largest closing error of an orbit relative to the growth of errors over its period, the norm of its monodromy."""
 
-def dense_catalogue(item: TracedFamily, rows: int, progress: Progress | None = None) -> tuple[Catalogue, int]:
-    """So many orbits of a family at equal arclengths, with their distances; and how many were not found."""
+
+def dense_catalogue(item: TracedFamily, rows: int, progress: Progress | None = None) -> tuple[Catalogue, Counter[str]]:
+    """So many orbits of a family at equal arclengths, with distances; and of how many there are none, by the reason."""
     family = item.family
     if len(family.orbits) < 2:
-        return with_distances(catalogue_of(family, item.name, item.label), family.orbits[0].crossings), 0
+        return with_distances(catalogue_of(family, item.name, item.label), family.orbits[0].crossings), Counter()
     problem = family.problem
     places = np.linspace(0.0, family.orbits[-1].arclength, rows)
     guesses, normals = _predicted(family, places)
@@ -45,17 +50,31 @@ def dense_catalogue(item: TracedFamily, rows: int, progress: Progress | None = N
     )
     step = places[1] - places[0]
     moved = np.linalg.norm((batch.unknowns - guesses) / problem.scales, axis=1)
-    good = np.flatnonzero(batch.converged & (moved <= max(step, _longest(family))))
-    stability = batch.stability
+    near = moved <= max(step, _longest(family))
+    errors, closed = _closing(problem, batch.states, np.where(batch.converged, 2 * batch.unknowns[:, -1], 0.0))
+    good = np.flatnonzero(batch.converged & near & closed)
+    missing = Counter(
+        batch.failures[i].partition(" over time ")[0] or ("it does not close" if near[i] else "another orbit was found")
+        for i in np.delete(np.arange(rows), good)
+    )
     assert batch.first_integrals is not None
     catalogue = replace(
         catalogue_of(family, item.name, item.label),
-        states=np.array([problem.initial_state(batch.unknowns[i]) for i in good]),
+        states=batch.states[good],
         jacobi_constants=batch.first_integrals[good],
         periods=2 * batch.unknowns[good, -1],
-        stability_indices=np.array([stability_index(stability[i]) for i in good]),
+        stability_indices=batch.stability_indices[good],
+        more={CLOSING: tuple(errors[good].tolist())},
     )
-    return with_distances(catalogue, int(max(batch.crossings[good], default=1))), rows - len(good)
+    return with_distances(catalogue, int(max(batch.crossings[good], default=1))), missing
+
+
+def _closing(problem: ShootingProblem, states: Matrix, periods: Vector) -> tuple[Vector, Flags]:
+    """How far from N states their orbits are after their periods, and whether that is no more than errors grow to."""
+    parameters = np.tile(problem.parameter_values(np.zeros(problem.size)), (len(states), 1))
+    flow = flow_batch(problem.system, states, periods, parameters)
+    errors = np.linalg.norm(flow.states - states, axis=1)
+    return errors, flow.finished & (errors <= CLOSES * np.linalg.norm(flow.state_transitions, axis=(1, 2)))
 
 
 def with_distances(catalogue: Catalogue, crossings: int = 1, *, symmetric: bool = True) -> Catalogue:
@@ -79,7 +98,7 @@ def with_distances(catalogue: Catalogue, crossings: int = 1, *, symmetric: bool 
         more[HITS] = tuple("unknown" if np.isnan(value) else "yes" if value < 0 else "no" for value in altitudes)
     proved = {PROVED: (NUMERICAL,) * len(catalogue)}
     name = catalogue.system or ("" if units is None else units.name)
-    return replace(catalogue, system=name, system_details=about, more={**more, **proved})
+    return replace(catalogue, system=name, system_details=about, more={**catalogue.more, **more, **proved})
 
 
 def _known(value: float) -> float | None:
@@ -97,12 +116,12 @@ def _predicted(family: Family, places: Vector) -> tuple[Matrix, Matrix]:
     lengths = np.array(family.arclengths)
     where = np.clip(np.searchsorted(lengths, places, side="right") - 1, 0, len(points) - 2)
     guesses, normals = np.empty((len(places), len(scales))), np.empty((len(places), len(scales)))
-    for row, (place, i) in enumerate(zip(places, where, strict=True)):
+    for i in np.unique(where):
+        rows, near = where == i, (i, i + 1)
         step = points[i + 1] - points[i]
         length = float(np.linalg.norm(step))
         chord = step / length
-        part = length * (place - lengths[i]) / (lengths[i + 1] - lengths[i])
-        near = (i, i + 1)
-        guesses[row] = predict([points[k] for k in near], [family.tangents[k] for k in near], chord, part) * scales
-        normals[row] = chord
+        part = length * (places[rows, None] - lengths[i]) / (lengths[i + 1] - lengths[i])
+        guesses[rows] = predict([points[k] for k in near], [family.tangents[k] for k in near], chord, part) * scales
+        normals[rows] = chord
     return guesses, normals

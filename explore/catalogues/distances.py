@@ -32,63 +32,46 @@ class Distances:
 
 def distances(states: Matrix, times: Vector, mass: float, parts: int = PARTS) -> Distances:
     """Over the arcs that begin at N states of the CR3BP, shape (N, 6), and take these times: whole or half orbits."""
-    count = len(states)
-    steps, values = times / parts, np.full((count, 1), mass)
-    here = np.asarray(states, dtype=float)
+    here, steps, values = np.asarray(states, dtype=float), times / parts, np.full((len(times), 1), mass)
     larger, smaller = primaries(mass)
-    rows = {"near": [_distance(here, smaller)], "far": [_distance(here, larger)]}
-    least, greatest = rows["near"][0].copy(), rows["near"][0].copy()
-    nearest_larger = rows["far"][0].copy()
+    # Least values of three quantities: a distance, its negative, and the distance from the other primary.
+    places, signs = np.array([smaller, smaller, larger]), np.array([1.0, -1.0, 1.0])
+    least, before = _signed(here, places[:, None], signs[:, None])
+    parts_with_one = []
     for _ in range(parts):
         there = flow_batch(CR3BP, here, steps, values).states
-        for place, kinds in ((smaller, (1, -1)), (larger, (1,))):
-            for kind in kinds:
-                found = _extremum(here, there, steps, place, kind, mass)
-                if place is larger:
-                    nearest_larger = np.fmin(nearest_larger, found)
-                elif kind == 1:
-                    least = np.fmin(least, found)
-                else:
-                    greatest = np.fmax(greatest, found)
-        least = np.fmin(least, _distance(there, smaller))
-        greatest = np.fmax(greatest, _distance(there, smaller))
-        nearest_larger = np.fmin(nearest_larger, _distance(there, larger))
-        here = there
-    lost = ~np.all(np.isfinite(here), axis=1)
-    return Distances(*(np.where(lost, np.nan, found) for found in (least, greatest, nearest_larger)))
+        at_end, after = _signed(there, places[:, None], signs[:, None])
+        which, orbit = np.nonzero((before < 0) & (after > 0))
+        parts_with_one.append((which, orbit, here[orbit], before[which, orbit], after[which, orbit]))
+        here, least, before = there, np.fmin(least, at_end), after
+    which, orbit, start, before, after = map(np.concatenate, zip(*parts_with_one, strict=True))
+    inside = _least(start, steps[orbit], places[which], signs[which], before, after, mass)
+    np.fmin.at(least, (which, orbit), inside)
+    return Distances(*np.where(np.all(np.isfinite(here), axis=1), signs[:, None] * least, np.nan))
 
 
-def _distance(states: Matrix, place: Vector) -> Vector:
-    return np.asarray(np.linalg.norm(states[:, :3] - place, axis=1))
+def _signed(states: Matrix, places: np.ndarray, signs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distances from places with signs, and half the derivatives of their squares with the same signs."""
+    offsets = states[:, :3] - places
+    return signs * np.linalg.norm(offsets, axis=-1), signs * np.sum(offsets * states[:, 3:], axis=-1)
 
 
-def _rate(states: Matrix, place: Vector) -> Vector:
-    """Half the derivative of the square of the distance."""
-    return np.asarray(np.sum((states[:, :3] - place) * states[:, 3:], axis=1))
-
-
-def _extremum(here: Matrix, there: Matrix, steps: Vector, place: Vector, kind: int, mass: float) -> Vector:
-    """The least (kind 1) or greatest (-1) distance inside the parts that have one; NaN for the others."""
-    result = np.full(len(here), np.nan)
-    before, after = kind * _rate(here, place), kind * _rate(there, place)
-    inside = np.flatnonzero((before < 0) & (after > 0))
-    if not len(inside):
-        return result
-    start, low, high = here[inside], np.zeros(len(inside)), steps[inside].copy()
-    f_low, f_high = before[inside], after[inside]
-    values = np.full((len(inside), 1), mass)
+def _least(
+    start: Matrix, steps: Vector, places: Matrix, signs: Vector, f_low: Vector, f_high: Vector, mass: float
+) -> Vector:
+    """The least signed distances inside parts at whose ends its rates are negative and positive."""
+    low, high = np.zeros(len(start)), steps.copy()
+    values = np.full((len(start), 1), mass)
     # The rate is followed from both sides (Illinois), which keeps the extremum between them.
-    side = np.zeros(len(inside))
-    states = start
+    side = np.zeros(len(start))
+    distance = np.full(len(start), np.nan)
     for _ in range(_STEPS):
         middle = (low * f_high - high * f_low) / (f_high - f_low)
         middle = np.clip(middle, low + 1e-3 * (high - low), high - 1e-3 * (high - low))
-        states = flow_batch(CR3BP, start, middle, values).states
-        rate = kind * _rate(states, place)
+        distance, rate = _signed(flow_batch(CR3BP, start, middle, values).states, places, signs)
         left = rate < 0
         f_high = np.where(left & (side == -1), f_high / 2, np.where(left, f_high, rate))
         f_low = np.where(~left & (side == 1), f_low / 2, np.where(left, rate, f_low))
         low, high = np.where(left, middle, low), np.where(left, high, middle)
         side = np.where(left, -1, 1)
-    result[inside] = _distance(states, place)
-    return result
+    return distance

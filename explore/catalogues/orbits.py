@@ -85,14 +85,7 @@ class CorrectedCatalogue:
     @cached_property
     def stability_indices(self) -> Vector:
         """Shape (N,); NaN for an orbit that was not corrected."""
-        values = [
-            stability_index(row) if ok else np.nan for row, ok in zip(self._stability, self.corrected, strict=True)
-        ]
-        return np.array(values)
-
-    @property
-    def _stability(self) -> np.ndarray:
-        return self.batch.stability
+        return np.where(self.corrected, self.batch.stability_indices, np.nan)
 
     @cached_property
     def differences(self) -> Differences:
@@ -167,7 +160,7 @@ class CorrectedCatalogue:
         assert batch.first_integrals is not None
         return replace(
             self.catalogue,
-            states=np.array([self.problem.initial_state(batch.unknowns[index]) for index in which]),
+            states=batch.states[which],
             jacobi_constants=batch.first_integrals[which],
             periods=2 * batch.unknowns[which, -1],
             stability_indices=self.stability_indices[which],

@@ -9,6 +9,7 @@ from orbitproof.explore.catalogues.file import Catalogue, read_catalogue
 from orbitproof.explore.catalogues.making import CatalogueTask, catalogue_task
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import FamilyFailure, Limits
+from orbitproof.explore.flow import Device
 from orbitproof.explore.names import (
     DEFAULT_BRANCH,
     WITHOUT_SYMMETRY,
@@ -33,6 +34,7 @@ def catalogue(
     max_orbits: int = Limits.max_orbits,
     min_distance: float | None = None,
     branch: Branch = DEFAULT_BRANCH,
+    device: Device = "cpu",
     quiet: bool = False,
 ) -> Catalogue:
     """A dense catalogue of a family by name, or one from a file, in double precision.
@@ -44,12 +46,13 @@ def catalogue(
         step: in place of that, the arclength of a step.
         max_orbits, min_distance: where the family ends: so many steps of the continuation, so close to a primary.
         branch: "north" or "south", of halo families and those that branch off from them.
+        device: where the rows are corrected: "cpu", or "gpu", which is to be asked for before anything is searched.
         quiet: nothing on standard error; else progress.
 
     The columns beside the nine of the JPL catalogue are in `more`: distances, altitude, whether an orbit hits the
     smaller primary, and what is proved. `by_period`, `by_stability`, .. choose rows; `to_csv`, `write` and
-    `to_dataframe` hand them on. Raises `ValueError` for an unknown name or mass and `FamilyFailure` if no orbit is
-    found.
+    `to_dataframe` hand them on. Raises `ValueError` for an unknown name or mass, `FamilyFailure` if no orbit is
+    found, and `shared.InputError` where there is no GPU.
     """
     if mu is None:
         try:
@@ -70,12 +73,12 @@ def catalogue(
         (key for key, value in MASS_PARAMETERS.items() if value == parameters["mu"]), label_of(system, text, None)
     )
     limits = Limits(max_orbits, min_distance=min_distance)
-    task = CatalogueTask(system, name, label, parameters, limits, rows, step, branch)
+    task = CatalogueTask(system, name, label, parameters, limits, rows, device, step, branch)
     with Reporter(quiet) as report:
         report.stage(task.title)
         made = catalogue_task(task, report.update)
         if made.catalogue is None:
             raise FamilyFailure(f"{task.title}: {made.reason}")
-        if made.missing:
-            report.message(f"{task.title}: {made.missing} of the rows not found, left out")
+        for line in filter(None, (made.left_out, made.corrected)):
+            report.message(f"{task.title}: {line}")
     return made.catalogue

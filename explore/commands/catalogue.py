@@ -32,6 +32,8 @@ _EXAMPLES = """\
 examples:
   orbitproof explore catalogue --family L2-halo --mass jpl-earth-moon --rows 10000 -o halo.json
       a dense catalogue in the form of the JPL catalogue, with distances and altitudes
+  orbitproof explore catalogue --family L2-halo --mass jpl-earth-moon --rows 50000 --device gpu -o halo.csv
+      corrected many at a time by a GPU; exit code 2 where JAX finds none
   orbitproof explore catalogue --family dro dpo 3:1 --mass jpl-earth-moon --rows 500 --jobs 2 -o moon.csv
       one file for each family: moon-jpl-earth-moon-dro.csv, ..
   orbitproof explore catalogue --family dro dpo --mass sun-earth sun-mars --scheduler 192.0.2.1:8786 -o all.csv
@@ -44,7 +46,8 @@ examples:
       what a proved curve proves of each row, in the column "proved"; with --rows 10000 in place of it: its rows
 
 Everything here is computed in double precision; the column "proved" says so. The distances are from the smaller
-primary, over the whole orbit. Exit codes: 0 all rows found, 1 some not, 2 bad input, 130 interrupted.
+primary, over the whole orbit. The closing error is how far an orbit is from its first state after its period.
+Exit codes: 0 all rows found, 1 some not, 2 bad input, 130 interrupted.
 """
 
 
@@ -94,6 +97,7 @@ def add_parser(commands: Any) -> None:
     common.add_jobs(parser, ": families at the same time")
     words = "use the cluster of this dask scheduler in place of --jobs (pip install 'orbitproof[cluster]')"
     parser.add_argument("--scheduler", metavar="ADDRESS", help=words)
+    common.add_device(parser)
     common.add_quiet(parser)
     parser.set_defaults(run=run)
 
@@ -123,6 +127,7 @@ def run(options: argparse.Namespace) -> int:
     )
     from orbitproof.explore.engines import Job, Lost, Reporter, run_all
     from orbitproof.explore.families import Limits
+    from orbitproof.explore.flow import batches_on
     from orbitproof.explore.records import read_families
 
     limits = {name: getattr(options, name) for name in ("period", "jacobi", "stability", "perilune", "altitude")}
@@ -132,29 +137,29 @@ def run(options: argparse.Namespace) -> int:
             catalogue, complete = read_catalogue(options.file), True
             if options.distances:
                 report.stage("distances")
-                if not options.accept:
-                    catalogue, told = without_contradictions(catalogue)
-                    for line in told:
-                        report.error(f"{options.file}: {line}")
-                    complete = not told
-                catalogue = with_distances(catalogue, 4, symmetric=symmetric_about_plane(catalogue))
+                with batches_on(options.device):
+                    if not options.accept:
+                        catalogue, told = without_contradictions(catalogue)
+                        for line in told:
+                            report.error(f"{options.file}: {line}")
+                        complete = not told
+                    catalogue = with_distances(catalogue, 4, symmetric=symmetric_about_plane(catalogue))
             chosen = _kept(chosen_rows(catalogue, limits), options.all, catalogue.title, report)
             return 0 if _write(chosen, options.output, catalogue.title, report, complete) else 1
+        how = options.rows, options.device, options.step
         bounds = Limits(options.max_orbits, min_distance=options.min_distance)
         if requests is None:
             records = [record for record in read_families(options.from_family) if record.system in THREE_BODY]
             if not records:
                 raise InputError(f"{options.from_family}: holds no family of the CR3BP; give one")
             tasks = [
-                CatalogueTask(
-                    each.system, each.name, each.label, each.parameters, bounds, options.rows, options.step, record=each
-                )
+                CatalogueTask(each.system, each.name, each.label, each.parameters, bounds, *how, record=each)
                 for each in records
             ]
         else:
             branch = options.branch or DEFAULT_BRANCH
             tasks = [
-                CatalogueTask(system, name, label, parameters, bounds, options.rows, options.step, branch)
+                CatalogueTask(system, name, label, parameters, bounds, *how, branch)
                 for system, name, label, parameters in requests
             ]
         report.stage(tasks[0].title if len(tasks) == 1 else f"{len(tasks)} families")
@@ -168,8 +173,10 @@ def run(options: argparse.Namespace) -> int:
                 complete = False
                 continue
             report.message(f"{task.title}: ends: {made.reason}")
-            if made.missing:
-                report.error(f"{task.title}: {counted(made.missing, 'row')} not found, left out")
+            if made.corrected:
+                report.message(f"{task.title}: {made.corrected}")
+            if made.left_out:
+                report.error(f"{task.title}: {made.left_out}")
                 complete = False
             path = options.output
             if len(tasks) > 1:

@@ -74,6 +74,12 @@ def add_jobs(parser: Any, meaning: str) -> None:
     parser.add_argument("--jobs", type=jobs, default=os.cpu_count() or 1, metavar="N", help=meaning)
 
 
+def add_device(parser: Any) -> None:
+    """``--device``."""
+    words = "where the rows are corrected, many at a time (default: cpu); gpu needs one that JAX finds"
+    parser.add_argument("--device", choices=("cpu", "gpu"), default="cpu", help=words)
+
+
 def add_quiet(parser: Any) -> None:
     """``--quiet``."""
     parser.add_argument("--quiet", action="store_true", help="no messages but errors on standard error")

@@ -3,11 +3,12 @@ from .batch import Flags as Flags
 from .batch import FlowBatch as FlowBatch
 from .batch import Matrices as Matrices
 from .batch import flow_batch as flow_batch
+from .compilation import Device as Device
+from .compilation import batches_on as batches_on
 from .compilation import cache_folder as cache_folder
 from .compilation import compiled as compiled
 from .compilation import compiling as compiling
 from .compilation import configure_jax as configure_jax
-from .compilation import use_accelerator as use_accelerator
 from .fields import field_of as field_of
 from .fields import given_field as given_field
 from .fields import power as power

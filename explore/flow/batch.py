@@ -126,7 +126,7 @@ def _width(count: int) -> int:
 
 def _start(system: ReversibleSystem, initial: Matrix, parameters: Matrix) -> _Lanes:
     count, m = initial.shape
-    extended = np.array(beginning(system, jnp.asarray(initial.T), jnp.asarray(parameters.T)))
+    extended = np.array(beginning(system, initial.T, parameters.T))
     none = np.zeros(count, dtype=np.int64)
     return _Lanes(
         time=np.zeros(count),

@@ -18,16 +18,20 @@ import stat
 import sys
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import jax
+
+from orbitproof.shared.arguments import ArgumentError
 
 KERNEL_BYTES = 1_000_000_000
 """Loops that touch less memory become one kernel, which all loops over orbits do. XLA otherwise calls a kernel for
 every few operations; for a single orbit that costs several times the arithmetic."""
+
+Device = Literal["cpu", "gpu"]
 
 _OPTION = "--xla_backend_extra_options"
 _accelerated: list[bool] = []
@@ -73,17 +77,19 @@ def _only_ours(folder: Path) -> bool:
 def configure_jax() -> None:
     """Double precision, small loops in one kernel and, where a folder can be written, a cache of compiled code.
 
-    Computes on the processor unless ``JAX_PLATFORMS`` or `use_accelerator` says otherwise. To be called before
-    anything is computed.
+    Everything is computed on the processor but what `batches_on` hands to a GPU. To be called before anything is
+    computed.
     """
     jax.config.update("jax_enable_x64", True)
     if "JAX_PLATFORMS" not in os.environ and not _accelerated:
-        # Orbits one at a time are nothing for an accelerator.
         jax.config.update("jax_platforms", "cpu")
     flags = os.environ.get("XLA_FLAGS", "")
     if _OPTION not in flags:
         option = f"{_OPTION}=xla_cpu_small_while_loop_byte_threshold={KERNEL_BYTES}"
         os.environ["XLA_FLAGS"] = f"{flags} {option}".strip()
+    if jax.config.jax_platforms != "cpu":
+        # Orbits one at a time are nothing for a GPU.
+        jax.config.update("jax_default_device", jax.local_devices(backend="cpu")[0])
     if jax.config.jax_compilation_cache_dir is not None:
         return
     folder = cache_folder()
@@ -104,13 +110,31 @@ def configure_jax() -> None:
         jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
 
 
-def use_accelerator() -> None:
-    """Let batches run on a GPU where JAX finds one; orbits one at a time stay on the processor.
+def batches_on(name: Device) -> AbstractContextManager[str]:
+    """Inside, batches of orbits are computed on this device; one orbit at a time stays on the processor.
 
-    Without effect once JAX is configured.
+    The context is what the device calls itself. Raises `InputError` for a GPU that JAX does not have.
     """
-    os.environ.setdefault("XLA_PYTHON_CLIENT_PREALLOCATE", "false")
-    _accelerated.append(True)
+    if name == "gpu" and not configure_jax.cache_info().currsize:
+        os.environ.setdefault("XLA_PYTHON_CLIENT_PREALLOCATE", "false")
+        _accelerated.append(True)
+    configure_jax()
+    try:
+        return _computing_on(jax.local_devices(backend=name)[0])
+    except RuntimeError:
+        if (chosen := os.environ.get("JAX_PLATFORMS")) and "cuda" not in chosen:
+            why = f"JAX_PLATFORMS={chosen} keeps JAX from it; unset it"
+        elif name == "gpu" and not _accelerated:
+            why = "JAX has begun with the processor alone; ask for the GPU first in a new process"
+        else:
+            why = "JAX finds none; pip install 'jax[cuda13]' beside a driver of NVIDIA, or leave it out"
+        raise ArgumentError("{device} {0}: {1}", name, why) from None
+
+
+@contextmanager
+def _computing_on(device: jax.Device) -> Iterator[str]:
+    with jax.default_device(device):
+        yield "the processor" if device.platform == "cpu" else f"the GPU ({device.device_kind})"
 
 
 @contextmanager

@@ -87,17 +87,19 @@ def identity(system: ReversibleSystem) -> np.ndarray:
     return np.eye(m + (system.family_parameter is not None), m)
 
 
-def beginning(system: ReversibleSystem, initial: jax.Array, parameters: jax.Array) -> jax.Array:
+def beginning(system: ReversibleSystem, initial: Any, parameters: Any) -> Any:
     """Initial states of shape (m, ...) with their derivatives after them, shape (1 + d, m, ...).
 
     Coordinates that are functions of others have their values, whatever is given for them, and move with the others.
+    Where there are none, arrays of numpy stay such, and nothing is compiled for their shape.
     """
     tangents = identity(system)
     tangents = np.broadcast_to(
         tangents.reshape(*tangents.shape, *[1] * (initial.ndim - 1)), (*tangents.shape, *initial.shape[1:])
     )
     if not system.defined:
-        return jnp.concatenate([initial[None], tangents])
+        concatenate = np.concatenate if isinstance(initial, np.ndarray) else jnp.concatenate
+        return concatenate([initial[None], tangents])
     index = family_parameter_index(system)
     shifts = jnp.zeros((len(tangents), *parameters.shape))
     if index is not None:

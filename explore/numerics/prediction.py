@@ -10,14 +10,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from orbitproof.explore.flow import Vector
+from orbitproof.explore.flow import Matrix, Vector
 
 ALIGNED = 0.5
 """Smallest cosine between a tangent and the direction of prediction for which its point is used."""
 
 
-def predict(points: Sequence[Vector], tangents: Sequence[Vector], direction: Vector, distance: float) -> Vector:
-    """The point of the curve at `distance` from `points[0]` along the unit vector `direction`.
+def predict(
+    points: Sequence[Vector], tangents: Sequence[Vector], direction: Vector, distance: float | Matrix
+) -> np.ndarray:
+    """The point of the curve at `distance` from `points[0]` along the unit vector `direction`; points for a column.
 
     The curve is taken as a graph over `direction` and interpolated, or extrapolated, by the polynomial
     that has the given points and tangents. Points where the curve runs across the direction, or back,
@@ -30,7 +32,7 @@ def predict(points: Sequence[Vector], tangents: Sequence[Vector], direction: Vec
     for point, tangent in zip(points, tangents, strict=True):
         cosine = float(tangent @ direction)
         place = float((point - base) @ direction)
-        if cosine < ALIGNED or any(abs(place - node) < 1e-9 * (1.0 + abs(distance)) for node in nodes):
+        if cosine < ALIGNED or any(abs(place - node) < 1e-9 * (1.0 + np.max(np.abs(distance))) for node in nodes):
             if not nodes:
                 return base + distance * direction
             continue
@@ -40,7 +42,9 @@ def predict(points: Sequence[Vector], tangents: Sequence[Vector], direction: Vec
     return _hermite(nodes, values, slopes, distance)
 
 
-def _hermite(nodes: Sequence[float], values: Sequence[Vector], slopes: Sequence[Vector], place: float) -> Vector:
+def _hermite(
+    nodes: Sequence[float], values: Sequence[Vector], slopes: Sequence[Vector], place: float | Matrix
+) -> np.ndarray:
     """Value at `place` of the polynomial with these values and slopes, by divided differences."""
     twice = [node for node in nodes for _ in range(2)]
     table = [value for value in values for _ in range(2)]

@@ -25,6 +25,7 @@ from orbitproof.explore.orbits.batch_algebra import (
     least_norm,
     roots,
     solve,
+    stability_indices,
     stability_matrices,
 )
 from orbitproof.explore.orbits.shooting import RESIDUAL, CorrectionFailure, ShootingProblem, SymmetricOrbit
@@ -40,6 +41,7 @@ class OrbitBatch:
 
     Attributes:
         unknowns: shape (N, 2 + n): family parameter (if any), Fix(R) coordinates, half period.
+        states: shape (N, m), the first points on Fix(R).
         second_points: shape (N, number of Fix(R) coordinates), where the orbits meet Fix(R) again.
         first_integrals: shape (N,), or `None` for a system without one.
         derivatives: shape (N, m - 1, m - 1), the derivatives DP of the half returns as in `HalfReturn`.
@@ -53,6 +55,7 @@ class OrbitBatch:
     """
 
     unknowns: Matrix
+    states: Matrix
     second_points: Matrix
     first_integrals: Vector | None
     derivatives: Matrices
@@ -70,6 +73,11 @@ class OrbitBatch:
     def stability(self) -> np.ndarray:
         """The stability parameters s = (lambda + 1/lambda)/2, complex, shape (N, n), sorted as for one orbit."""
         return roots(self.coefficients)
+
+    @property
+    def stability_indices(self) -> Vector:
+        """Shape (N,), of the multipliers with the largest magnitudes."""
+        return stability_indices(self.stability)
 
     def orbit(self, index: int) -> SymmetricOrbit:
         """One orbit; raises `CorrectionFailure` if it did not converge."""
@@ -251,15 +259,14 @@ class _Newton:
     def _result(self) -> OrbitBatch:
         system, flow = self.problem.system, self.flow
         everything = np.arange(len(self.unknowns))
-        integrals = None
+        integrals, states = None, self._initial(everything)
         if system.first_integral is not None:
             with np.errstate(all="ignore"):
-                integrals = np.asarray(
-                    system.first_integral(self._initial(everything).T, self._parameters(everything).T)[0]
-                )
+                integrals = np.asarray(system.first_integral(states.T, self._parameters(everything).T)[0])
         derivatives = half_returns(system, flow)
         return OrbitBatch(
             unknowns=self.unknowns,
+            states=states,
             second_points=flow.states[:, list(system.fixed_coordinates)],
             first_integrals=integrals,
             derivatives=derivatives,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from orbitproof.explore.flow import FlowBatch, Matrices, Matrix
+from orbitproof.explore.flow import FlowBatch, Matrices, Matrix, Vector
 from orbitproof.shared.systems import ReversibleSystem
 
 
@@ -60,6 +60,13 @@ def characteristic_coefficients(matrices: Matrices) -> Matrix:
         result[:, k] = -np.trace(product, axis1=1, axis2=2) / k
         power = product + result[:, k, None, None] * np.eye(size)
     return result
+
+
+def stability_indices(parameters: np.ndarray) -> Vector:
+    """Of N orbits with the stability parameters (N, n), as `explore.orbits.stability.stability_index`."""
+    root = np.sqrt(parameters * parameters - 1)
+    sizes = np.max(np.maximum(np.abs(parameters + root), np.abs(parameters - root)), axis=1, initial=1.0)
+    return np.asarray(0.5 * (sizes + 1 / sizes))
 
 
 def roots(coefficients: Matrix) -> np.ndarray:

@@ -16,6 +16,7 @@ import pytest
 from orbitproof.explore.flow import (
     FlowFailure,
     Matrix,
+    batches_on,
     cache_folder,
     compilation,
     compiling,
@@ -30,11 +31,19 @@ from orbitproof.explore.orbits import (
     OrbitBatch,
     ShootingProblem,
     correct_batch,
+    stability_index,
     stability_parameters,
 )
-from orbitproof.explore.orbits.batch_algebra import characteristic_coefficients, least_norm, roots, solve
+from orbitproof.explore.orbits.batch_algebra import (
+    characteristic_coefficients,
+    least_norm,
+    roots,
+    solve,
+    stability_indices,
+)
 from orbitproof.explore.orbits.stability import characteristic_coefficients as coefficients_of_one
 from orbitproof.explore.seeds import limit_orbit
+from orbitproof.shared import InputError
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -206,6 +215,66 @@ def test_results_do_not_depend_on_blocks_and_rounds(monkeypatch: pytest.MonkeyPa
         assert parts.parameter_derivatives[i] == pytest.approx(one.parameter_derivative, rel=1e-7, abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("platforms", "why"),
+    [("cpu", "JAX_PLATFORMS=cpu keeps JAX from it; unset it"), ("", "ask for the GPU first in a new process")],
+)
+def test_what_keeps_batches_from_a_gpu_is_told(platforms: str, why: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    configure_jax()
+    monkeypatch.setenv("JAX_PLATFORMS", platforms)
+    with pytest.raises(InputError, match=f"^device gpu: .*{why}$"):
+        batches_on("gpu")
+    with batches_on("cpu") as called:
+        assert called == "the processor"
+
+
+def test_a_round_can_be_compiled_for_a_gpu_in_double_precision() -> None:
+    import jax
+    from jax import export
+
+    from orbitproof.explore.flow.batch import GPU_BLOCKS, _integrator, _start
+
+    configure_jax()
+    width = GPU_BLOCKS[0]
+    states, masses, times = np.ones((width, 6)), np.ones((width, 1)), np.ones(width)
+    lanes = _start(CR3BP, states, masses)
+    made = export.export(jax.jit(_integrator(CR3BP)), platforms=["cuda"])(times, masses.T, *lanes.arrays())
+    text = made.mlir_module()
+    assert "f64" in text
+    for only_here in ("f32", "custom_call"):
+        assert only_here not in text
+
+
+TWO_DEVICES = """
+import jax, numpy as np
+from orbitproof import explore
+from orbitproof.explore.flow import batch, configure_jax
+configure_jax()
+processor, other = jax.local_devices(backend="cpu")
+jax.local_devices = lambda backend: [other if backend == "gpu" else processor]
+integrator = batch._compiled
+def watched(system):
+    def advance(*arguments):
+        result = integrator(system)(*arguments)
+        assert result[0].devices() == {expected}
+        return result
+    return advance
+batch._compiled = watched
+made = []
+for name, expected in (("gpu", other), ("cpu", processor)):
+    made.append(explore.catalogue("L2-halo", "jpl-earth-moon", rows=30, max_orbits=12, device=name, quiet=True))
+assert np.array_equal(made[0].columns, made[1].columns) and len(made[0]) == 30
+"""
+
+
+@pytest.mark.slow
+def test_rows_are_corrected_on_the_device_that_was_asked_for() -> None:
+    # The second of two devices stands for a GPU.
+    environment = os.environ | {"JAX_PLATFORMS": "cpu", "XLA_FLAGS": "--xla_force_host_platform_device_count=2"}
+    done = subprocess.run([sys.executable, "-c", TWO_DEVICES], env=environment, capture_output=True, timeout=300)
+    assert done.returncode == 0, done.stderr.decode()
+
+
 def test_parameters_that_are_missing_or_unknown_are_refused() -> None:
     for parameters in ({}, {"mu": MU, "beta": 1.0}):
         with pytest.raises(ValueError, match="fixed parameters of cr3bp are mu"):
@@ -236,6 +305,8 @@ def test_algebra_of_stacks_is_that_of_single_matrices() -> None:
     coefficients = characteristic_coefficients(matrices)
     for i in range(6):
         assert coefficients[i] == pytest.approx(coefficients_of_one(matrices[i]), abs=1e-12)
+        single = stability_index(stability_parameters(coefficients[i]))
+        assert stability_indices(roots(coefficients))[i] == pytest.approx(single, rel=1e-10)
         assert roots(coefficients)[i] == pytest.approx(stability_parameters(coefficients[i]), abs=1e-10)
 
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
 from importlib import import_module
@@ -12,10 +16,11 @@ import pytest
 
 from orbitproof import explore
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.catalogues import Catalogue, correct_catalogue, read_catalogue
-from orbitproof.explore.catalogues.columns import HITS
+from orbitproof.explore.catalogues import Catalogue, MadeCatalogue, correct_catalogue, dense, read_catalogue
+from orbitproof.explore.catalogues.columns import CLOSING, HITS
+from orbitproof.explore.flow import flow_of
 from orbitproof.explore.names import time_given
-from orbitproof.explore.orbits import PeriodicSolution
+from orbitproof.explore.orbits import PeriodicSolution, ShootingProblem, stability_index
 from orbitproof.shared import InputError
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, MASS_PARAMETERS
 
@@ -34,6 +39,65 @@ def test_rows_are_equally_far_apart_and_orbits(halo: Catalogue) -> None:
     again = correct_catalogue(halo)
     assert np.all(again.corrected)
     assert np.max(again.differences.state) < 1e-9
+
+
+def test_rows_are_the_orbits_that_are_found_one_at_a_time(halo: Catalogue) -> None:
+    problem = ShootingProblem(CR3BP, {"mu": MASS_PARAMETERS["jpl-earth-moon"]})
+    for index in range(1, len(halo), 3):
+        state, period = halo.states[index], halo.periods[index]
+        row = np.array([*state[[0, 2, 4]], period / 2])
+        _, jacobian, _ = problem.evaluate(row)
+        along = problem.tangent(jacobian, np.ones(4))
+        aside = np.array([1e-5, -1e-5, 2e-5, 1e-5])
+        orbit = problem.orbit(problem.correct(row + aside - (aside @ along) * along, along))
+        assert orbit.unknowns == pytest.approx(row, abs=1e-11)
+        assert orbit.first_integral == pytest.approx(halo.jacobi_constants[index], abs=1e-12)
+        assert stability_index(orbit.stability) == pytest.approx(halo.stability_indices[index], rel=1e-9)
+        end = flow_of(CR3BP).derivative(state, period, [MU]).state
+        assert halo.more[CLOSING][index] == pytest.approx(np.linalg.norm(end - state), abs=1e-10)
+
+
+def test_states_beside_periodic_orbits_do_not_close(halo: Catalogue) -> None:
+    problem = ShootingProblem(CR3BP, {"mu": MASS_PARAMETERS["jpl-earth-moon"]})
+    assert dense._closing(problem, halo.states, halo.periods)[1].all()
+    for shift, periods in ((1e-5, halo.periods), (0.0, 1.00001 * halo.periods), (0.0, 0.0 * halo.periods)):
+        assert not dense._closing(problem, halo.states + shift, periods)[1].any()
+
+
+def test_rows_that_are_left_out_are_counted_with_the_reasons(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = MadeCatalogue(None, "", Counter({"it does not close": 2, "another orbit was found": 9})).left_out
+    assert told == "11 rows not found, left out (9: another orbit was found, 2: it does not close)"
+    monkeypatch.setattr(dense, "CLOSES", 0.0)
+    asked = ["catalogue", "--family", "L2-halo", "--mass", "jpl-earth-moon", "--rows", "7", "--max-orbits", "5"]
+    assert main([*asked, "-o", str(tmp_path / "none.csv")]) == 1
+    assert "7 rows not found, left out (7: it does not close)" in capsys.readouterr().err
+    assert not (tmp_path / "none.csv").exists()
+
+
+def test_orbits_that_are_corrected_one_at_a_time_are_refused_for_a_gpu(capsys: pytest.CaptureFixture[str]) -> None:
+    asked = ["catalogue", "--family", "L4-short", "--mass", "jpl-earth-moon", "--device", "gpu", "-o", "none.csv"]
+    assert main([*asked, "--quiet"]) == 2
+    assert "--device gpu: the orbits of L4-short are corrected one at a time; leave it out" in capsys.readouterr().err
+
+
+def test_a_gpu_is_used_or_refused_and_nothing_else_in_its_place(tmp_path: Path) -> None:
+    asked = ["explore", "catalogue", "--family", "L2-halo", "--mass", "jpl-earth-moon", "--rows", "9"]
+    out = tmp_path / "gpu.csv"
+    command = [sys.executable, "-m", "orbitproof", *asked, "--max-orbits", "9", "--device", "gpu", "-o", str(out)]
+    environment = {name: value for name, value in os.environ.items() if name != "JAX_PLATFORMS"}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
+    if done.returncode:
+        remedy = (
+            "error: --device gpu: JAX finds none; pip install 'jax[cuda13]' beside a driver of NVIDIA, or leave it out"
+        )
+        assert (done.returncode, done.stderr.splitlines()[-1]) == (2, remedy)
+        assert not out.exists()
+    else:
+        assert "9 rows corrected by the GPU" in done.stderr
+        here = explore.catalogue("L2-halo", "jpl-earth-moon", rows=9, max_orbits=9, quiet=True)
+        assert read_catalogue(out).columns == pytest.approx(here.columns, rel=1e-9, abs=1e-11)
 
 
 def test_distances_are_those_of_a_finely_sampled_orbit(halo: Catalogue) -> None:
