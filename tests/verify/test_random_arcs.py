@@ -26,7 +26,7 @@ from orbitproof.verify.curve.proved_curve import times_of
 from orbitproof.verify.curve.proved_intervals import Run
 from orbitproof.verify.curve.tube import Tube
 from orbitproof.verify.evidence import NotProved, Proved, enclose
-from orbitproof.verify.web import Arc, Incidence, Switch, conclude_web, level_at, proved_web
+from orbitproof.verify.web import Arc, Incidence, IndexOnArc, Indices, Switch, conclude_web, level_at, proved_web
 from orbitproof.verify.web.meetings import _is_inside
 from orbitproof.verify.web.proved_web import parts_of
 
@@ -377,6 +377,31 @@ def test_the_level_of_a_vertex_is_what_all_arcs_say_of_it_and_two_that_touch_may
     outcome = proved(touching)
     assert isinstance(outcome, NotProved)
     assert "may be the same orbit" in outcome.reason.message
+
+
+def test_an_index_is_known_of_each_arc_of_which_that_is_claimed() -> None:
+    chance = random.Random(0)
+    good = [arc_of(other_pieces(symmetric_loop(), more), name) for more, name in enumerate("abc")]
+    orbit = IndexOnArc((3,), "p000", Fraction(1, 2))
+    known = [
+        (Indices("d", (orbit,)), True), (Indices("d", (orbit,), problem="it does not stand"), False),
+        (Indices("d"), False), (None, False),
+    ]  # fmt: skip
+    seen = set()
+    for _ in range(60):
+        claims = [chance.random() < 0.5 for _ in good]
+        given = [chance.choice([known[0], *known]) for _ in good]
+        arcs = [replace(arc, indices=indices) for arc, (indices, _) in zip(good, given, strict=True)]
+        named = (WebArc(arc.id, (), claim) for arc, claim in zip(good, claims, strict=True))
+        web = Web("w", "w", tuple(named), connected=False)
+        wanted = all(stands for claim, (_, stands) in zip(claims, given, strict=True) if claim)
+        outcome = conclude_web(web, arcs)
+        assert isinstance(outcome, Proved) == wanted
+        if isinstance(outcome, Proved):
+            for arc, claim, (indices, _) in zip(outcome.results.arcs, claims, given, strict=True):
+                assert arc.indices == (indices if claim else None)
+        seen.add((wanted, *claims))
+    assert len(seen) > 9
 
 
 def test_the_names_of_libration_points_are_those_of_no_orbits() -> None:

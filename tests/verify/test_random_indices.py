@@ -13,9 +13,10 @@ import pytest
 from flint import arb, ctx
 
 from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR
+from orbitproof.verify.atlas import index as stored_index
 from orbitproof.verify.evidence import Checklist, NotEstablishedError
 from orbitproof.verify.index import CountedOrbit, HalfTurns, proved_index
-from orbitproof.verify.stability import Kind
+from orbitproof.verify.stability import Bound, Kind
 
 
 @pytest.fixture(autouse=True)
@@ -168,3 +169,21 @@ def test_half_turns_are_those_of_every_angle_strictly(system: Any, monkeypatch: 
     assert not holds(proved_index._check_counts, atlas, curve, None, (), [wrong], "")
     assert not holds(proved_index._check_counts, atlas, curve, None, (), [], "")
     assert not holds(proved_index._check_counts, atlas, curve, None, (), orbits, "the certificate does not stand")
+
+
+def test_stored_ends_of_intervals_hold_the_places_between_which_the_index_is_known() -> None:
+    """Which have as many digits as rational numbers have; the end of one interval is no end of another."""
+    chance = random.Random(0)
+    chain = SimpleNamespace(
+        stretches=[SimpleNamespace(tube=SimpleNamespace(piece=SimpleNamespace(id=name))) for name in ("p0", "p1")]
+    )
+    known: Any = SimpleNamespace(curve=SimpleNamespace(chain=chain))
+    for _ in range(40):
+        lower, upper = sorted(
+            Fraction(chance.randint(-(10**9), 10**9), chance.randint(10**9, 10**10)) for _ in range(2)
+        )
+        stretch = chance.randrange(2)
+        found = stored_index._listed(known, Bound(stretch, lower, upper, ()))
+        assert found.piece == f"p{stretch}"
+        assert found.interval[0] <= lower <= upper <= found.interval[1]
+        assert max(lower - found.interval[0], found.interval[1] - upper) < Fraction(1, 2**59)
