@@ -21,14 +21,26 @@ from support.curve_cases import proof
 from support.stored import values
 
 from orbitproof.shared.claims import Claim
-from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR, FALKNER_SKAN, LIFTED, VERTICAL, record
+from orbitproof.shared.systems import AXIAL, CR3BP, CR3BP_PLANAR, FALKNER_SKAN, LIFTED, VERTICAL, record
 from orbitproof.verify.algebra import ball_polynomial
 from orbitproof.verify.curve import Bifurcation, PlaceOnCurve
 from orbitproof.verify.curve.tube import read_tube
 from orbitproof.verify.evidence import EmptyIntersectionError, NotKnown, Reason, enclose, exact_value, sign
 from orbitproof.verify.functions import REACH, BoundedFunction, StoredFunction
-from orbitproof.verify.out_of_plane import VariationFunctions
-from orbitproof.verify.stability import Gap, Kind, Matter, Point, Resonance, Segment, extrema_on, is_stable, segments_of
+from orbitproof.verify.out_of_plane import KnownVariations, VariationFunctions
+from orbitproof.verify.stability import (
+    CompleteList,
+    Gap,
+    Kind,
+    Matter,
+    Point,
+    Resonance,
+    Segment,
+    across_list,
+    extrema_on,
+    is_stable,
+    segments_of,
+)
 from orbitproof.verify.stability import complete_list as lists
 from orbitproof.verify.stability.complete_list import resonant_value
 from orbitproof.verify.stability.confirmation import unconfirmed
@@ -694,3 +706,97 @@ def test_a_zero_is_in_what_newton_leaves_of_its_interval_for_every_member() -> N
         assert found.contains(enclose(root))
         narrowed += found.rad() < enclose((high - low) / 16)
     assert narrowed > 50
+
+
+# Out of the plane
+
+
+class Planar:
+    """Two pieces, on each of which V is known as polynomials of s; in the plane nothing is known to happen."""
+
+    def __init__(self, seed: int) -> None:
+        chance = self.chance = random.Random(f"across {seed}")
+        self.rows: list[list[Polynomial]] = []
+        segments, stretches = [], []
+        for number in range(2):
+            tube = SimpleNamespace(piece=SimpleNamespace(id="pq"[number]), is_symmetric=False)
+            stretches.append(SimpleNamespace(tube=tube, enters=Q(-1), entered=Q(-1), leaves=Q(1)))
+            rows = []
+            for place in chance.sample(range(-56, 57), 4):
+                root = Q(place, 64) + Q(1, 2**9)
+                rows.append(times([Q(chance.choice((-1, 1)) * chance.randint(4, 12), 8)], [-root, Q(1)]))
+            self.rows.append(rows)
+            own = [BoundedFunction(ball_polynomial(by_tau(row, Q(0), Q(33, 32))), arb(0)) for row in rows]
+            flat = BoundedFunction(arb_poly([5]), arb(0))
+            segments.append(
+                Segment(number, Q(-1), Q(-1), Q(1), Q(0), Q(33, 32), (flat,), flat, flat, flat, None,
+                        KnownVariations(tuple(own)))
+            )  # fmt: skip
+        self.chain: Any = SimpleNamespace(stretches=stretches)
+        self.plane = CompleteList(4, 1, (), (), tuple(segments))
+        system = SimpleNamespace(normalised={}, centre_coordinates=(), stiffness_across_program=None,
+                                 derived_parameters={})  # fmt: skip
+        self.atlas: Any = SimpleNamespace(system=system, claim=SimpleNamespace(symmetry=None, kind="arc"))
+
+    def root(self, number: int, entry: int) -> Q:
+        row = self.rows[number][entry]
+        return -row[0] / row[1]
+
+    def listed(self, certified: Sequence[Bifurcation] = ()) -> Any:
+        return across_list.list_across(self.atlas, self.chain, self.plane, certified)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_out_of_the_plane_every_entry_of_every_part_has_its_zeros(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lists, "point_over", lambda stretch, s: ())
+    monkeypatch.setattr(across_list, "is_left_alone", lambda *_: True)
+    planar = Planar(seed)
+    found = planar.listed().found
+    assert found.gaps == ()
+    kinds = {1: Kind.ACROSS_AXIAL, 2: Kind.ACROSS_SYMMETRIC, 0: Kind.ACROSS_DOUBLING, 3: Kind.ACROSS_DOUBLING}
+    expected = []
+    for number, rows in enumerate(planar.rows):
+        expected += [(number, kinds[entry], 1 if entry in (1, 2) else 2, float(planar.root(number, entry)))
+                     for entry in range(4)]  # fmt: skip
+        parameter = plus(times(rows[0], rows[3]), times(rows[1], rows[2]))
+        for k, value in ((3, -0.5), (4, 0.0)):
+            moved = [float(c) for c in parameter]
+            moved[0] -= value
+            expected += [(number, Kind.RESONANCE, k, x.real) for x in np.roots(moved[::-1])
+                         if abs(x.imag) < 1e-12 and abs(x.real) < 1]  # fmt: skip
+    assert len(found.points) == len(expected)
+    for number, kind, k, place in expected:
+        alike = [point for point in found.points if (point.stretch, point.kind, point.k) == (number, kind, k)]
+        here = [point for point in alike if point.s.overlaps(near(place))]
+        assert len(here) == 1
+    # Where V is not known nothing is, and says so.
+    first, second = planar.plane.segments
+    planar.plane = replace(planar.plane, segments=(first, replace(second, out_of_plane=None)))
+    (gap,) = planar.listed().found.gaps
+    assert (gap.stretch, gap.piece, gap.start, gap.end, gap.subject) == (1, "q", Q(-1), Q(1), Matter.EVERYTHING)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_orbits_out_of_the_plane_are_born_under_their_own_symmetry(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lists, "point_over", lambda stretch, s: ())
+    monkeypatch.setattr(across_list, "is_left_alone", lambda *_: True)
+    planar = Planar(seed)
+    for number in range(2):
+        for entry, reversor, kind in ((1, AXIAL, Kind.ACROSS_AXIAL), (2, None, Kind.ACROSS_SYMMETRIC)):
+            place = PlaceOnCurve("pq"[number], enclose(planar.root(number, entry)), False)
+            birth = Bifurcation("b", "symmetry_breaking", 1, place, "", {}, reversor=reversor)
+            points = [point for point in planar.listed([birth]).found.points if point.certificates]
+            assert [(point.stretch, point.kind) for point in points] == [(number, kind)]
+            assert points[0].s.overlaps(place.s)
+            other = replace(birth, reversor=None if reversor else AXIAL)
+            with pytest.raises(EmptyIntersectionError, match="no zero"):
+                planar.listed([other])
+            # In units of the orbit nothing begins where its size may be 0.
+            for size, wanted in ((arb(0, 1), Kind.UNDECIDED), (arb(2, 1), kind)):
+                function = BoundedFunction(arb_poly([size.mid()]), size.rad())
+                own = tuple(replace(segment, level=function) for segment in planar.plane.segments)
+                inner = Planar(seed)
+                inner.atlas.system.normalised = {"x": Q(1)}
+                inner.plane = replace(planar.plane, segments=own)
+                here = [point for point in inner.listed().found.points if point.s.overlaps(place.s) and point.k == 1]
+                assert wanted in {point.kind for point in here if point.stretch == number}
