@@ -233,6 +233,35 @@ def test_extrema_and_gaps_of_other_parts_are_no_answer() -> None:
     curve.gaps = [*gaps, Gap(1, "q", curve.place - 1, curve.place + 1, Matter.EXTREMA, "")]
     with pytest.raises(EmptyIntersectionError, match="the list does not have"):
         curve.narrowed(orbits)
+    # Nor are those elsewhere on the same part.
+    curve.extrema = [replace(listed, s=listed.s + arb(1) / 8)]
+    curve.gaps = [
+        Gap(0, "p", curve.place + side, curve.place + side, Matter.EXTREMA, "") for side in (-APART * 4, APART * 4)
+    ]
+    with pytest.raises(EmptyIntersectionError, match="the list does not have"):
+        curve.narrowed(orbits)
     curve.extrema = [listed]
     (entry,) = curve.narrowed(orbits)
     assert entry.certificates
+
+
+def test_orbits_in_no_certain_order_say_nothing() -> None:
+    """Neither along the curve, nor their parameters."""
+    curve = Curve(5)
+    curve.extrema, curve.gaps = [], []
+    orbits = curve.beside()
+    for wide in range(3):
+        moved = list(orbits)
+        place = moved[wide].place
+        assert place is not None
+        moved[wide] = replace(moved[wide], place=replace(place, s=place.s + arb(0, 1) * ball(3 * APART / 2)))
+        assert curve.narrowed(moved) == []
+    # c = tau - 1 and c + 1/20; which of the two is the smaller one is not known at the first orbit.
+    first, second = arb_poly([-1, 1]), arb_poly([arb(-19) / 20, 1])
+    curve.parameters = [first, second]
+    characteristic = tuple(BoundedFunction(f, arb(ERROR)) for f in (first + second, first * second))
+    curve.segment = replace(curve.segment, characteristic=characteristic)
+    near = [curve.orbit(side * Fraction(1, 100)) for side in (-1, 0, 1)]
+    low, high = sorted((value.real for value in near[0].stability), key=float)
+    near[0] = replace(near[0], stability=(acb(high), acb(low + arb(1) / 16 + arb(0, 1) / 8)))
+    assert curve.narrowed(near) == []

@@ -20,16 +20,20 @@ from support.chain_cases import concluded, parabola, proved
 from support.curve_cases import proof
 from support.stored import values
 
+from orbitproof.shared import define_system
 from orbitproof.shared.claims import Claim
 from orbitproof.shared.systems import AXIAL, CR3BP, CR3BP_PLANAR, FALKNER_SKAN, LIFTED, VERTICAL, record
 from orbitproof.verify.algebra import ball_polynomial
 from orbitproof.verify.curve import Bifurcation, PlaceOnCurve
 from orbitproof.verify.curve.tube import read_tube
+from orbitproof.verify.distances import Ranges
 from orbitproof.verify.evidence import EmptyIntersectionError, NotKnown, Reason, enclose, exact_value, sign
 from orbitproof.verify.functions import REACH, BoundedFunction, StoredFunction
 from orbitproof.verify.out_of_plane import KnownVariations, VariationFunctions
 from orbitproof.verify.stability import (
+    Bound,
     CompleteList,
+    CurveEnd,
     Gap,
     Kind,
     Matter,
@@ -37,14 +41,20 @@ from orbitproof.verify.stability import (
     Resonance,
     Segment,
     across_list,
+    bounds_on,
     extrema_on,
     is_stable,
+    linear_stability,
+    orbit_between,
     segments_of,
+    stable_intervals,
 )
 from orbitproof.verify.stability import complete_list as lists
 from orbitproof.verify.stability.complete_list import resonant_value
 from orbitproof.verify.stability.confirmation import unconfirmed
-from orbitproof.verify.stability.level import Level
+from orbitproof.verify.stability.extrema import BAND, is_in_band
+from orbitproof.verify.stability.level import Level, gradient
+from orbitproof.verify.stability.linear_stability import _together
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
 from orbitproof.verify.stability.stored_stability import StabilityFunctions
 from orbitproof.verify.stability.units import scales
@@ -769,6 +779,17 @@ def test_out_of_the_plane_every_entry_of_every_part_has_its_zeros(seed: int, mon
         alike = [point for point in found.points if (point.stretch, point.kind, point.k) == (number, kind, k)]
         here = [point for point in alike if point.s.overlaps(near(place))]
         assert len(here) == 1
+    # Where zeros are not separated this is told of their entry alone.
+    square = BoundedFunction(ball_polynomial(times([-Q(1, 9), Q(1)], [-Q(1, 9), Q(1)])), arb(0))
+    own = planar.plane.segments[1].out_of_plane
+    assert own is not None
+    for entry, subject in ((1, Resonance(1, 0)), (3, Resonance(2, 1))):
+        entries = tuple(square if n == entry else each for n, each in enumerate(own.entries))
+        changed = replace(planar.plane.segments[1], out_of_plane=KnownVariations(entries))
+        beside = Planar(seed)
+        beside.plane = replace(planar.plane, segments=(planar.plane.segments[0], changed))
+        gaps = [gap for gap in beside.listed().found.gaps if gap.subject == subject]
+        assert [gap.stretch for gap in gaps] == [1]
     # Where V is not known nothing is, and says so.
     first, second = planar.plane.segments
     planar.plane = replace(planar.plane, segments=(first, replace(second, out_of_plane=None)))
@@ -800,3 +821,156 @@ def test_orbits_out_of_the_plane_are_born_under_their_own_symmetry(seed: int, mo
                 inner.plane = replace(planar.plane, segments=own)
                 here = [point for point in inner.listed().found.points if point.s.overlaps(place.s) and point.k == 1]
                 assert wanted in {point.kind for point in here if point.stretch == number}
+
+
+# At touching
+
+
+@pytest.mark.parametrize("count", [1, 2])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_stationary_value_at_the_end_of_the_band_may_be_in_it(count: int, side: int) -> None:
+    """It is 11/10, or a little less; or more, by as much as the error leaves open, or by much."""
+    for error in (Q(1, 2**30), Q(1, 2**20)):
+        for beyond in (Q(0), -error / 4, error / 4, -Q(1, 2**6), Q(1, 8)):
+            for bend in (1, -1):
+                parameter = [side * (BAND + beyond), Q(0), Q(bend)]
+                # Somewhere else than at the middle of the interval.
+                parameter = by_tau(parameter, Q(1, 7), Q(1))
+                rows = [parameter] if count == 1 else [plus(parameter, [Q(9)]), times(parameter, [Q(9)])]
+                known = [known_beside(row, error, 0) for row in rows]
+                found, undecided = extrema_on(segment_with(known, -END, -END, END), 0)
+                here = [value for tau, value in found if tau.contains(enclose(Q(-1, 7)))]
+                is_open = any(low <= Q(-1, 7) <= high for low, high in undecided)
+                assert beyond > 0 or here or (is_open and count == 2)
+                assert beyond < Q(1, 8) or not here
+                assert beyond < Q(1, 8) or not undecided or count == 2
+                for value in here:
+                    assert value.contains(enclose(side * (BAND + beyond)))
+                    assert not is_in_band(value) or beyond < 0
+
+
+def test_the_derivative_of_a_level_with_functions_is_that_of_all_points() -> None:
+    system = define_system({
+        "name": "functions", "state": "x y vx vy", "R": {"vx": -1, "vy": -1}, "section": "vy",
+        "field": {"x": "vx", "y": "vy", "vx": "-exp(x)*cos(y)-sin(x)", "vy": "exp(x)*sin(y) - 1/(2+y)"},
+        "first_integral": "(vx**2 + vy**2)/2 + exp(x)*cos(y) - cos(x) + log(2+y)",
+    })  # fmt: skip
+    program = system.first_integral_program
+    assert program is not None
+    chance = random.Random(9)
+    for _ in range(20):
+        x, y = (arb(chance.uniform(-1, 1)) for _ in range(2))
+        radius = arb(2) ** -chance.choice((4, 20, 60))
+        known = {"x": x + arb(0, 1) * radius, "y": y + arb(0, 1) * radius, "vx": arb(1) / 3, "vy": arb(0)}
+        # Values of the functions follow from those of their arguments.
+        arguments = [known.get(name, arb(77)) for name in program.inputs]
+        found = gradient(program, arguments, ("x", "y", "vx"), system)
+        for a, b in ((0, 0), (1, 1), (-1, 1), (1, -1)):
+            at, to = x + a * radius, y + b * radius
+            wanted = at.exp() * to.cos() + at.sin(), -at.exp() * to.sin() + 1 / (2 + to), arb(1) / 3
+            assert all(slope.overlaps(value) for slope, value in zip(found, wanted, strict=True))
+        assert all(slope.rad() < 20 * radius + 2.0**-150 for slope in found)
+
+
+# Where something may change
+
+
+def point_at(stretch: int, s: arb, kind: Kind, k: int) -> Point:
+    return Point(stretch, "p", k, min(k - 1, 1) if k else 0, kind, s, arb(0), arb(1), {})
+
+
+def test_places_of_change_hold_the_whole_of_points_and_of_ends() -> None:
+    chance = random.Random(10)
+    tube = SimpleNamespace(piece=SimpleNamespace(id="p"))
+    for _ in range(60):
+        stretches = [SimpleNamespace(tube=tube, enters=Q(-1), entered=Q(-15, 16), leaves=Q(1)) for _ in range(2)]
+        chain: Any = SimpleNamespace(stretches=stretches)
+        balls = [(chance.randrange(2), arb(chance.uniform(-1, 1)) + arb(0, 1) * 2.0 ** -chance.randint(2, 9))
+                 for _ in range(chance.randint(0, 5))]  # fmt: skip
+        points = tuple(point_at(stretch, s, Kind.FOLD, 1) for stretch, s in balls)
+        gaps = []
+        for _ in range(chance.randint(0, 2)):
+            low = Q(chance.randint(-60, 40), 64)
+            gaps.append(Gap(chance.randrange(2), "p", low, low + Q(chance.randint(0, 20), 64), Resonance(1, 0), ""))
+        found = CompleteList(2, 1, points, tuple(gaps), ())
+        bounds = list(bounds_on(chain, found, lambda point: True, lambda subject: True))
+        for before, after in pairwise(bounds):
+            assert (before.stretch, before.upper) < (after.stretch, after.lower)
+        covered = [(stretch, *ends_of(s)) for stretch, s in balls]
+        covered += [(gap.stretch, gap.start, gap.end) for gap in gaps] + [(0, Q(-1), Q(-15, 16)), (1, Q(1), Q(1))]
+        for stretch, low, high in covered:
+            here = [each for each in bounds if each.stretch == stretch and each.lower <= low <= high <= each.upper]
+            assert len(here) == 1
+            is_gap = any((gap.stretch, gap.start, gap.end) == (stretch, low, high) for gap in gaps)
+            assert not here[0].is_one_point or ((low, high) == (here[0].lower, here[0].upper) and not is_gap)
+
+
+def test_a_symmetric_point_is_the_end_of_the_curve_only_where_both_are_one_place() -> None:
+    end = Bound(0, Q(0), Q(0), (CurveEnd.END,))
+    for kind, s, alone in (
+        (Kind.SYMMETRIC, arb(0), True),
+        (Kind.SYMMETRIC, arb(0, 0.125), False),
+        (Kind.FOLD, arb(0), False),
+    ):
+        point = point_at(0, s, kind, 1)
+        both = Bound(0, *ends_of(s), (point.found,), point)
+        for first, second in ((end, both), (both, end)):
+            found = _together(first, second)
+            assert found.is_one_point == alone
+            assert found.lower <= Q(0) <= found.upper
+            if alone:
+                assert found is both
+
+
+def test_the_orbit_that_decides_lies_between_its_places_and_on_the_curve() -> None:
+    chance = random.Random(11)
+    tube = SimpleNamespace(piece=SimpleNamespace(id="p"))
+    seen = 0
+    for _ in range(200):
+        entered = Q(chance.randint(-60, -30), 64)
+        stretches = [SimpleNamespace(tube=tube, enters=Q(-1), entered=entered, leaves=Q(1)) for _ in range(2)]
+        chain: Any = SimpleNamespace(stretches=stretches)
+        flat = BoundedFunction(arb_poly([0]), arb(0))
+        cut = Q(chance.randint(-62, 60), 64)
+        own = [replace(segment_with([flat], low, min(max(low, entered), high), high), stretch=stretch)
+               for stretch in range(2) for low, high in ((Q(-1), cut), (cut, Q(1)))]  # fmt: skip
+        places = sorted((chance.randrange(2), Q(chance.randint(-64, 64), 64)) for _ in range(2))
+        before, after = (Bound(stretch, s, s, ()) for stretch, s in places)
+        found = orbit_between(chain, own, before, after)
+        if found is not None:
+            segment, tau = found
+            s = segment.s_of(tau)
+            assert (before.stretch, before.upper) <= (segment.stretch, exact_value(s.mid()))
+            assert (segment.stretch, exact_value(s.mid())) <= (after.stretch, after.lower)
+            assert segment.entered <= exact_value(s.mid()) <= segment.end
+            seen += 1
+    assert seen > 100
+
+
+def test_of_a_loop_that_is_cut_the_ranges_are_known_if_they_are_on_both_sides(monkeypatch: pytest.MonkeyPatch) -> None:
+    tube = SimpleNamespace(piece=SimpleNamespace(id="p"))
+    chain: Any = SimpleNamespace(stretches=[SimpleNamespace(tube=tube, enters=Q(-1), entered=Q(-1), leaves=Q(1))])
+    inside = BoundedFunction(arb_poly([0]), arb(0))
+    segment = segment_with([inside], Q(-1), Q(-1), Q(1))
+    folds = tuple(point_at(0, arb(place), Kind.FOLD, 1) for place in (-0.5, 0.5))
+    found = CompleteList(2, 1, folds, (), (segment,))
+    for lost in (None, Q(-1), Q(1, 2)):
+        known: Any = Ranges(arb(3), None, None)
+
+        def ranges(_: Any, begin: Any, end: Any, lost: Any = lost, known: Any = known) -> Any:
+            return None if begin[1] == lost else known
+
+        monkeypatch.setattr(linear_stability, "ranges_between", ranges)
+        stable, unknown = stable_intervals(chain, found, True)
+        assert unknown == []
+        around = [entry for entry in stable if entry.begin.lower == Q(1, 2)]
+        assert [(entry.begin.lower, entry.end.lower) for entry in around] == [(Q(1, 2), Q(-1, 2))]
+        assert (around[0].ranges is None) == (lost is not None)
+
+
+def test_a_part_meets_the_symmetric_point_if_that_is_one_of_its_ends() -> None:
+    flat = BoundedFunction(arb_poly([0]), arb(0))
+    for start, end, at in ((0, 1, -1), (-1, 0, 1), (-1, 1, 0), (Q(1, 4), 1, 0), (-1, Q(-1, 4), 0)):
+        segment = segment_with([flat], Q(start), Q(start), Q(end))
+        assert segment.meets_symmetric_point == at
+        assert replace(segment, middle=Q(1, 2)).meets_symmetric_point == 0
