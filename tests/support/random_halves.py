@@ -180,8 +180,9 @@ class Halves:
             low = -high
         parameters = {"mu": Q(1, 80)} if self.given else {"c": Q(3, 7)}
         oracle: Any = None
+        symmetry = None if self.odd is None else "S"
         self.tube = TubeOfOrbits(
-            self.system, parameters, piece, (low, high), LIMITS, "physical", oracle, None if self.odd is None else "S"
+            self.system, parameters, piece, (low, high), LIMITS, "physical", oracle, symmetry, 1 + self.seed % 3
         )
         self.widths = [width / self.share for width in piece.tube]
         self.flow = self.tube._format(max(self.widths))

@@ -264,3 +264,38 @@ def test_the_other_points_are_on_one_sheet_all_along_the_curve() -> None:
             assert isinstance(there, ReversibleSystem)
             assert there.fixed_level is not None
             assert there.fixed_level.sign == (-sign if c > 0 else sign)
+
+
+@pytest.mark.parametrize("n", [1, 2])
+def test_the_tube_that_is_followed_is_about_the_polynomial_over_a_little_more_than_the_interval(
+    n: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: list[Any] = []
+
+    def of(system: Any, start: Any, widths: Any, *rest: Any) -> Any:
+        begun.append((start, widths, rest))
+
+    monkeypatch.setattr(matrix.HalfReturn, "of", of)
+    for seed in range(4):
+        tube = replace(Halves(seed, n).tube, crossings=seed + 1)
+        tube.follow([Q(1, 2**9), Q(1, 2**12)][:n], None)
+        tube.wider(None)
+        for start, widths, rest in begun:
+            assert rest[-1] == seed + 1
+            low, high = tube.interval
+            for sigma in (Q(-1), Q(0), Q(16, 17), Q(1)):
+                s = (low + high) / 2 + sigma * Q(17, 16) * (high - low) / 2
+                p = [tube.piece.half_width * s, *(at(list(row), s) for row in tube.piece.polynomial)]
+                for name, origin, row in zip(
+                    tube.system.centre_coordinates, tube.piece.centre, tube.piece.frame, strict=True
+                ):
+                    element = start[name]
+                    wanted = origin + sum((a * b for a, b in zip(row, p, strict=True)), Q(0))
+                    assert abs(at(known_part(element, 0), sigma) - wanted) <= Q(element.errors[0]) + Q(1, 2**60)
+                    for j, width in enumerate(widths):
+                        position = element.arithmetic.grading.variable(j)
+                        assert position is not None
+                        assert abs(at(known_part(element, position), sigma) - row[j + 1] * width) < Q(1, 2**60)
+        for width, own in zip(begun[1][1], tube.piece.tube, strict=True):
+            assert 4 * own < width <= 8 * own
+        begun.clear()
