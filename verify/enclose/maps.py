@@ -18,9 +18,16 @@ from orbitproof.verify.evidence import (
     is_below,
     without_result,
 )
-from orbitproof.verify.maps import Format, Image, displacement, enclose_flow, enclose_poincare_map, enclose_zeros
+from orbitproof.verify.maps import (
+    Format,
+    FramingOracle,
+    Image,
+    displacement,
+    enclose_flow,
+    enclose_poincare_map,
+    enclose_zeros,
+)
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.poincare import Oracle
 
 LEAST_PRECISION = 128
 MOST_PRECISION = 1024
@@ -38,7 +45,7 @@ def flow(
     precision: int | None = None,
     digits: int = 15,
     degree: int | None = None,
-    oracle: Oracle = ORACLE,
+    oracle: FramingOracle = ORACLE,
     progress: Callable[[int], None] | None = None,
 ) -> Enclosure | NotEnclosed:
     """Enclose the states at a time of all orbits that begin in a box, and their derivatives.
@@ -93,7 +100,7 @@ def poincare_map(
     precision: int | None = None,
     digits: int = 15,
     degree: int | None = None,
-    oracle: Oracle = ORACLE,
+    oracle: FramingOracle = ORACLE,
     progress: Callable[[int], None] | None = None,
 ) -> Enclosure | NotEnclosed:
     """Enclose where and when orbits that begin in a box cross a section for the n-th time, with derivatives.

@@ -3,6 +3,8 @@ from .expansion import dyadic_below as dyadic_below
 from .expansion import planned_step as planned_step
 from .expansion import rough as rough
 from .field_along import FieldAlong as FieldAlong
+from .frame import FrameOracle as FrameOracle
+from .frame import InFrame as InFrame
 from .gronwall import LEAST_ERROR as LEAST_ERROR
 from .gronwall import comparison_matrices as comparison_matrices
 from .gronwall import derivative_bounds as derivative_bounds

@@ -26,6 +26,7 @@ from orbitproof.verify.algebra import (
     correct_power,
     enclose_nodes,
     float_above,
+    fraction_above,
     inflate,
     partial_derivatives,
 )
@@ -124,7 +125,7 @@ def comparison_matrices(derivatives: Sequence[dict[int, Series]], slots: int) ->
         for j, derivative in row.items():
             errors = derivative.errors
             bounds = np.empty((PARTS, slots))
-            bounds[:, 0] = _bounds_on_parts(derivative) + errors[0]
+            bounds[:, 0] = bounds_on_parts(derivative) + errors[0]
             bounds[:, 1:] = errors[1:]
             for source in range(slots):
                 for grade in range(slots):
@@ -132,7 +133,7 @@ def comparison_matrices(derivatives: Sequence[dict[int, Series]], slots: int) ->
     return [matrix.reshape(size * slots, size * slots) * _SLACK for matrix in matrices]
 
 
-def _bounds_on_parts(derivative: Series) -> Floats:
+def bounds_on_parts(derivative: Series) -> Floats:
     """Bounds of the known part, of grade 0, on each of `PARTS` equal parts of [0, 1].
 
     With c the coefficients (of one power of the wide variable), those of p(middle + half t) are S c for S of
@@ -167,6 +168,15 @@ def _recentring(length: int) -> Floats:
             for j in range(n + 1):
                 matrices[part, j, n] = comb(n, j) * middle ** (n - j) * half**j
     return matrices
+
+
+def grown(derivatives: Sequence[dict[int, Series]], start: Floats, step: Fraction) -> Floats:
+    """Bounds of the errors on a whole step, from those before it with the defects, both of shape (m, slots)."""
+    bound = start.reshape(-1)
+    for matrix in comparison_matrices(derivatives, start.shape[1]):
+        # What underflows in the product is less than what is added, however small the step.
+        bound = exponential_bound(matrix * (fraction_above(step) / PARTS) + LEAST_ERROR, bound)
+    return bound.reshape(start.shape)
 
 
 @np.errstate(over="ignore", invalid="ignore")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -13,17 +13,12 @@ from orbitproof.verify.algebra import GradedNorm, PreparedProgram, Series, fract
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow.expansion import Expansion
 from orbitproof.verify.flow.field_along import FieldAlong
-from orbitproof.verify.flow.gronwall import (
-    LEAST_ERROR,
-    PARTS,
-    centre_and_norms,
-    comparison_matrices,
-    derivative_bounds,
-    exponential_bound,
-    norm_arithmetic,
-)
+from orbitproof.verify.flow.gronwall import Floats, centre_and_norms, derivative_bounds, grown, norm_arithmetic
 
 _ATTEMPTS = 6
+
+Bound = Callable[[Sequence[dict[int, Series]], Floats, Floats, Fraction], Floats]
+"""As `grown`; the defects, which the second argument contains, are the third one."""
 
 
 @dataclass(frozen=True)
@@ -64,22 +59,19 @@ def advance(
     return enclose_step(along, step)
 
 
-def enclose_step(along: FieldAlong, step: Fraction) -> FlowStep:
+def enclose_step(along: FieldAlong, step: Fraction, bound: Bound | None = None) -> FlowStep:
     """Enclose the solutions around an approximate one, whatever it is (as `advance`).
 
     Args:
         along: the approximate solution, with the vector field on it.
+        bound: of the errors of the step, for which they are not taken entry by entry (section 4.4).
     """
     if not step > 0:
         raise ValueError("a step is positive")
-    state = along.state
     exact, field = along.enclosed()
-    sources = [
-        [inflate(e + d) for e, d in zip(x.errors, _defect(solution, slope, step), strict=True)]
-        for x, solution, slope in zip(state, exact, field, strict=True)
-    ]
-    bound, slopes = _tube(along, exact, sources, step)
-    solution = tuple(x.with_errors(errors) for x, errors in zip(exact, bound, strict=True))
+    defects = np.array([_defect(solution, slope, step) for solution, slope in zip(exact, field, strict=True)])
+    errors, slopes = _tube(along, exact, defects, step, bound)
+    solution = tuple(x.with_errors(row) for x, row in zip(exact, errors.tolist(), strict=True))
     return FlowStep(solution, tuple(slopes), tuple(x.at_end() for x in solution))
 
 
@@ -101,26 +93,20 @@ def _defect(solution: Series, field: Series, step: Fraction) -> GradedNorm:
 
 @np.errstate(over="ignore", invalid="ignore")
 def _tube(
-    along: FieldAlong, solution: Sequence[Series], sources: Sequence[GradedNorm], step: Fraction
-) -> tuple[list[GradedNorm], list[Series]]:
+    along: FieldAlong, solution: Sequence[Series], defects: Floats, step: Fraction, bound: Bound | None
+) -> tuple[Floats, list[Series]]:
     """Errors that hold on the whole step, and the vector field on the tube (section 4.3)."""
     arithmetic = along.arithmetic
     coarse = norm_arithmetic(arithmetic)
-    slots = arithmetic.grading.top + 2
-    size = len(solution)
-    start = np.array(sources)
+    start = np.array([[*map(inflate, x.errors + row)] for x, row in zip(along.state, defects, strict=True)])
     constants = [centre_and_norms(coarse, p, arithmetic.zero_errors()) for p in along.parameters]
     tube = 16.0 * start + 2.0**-950
     for _ in range(_ATTEMPTS):
-        inputs = [centre_and_norms(coarse, x, [float(t) for t in row]) for x, row in zip(solution, tube, strict=True)]
-        derivatives, slopes = derivative_bounds(along.program, size, [*inputs, *constants])
-        bound = start.reshape(-1)
-        for matrix in comparison_matrices(derivatives, slots):
-            # What underflows in the product is less than what is added, however small the step.
-            bound = exponential_bound(matrix * (fraction_above(step) / PARTS) + LEAST_ERROR, bound)
-        errors = bound.reshape(size, slots)
+        inputs = [centre_and_norms(coarse, x, row) for x, row in zip(solution, tube.tolist(), strict=True)]
+        derivatives, slopes = derivative_bounds(along.program, len(solution), [*inputs, *constants])
+        errors = grown(derivatives, start, step) if bound is None else bound(derivatives, start, defects, step)
         if bool(np.all(errors < tube)) and bool(np.all(np.isfinite(tube))):
-            return [[float(value) for value in row] for row in errors], slopes
+            return errors, slopes
         tube = 4.0 * errors
         if not bool(np.all(np.isfinite(tube))):
             break

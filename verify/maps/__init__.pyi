@@ -4,6 +4,8 @@ from .fixed_points import combination as combination
 from .fixed_points import displacement as displacement
 from .fixed_points import enclose_zeros as enclose_zeros
 from .flow_map import enclose_flow as enclose_flow
+from .framed_orbits import FramedOrbits as FramedOrbits
+from .framed_orbits import FramingOracle as FramingOracle
 from .image import Image as Image
 from .image import image_of as image_of
 from .poincare_map import enclose_poincare_map as enclose_poincare_map

@@ -8,10 +8,11 @@ from fractions import Fraction
 from orbitproof.shared.systems import Program, record
 from orbitproof.verify.algebra import prepare
 from orbitproof.verify.evidence import IntegrationFailure, guarded
-from orbitproof.verify.flow import advance, planned_step
+from orbitproof.verify.flow import InFrame, planned_step
+from orbitproof.verify.maps.framed_orbits import FramingOracle
 from orbitproof.verify.maps.image import Image, image_of
 from orbitproof.verify.maps.starting_set import Format, StartingSet
-from orbitproof.verify.poincare import MOST_STEPS, Oracle
+from orbitproof.verify.poincare import MOST_STEPS
 
 LEAST_SHARE = 1 / 8
 
@@ -21,7 +22,7 @@ def enclose_flow(
     start: StartingSet,
     time: Fraction,
     chosen: Format,
-    oracle: Oracle,
+    oracle: FramingOracle,
     progress: Callable[[int], None] | None = None,
 ) -> Image:
     """Enclose the states at `time`, of either sign, of all orbits that begin in a set, and their derivatives.
@@ -38,6 +39,7 @@ def enclose_flow(
         arithmetic = start.arithmetic(chosen)
         state, parameters = start.elements(arithmetic)
         reached, share, steps, sign = Fraction(0), 1.0, 0, 1 if time > 0 else -1
+        carried = InFrame(oracle)
         while reached < abs(time):
             if steps == MOST_STEPS:
                 raise IntegrationFailure(
@@ -49,7 +51,7 @@ def enclose_flow(
                 expansion = oracle.expand(field, arithmetic, state, parameters)
                 step = expansion.shortened(planned_step(expansion.step_size, share, float(sign * reached)))
                 step = min(step, abs(time) - reached)
-                state = list(advance(field, state, parameters, expansion, step).end)
+                state = list(carried.advance(field, state, parameters, expansion, step).end)
             except IntegrationFailure as failure:
                 if share <= LEAST_SHARE or failure.reason.condition != "tube":
                     raise failure.at(float(sign * reached)) from None

@@ -9,9 +9,10 @@ from orbitproof.shared.systems import Program
 from orbitproof.verify.algebra import Series
 from orbitproof.verify.evidence import IntegrationFailure, exact_value, guarded
 from orbitproof.verify.maps.affine_section import AffineSection
+from orbitproof.verify.maps.framed_orbits import FramedOrbits, FramingOracle
 from orbitproof.verify.maps.image import Image, image_of
 from orbitproof.verify.maps.starting_set import Format, StartingSet
-from orbitproof.verify.poincare import MOST_STEPS, InTime, Oracle, Orbits
+from orbitproof.verify.poincare import MOST_STEPS, InTime
 
 
 def enclose_poincare_map(
@@ -21,7 +22,7 @@ def enclose_poincare_map(
     direction: int,
     crossings: int,
     chosen: Format,
-    oracle: Oracle,
+    oracle: FramingOracle,
     progress: Callable[[int], None] | None = None,
 ) -> Image:
     """Enclose crossing number `crossings` of a section by all orbits that begin in a set, its time and derivatives.
@@ -72,7 +73,7 @@ def enclose_poincare_map(
         return image_of(start, section.own_state(on_section), _time(orbits), orbits.steps)
 
 
-def _crossing(orbits: Orbits, number: int) -> Sequence[Series]:
+def _crossing(orbits: FramedOrbits, number: int) -> Sequence[Series]:
     try:
         return orbits.crossing(number)[0]
     except IntegrationFailure as failure:
@@ -86,7 +87,7 @@ def _crossing(orbits: Orbits, number: int) -> Sequence[Series]:
         ) from None
 
 
-def _time(orbits: Orbits) -> Series:
+def _time(orbits: FramedOrbits) -> Series:
     """The time at the crossing that was found last."""
     middle, radius = exact_value(orbits.time.mid()), exact_value(orbits.time.rad())
     return orbits.arithmetic.constant(middle).widened(radius) + orbits.delay
@@ -103,7 +104,9 @@ def number_of(crossings: int, direction: int, side: int) -> int:
     return 2 * crossings - (1 if side == -direction else 0)
 
 
-def _orbits(program: Program, start: StartingSet, section: AffineSection, chosen: Format, oracle: Oracle) -> Orbits:
+def _orbits(
+    program: Program, start: StartingSet, section: AffineSection, chosen: Format, oracle: FramingOracle
+) -> FramedOrbits:
     arithmetic = start.arithmetic(chosen)
     coordinates = section.coordinates(program)
     state, parameters = start.elements(arithmetic)
@@ -118,4 +121,4 @@ def _orbits(program: Program, start: StartingSet, section: AffineSection, chosen
                 "give a frame whose columns lie in the section and a centre on it, or a set away from it",
             )
     state[section.pivot] = distance
-    return Orbits(coordinates, arithmetic, state, parameters, oracle, side)
+    return FramedOrbits(coordinates, arithmetic, state, parameters, oracle, side)

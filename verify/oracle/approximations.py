@@ -7,14 +7,15 @@ from fractions import Fraction
 
 from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series
 from orbitproof.verify.flow import Expansion
+from orbitproof.verify.oracle.frames import Frames
 from orbitproof.verify.oracle.return_times import relative_return_times
 from orbitproof.verify.oracle.steps import regularised_steps
 from orbitproof.verify.oracle.wide_solution import expand
 from orbitproof.verify.poincare import Coordinates
 
 
-class Approximations:
-    """See `poincare.Oracle`."""
+class Approximations(Frames):
+    """See `poincare.Oracle`, and `flow.FrameOracle`."""
 
     def expand(
         self, program: PreparedProgram, arithmetic: Arithmetic, state: Sequence[Series], parameters: Sequence[Series]

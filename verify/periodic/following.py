@@ -7,10 +7,10 @@ from fractions import Fraction
 
 from orbitproof.shared.formats import PeriodicOrbit
 from orbitproof.verify.evidence import DerivativeTable, IntegrationFailure, enclose, guarded
-from orbitproof.verify.maps import AffineSection, Format, Image, StartingSet, enclose_poincare_map
+from orbitproof.verify.maps import AffineSection, Format, FramingOracle, Image, StartingSet, enclose_poincare_map
 from orbitproof.verify.periodic.box import SectionCoordinates, section_coordinates
 from orbitproof.verify.periodic.enclosures import Linearised, PeriodicEnclosures, SectionReturn, stops_of
-from orbitproof.verify.poincare import IntegratorSettings, Oracle, default_order
+from orbitproof.verify.poincare import IntegratorSettings, default_order
 
 _DEGREE = 1
 """Degree of the polynomials in p: first derivatives over a narrow box are all that is asked for."""
@@ -19,7 +19,7 @@ _DEGREE = 1
 def enclose_periodic(
     claim: PeriodicOrbit,
     settings: IntegratorSettings,
-    oracle: Oracle,
+    oracle: FramingOracle,
     progress: Callable[[float], None] | None = None,
 ) -> PeriodicEnclosures:
     """Enclose the return map of a claim, and those of fewer crossings that tell whether its period is the least.
@@ -45,7 +45,7 @@ def _image(
     claim: PeriodicOrbit,
     crossings: int,
     chosen: Format,
-    oracle: Oracle,
+    oracle: FramingOracle,
     progress: Callable[[float], None] | None,
     before: float,
 ) -> Image:

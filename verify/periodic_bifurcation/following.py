@@ -9,10 +9,10 @@ from flint import arb
 
 from orbitproof.shared.formats import PeriodicBifurcation
 from orbitproof.verify.evidence import DerivativeTable, IntegrationFailure, dot, enclose, guarded
-from orbitproof.verify.maps import AffineSection, Format, Image, StartingSet, enclose_poincare_map
+from orbitproof.verify.maps import AffineSection, Format, FramingOracle, Image, StartingSet, enclose_poincare_map
 from orbitproof.verify.periodic import Linearised, SectionCoordinates, SectionReturn, section_coordinates, stops_of
 from orbitproof.verify.periodic_bifurcation.enclosures import BifurcationEnclosures
-from orbitproof.verify.poincare import BOX_RATIO, IntegratorSettings, Oracle, at_start, default_order, derivative_table
+from orbitproof.verify.poincare import BOX_RATIO, IntegratorSettings, at_start, default_order, derivative_table
 
 _DEGREE = 3
 """Degree of the polynomials in p and s: third derivatives are asked for."""
@@ -21,7 +21,7 @@ _DEGREE = 3
 def enclose_periodic_bifurcation(
     claim: PeriodicBifurcation,
     settings: IntegratorSettings,
-    oracle: Oracle,
+    oracle: FramingOracle,
     progress: Callable[[float], None] | None = None,
 ) -> BifurcationEnclosures:
     """Enclose the return map of a claim over its box and its interval, and those of fewer crossings at first order.
@@ -68,7 +68,7 @@ def _image(
     start: StartingSet,
     crossings: int,
     chosen: Format,
-    oracle: Oracle,
+    oracle: FramingOracle,
     progress: Callable[[float], None] | None,
     before: float,
 ) -> Image:

@@ -18,7 +18,7 @@ from flint import arb
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series
 from orbitproof.verify.evidence import IntegrationFailure, enclose, is_positive
-from orbitproof.verify.flow import FlowStep, advance, planned_step, rough
+from orbitproof.verify.flow import Expansion, FlowStep, advance, planned_step, rough
 from orbitproof.verify.poincare.coordinates import Coordinates, physical
 from orbitproof.verify.poincare.crossing import CrossingCounter, may_touch, range_of, stays_positive
 from orbitproof.verify.poincare.oracle import Oracle
@@ -81,6 +81,9 @@ class Orbits:
         self.image, self.delay = list(self.state), arithmetic.constant(Fraction(0))
         self.step_taken: tuple[FlowStep, arb, Fraction] | None = None
 
+    def _advance(self, expansion: Expansion, step: Fraction) -> FlowStep:
+        return advance(self.program, self.state, self.fixed, expansion, step)
+
     def _leave(self, image: Sequence[Series]) -> Sequence[Series]:
         """The system's own state."""
         return image
@@ -116,7 +119,7 @@ class Orbits:
             root = expansion.crossing(section, step, self.at_section)
             step = step if root is None else step * root
             try:
-                flow = advance(self.program, self.state, self.fixed, expansion, step)
+                flow = self._advance(expansion, step)
                 break
             except IntegrationFailure:
                 if self.share <= _LEAST_SHARE:
