@@ -994,3 +994,21 @@ def test_distances_that_are_none_of_the_orbits_are_left_out(monkeypatch: pytest.
     conclusion = conclude_list(atlas, given, concluded((atlas, found)), 4)
     assert not isinstance(conclusion.outcome, Proved)
     assert [each.stability for each in seen] == [replace(known, distance=None)] * len(given)
+
+
+@pytest.mark.parametrize("value", [Q(1, 2), Q(3, 2), Q(-3, 2), None])
+def test_between_two_places_orbits_are_stable_or_not_or_it_is_said_that_nothing_is_known(value: Q | None) -> None:
+    """Of one parameter c, or where no functions are known."""
+    tube = SimpleNamespace(piece=SimpleNamespace(id="p"))
+    chain: Any = SimpleNamespace(stretches=[SimpleNamespace(tube=tube, enters=Q(-1), entered=Q(-1), leaves=Q(1))])
+    point = point_at(0, arb(0), Kind.FOLD, 1)
+    for error in (Q(0), Q(-4) if (value or 0) > 0 else Q(4)):
+        function = known_beside([value or Q(0)], error, 0)
+        segments = () if value is None else (segment_with([function], Q(-1), Q(-1), Q(1)),)
+        stable, unknown = stable_intervals(chain, CompleteList(2, 1, (point,), (), segments), False)
+        places = [[(entry.begin.upper, entry.end.lower) for entry in entries] for entries in (stable, unknown)]
+        both = [(Q(-1), Q(0)), (Q(0), Q(1))]
+        if error or value is None:
+            assert places == [[], both]
+        else:
+            assert places == [both if abs(value) < 1 else [], []]
