@@ -1012,3 +1012,57 @@ def test_between_two_places_orbits_are_stable_or_not_or_it_is_said_that_nothing_
             assert places == [[], both]
         else:
             assert places == [both if abs(value) < 1 else [], []]
+
+
+def test_the_middle_of_a_regular_piece_is_no_symmetric_point(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where a part of it begins or ends at s = 0 nothing is left out there."""
+    monkeypatch.setattr(lists, "point_over", lambda stretch, s: ())
+    stretch: Any = SimpleNamespace(tube=SimpleNamespace(piece=SimpleNamespace(id="p"), is_symmetric=False))
+    for side in (1, -1):
+        start, end = sorted((Q(0), side * Q(7, 8)))
+        # c - 1 = (s - a)(s - b) with a and b near 0 and farther out; between them c is stationary.
+        member = plus([Q(1)], times([-side * Q(1, 32), Q(1)], [-side * Q(1, 8), Q(1)]))
+        segment = segment_with([known_beside(member, Q(0), 0)], start, start, end)
+        segment = replace(segment, level=known_beside([Q(0), Q(1)], Q(0), 0))
+        finder = lists.Finder(ATLAS, stretch, segment)
+        finder.resonances(1, 0)
+        finder.turns()
+        places = [side * Q(1, 32), side * Q(1, 8)]
+        assert [point.kind for point in finder.points] == [Kind.LOSS] * 2
+        assert all(any(point.s.contains(enclose(place)) for point in finder.points) for place in places)
+        (extremum,) = finder.extrema
+        assert extremum.s.contains(enclose(side * Q(5, 64)))
+
+
+@pytest.mark.parametrize("stable", [True, False, None])
+def test_combinations_of_orbits_of_which_stability_is_not_decided_are_named(
+    stable: bool | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(lists, "point_over", lambda stretch, s: ())
+    monkeypatch.setattr(lists, "is_stable", lambda segment, tau: stable)
+    stretch: Any = SimpleNamespace(tube=SimpleNamespace(piece=SimpleNamespace(id="p"), is_symmetric=False))
+    # c_1 + c_2 = 0 at s = 1/8.
+    rows = [[-Q(1, 8), Q(1)], [Q(-1, 3), Q(1, 16)]]
+    segment = segment_with([known_beside(row, Q(0), 0) for row in rows], Q(-1, 2), Q(-1, 2), Q(1, 2))
+    finder = lists.Finder(ATLAS, stretch, segment)
+    finder.combinations()
+    listed = [point for point in finder.points if point.kind is Kind.OPPOSITE and point.s.contains(enclose(Q(1, 8)))]
+    named = [gap for gap in finder.gaps if gap.start <= Q(1, 8) <= gap.end and gap.subject is Matter.COMBINATIONS]
+    assert (len(listed), bool(named)) == (int(stable is True), stable is None)
+
+
+@pytest.mark.parametrize("kind", ["arc", "loop"])
+def test_a_loop_alone_goes_on_where_it_is_cut(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    atlas, found = parabola(Claim("arc", None, ("beta",)))
+    other: Any = SimpleNamespace(system=atlas.system, claim=SimpleNamespace(symmetry=None, kind=kind))
+    asked: list[bool] = []
+
+    def stops(chain: Any, found: Any, closed: bool) -> Any:
+        asked.append(closed)
+        raise LookupError
+
+    monkeypatch.setattr(proved_list, "complete_list", lambda *_: CompleteList(2, 1, (), (), ()))
+    monkeypatch.setattr(proved_list, "stable_intervals", stops)
+    with pytest.raises(LookupError):
+        conclude_list(other, values(found), concluded((atlas, found)), 2)
+    assert asked == [kind == "loop"]
