@@ -14,11 +14,14 @@ from support.forgeries import atlas_certificate
 from orbitproof.shared.claims import Claim, Covers
 from orbitproof.verify.atlas import AtlasCertificate
 from orbitproof.verify.atlas.certificate import results_for
-from orbitproof.verify.curve import Computation
+from orbitproof.verify.atlas.recheck import _contradictions, _interval_findings
+from orbitproof.verify.curve import Computation, IntervalResult
 from orbitproof.verify.evidence import NotKnown, Reason
 from orbitproof.verify.functions import StoredFunction
-from orbitproof.verify.lasting import TwistFunctions, unconfirmed_twist
+from orbitproof.verify.lasting import LastingResult, TwistFunctions, unconfirmed_twist
+from orbitproof.verify.lasting.reversibility import reversibility
 from orbitproof.verify.periodic_curve import MultiplierFunctions, PeriodicIntervalResult, unconfirmed_multipliers
+from orbitproof.verify.surface import ProvedPart, SurfaceResult
 
 UNKNOWN = NotKnown(Reason("multipliers", "not enclosed", ""))
 
@@ -130,3 +133,50 @@ def test_every_function_of_the_twist_has_to_be_found_again() -> None:
         (found,) = unconfirmed_twist(known, missing)
         assert "is not enclosed again" in found
         assert not list(unconfirmed_twist(missing, fresh))
+
+
+def interval(deviation: tuple[Fraction, ...], slopes: tuple[Fraction, ...]) -> IntervalResult:
+    ends = Fraction(-1), Fraction(1)
+    return IntervalResult("p", ends, "proved", Computation(1.0), None, deviation, slopes, arb(3, 0.25))
+
+
+def test_every_bound_of_every_coordinate_has_to_be_found_again() -> None:
+    sizes = tuple(Fraction(n, 2**20) for n in (3, 4, 5))
+    stored, less = interval(sizes, sizes), tuple(size - Fraction(1, 2**40) for size in sizes)
+    for fresh in (stored, interval(less, less)):
+        assert not list(_interval_findings(stored, fresh))
+    for place in range(3):
+        more = tuple(size + Fraction(n == place, 2**60) for n, size in enumerate(sizes))
+        for fresh, name in ((interval(more, sizes), "deviation"), (interval(sizes, more), "slope_deviation")):
+            (found,) = _interval_findings(stored, fresh)
+            assert found.place.endswith(f", {name} {place + 1}")
+    for fresh, name in ((interval(sizes[:2], sizes), "deviation"), (interval(sizes, sizes[:2]), "slope_deviation")):
+        assert any(f"bounds {name}" in found.message for found in _interval_findings(stored, fresh))
+
+
+@pytest.mark.parametrize("sides", [("above", "below"), ("below", "above"), ("above", "above")])
+def test_a_part_contradicts_one_of_its_halves_that_is_on_the_other_side(sides: tuple[str, str]) -> None:
+    def surface(*parts: tuple[int, int, str]) -> SurfaceResult:
+        own = (ProvedPart((Fraction(low), Fraction(high)), (arb(0),), side, {}) for low, high, side in parts)
+        whole = Fraction(-1), Fraction(1)
+        return SurfaceResult("p", whole, "proved", Computation(1.0), time=arb(3, 0.25), parts=tuple(own))
+
+    stored, fresh = surface((-1, 1, "above")), surface((-1, 0, sides[0]), (0, 1, sides[1]))
+    assert len(list(_contradictions(stored, fresh))) == sides.count("below")
+
+
+@pytest.mark.parametrize(("value", "error", "holds"), [(0, 0, True), (1, 2, True), (1, 0, False), (2, 1, False)])
+def test_what_reversibility_makes_zero_is_enclosed_with_zero(value: int, error: int, holds: bool) -> None:
+    """Also where its error is said to be 0."""
+    size, unknown = Fraction(value, 2**20), Fraction(error, 2**20)
+    other = function(1, 2.0**-20)
+    known = TwistFunctions(other, other, other, StoredFunction((size,), unknown))
+    whole = Fraction(-1), Fraction(1)
+    result = LastingResult("p", whole, "proved", Computation(1.0), twist=known)
+    if holds:
+        found = reversibility([result])
+        assert found is not None
+        assert found.intervals == 1
+    else:
+        with pytest.raises(ValueError, match="is not"):
+            reversibility([result])
