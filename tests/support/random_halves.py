@@ -389,6 +389,11 @@ def first_half_again(halves: FirstHalf) -> Any:
 
         def half_orbit(self, crossings: int, after: Any) -> tuple[list[Series], arb]:
             assert crossings == halves.tube.crossings
+            # They are orbits of points of the curve.
+            for name, row in zip(halves.tube.system.centre_coordinates, halves.here, strict=True):
+                for place in (Q(-1), Q(1, 3), Q(1)):
+                    away = abs(at(known_part(self.start[name], 0), place) - at(row, place))
+                    assert away <= Q(self.start[name].errors[0])
             names = ("vx", "w", "w'")
             rows = {"vx": [halves.d, [Q(1)], [Q(1)]], "w": [[Q(1)], *halves.v[0]], "w'": [[Q(1)], *halves.v[1]]}
             steps = []
