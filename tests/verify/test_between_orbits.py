@@ -140,6 +140,12 @@ def test_orbits_with_complex_or_missing_stability_parameters_say_nothing() -> No
     assert curve.narrowed([replace(entry, stability=()) for entry in orbits]) == curve.extrema
     turned = [replace(entry, stability=tuple(value + acb(0, 1) for value in entry.stability)) for entry in orbits]
     assert curve.narrowed(turned) == curve.extrema
+    for number in range(2):
+        turned = [
+            replace(entry, stability=tuple(v + acb(0, n == number) for n, v in enumerate(entry.stability)))
+            for entry in orbits
+        ]
+        assert curve.narrowed(turned) == curve.extrema
 
 
 def test_orbits_with_other_stability_parameters_contradict_the_curve() -> None:
@@ -256,6 +262,13 @@ def test_orbits_in_no_certain_order_say_nothing() -> None:
         assert place is not None
         moved[wide] = replace(moved[wide], place=replace(place, s=place.s + arb(0, 1) * ball(3 * APART / 2)))
         assert curve.narrowed(moved) == []
+    # Nearer and nearer to the extremum; the last parameter may be beyond that of the one before.
+    for far in ((3, 2, 1), (1, 2, 3)):
+        near = [curve.orbit(curve.place + share * APART) for share in far]
+        for number in (0, 2):
+            unsure = tuple(value + acb(arb(0, 1) * ball(100 * APART * APART)) for value in near[number].stability)
+            moved = [replace(each, stability=unsure) if n == number else each for n, each in enumerate(near)]
+            assert curve.narrowed(moved) == []
     # c = tau - 1 and c + 1/20; which of the two is the smaller one is not known at the first orbit.
     first, second = arb_poly([-1, 1]), arb_poly([arb(-19) / 20, 1])
     curve.parameters = [first, second]
