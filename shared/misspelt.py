@@ -24,6 +24,9 @@ def meant(word: str, known: Iterable[str]) -> str:
 def with_remedy(message: str, parser: argparse.ArgumentParser) -> str:
     """The message of a parser, in one line, with the option that may have been meant where one is not known."""
     line = " ".join(message.split())
+    choice = re.search(r"argument COMMAND: invalid choice: '(.*?)' \(choose from (.*)\)", line)
+    if choice is not None:
+        return line + meant(choice[1], re.findall(r"[\w-]+", choice[2]))
     unknown = re.search(r"unrecognized arguments: (?:.* )?(--[\w-]+)", line)
     known = set(_options(parser))
     return line if unknown is None or unknown[1] in known else line + meant(unknown[1], sorted(known))

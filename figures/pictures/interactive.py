@@ -6,14 +6,19 @@ at says which it is. Verdicts are copied from files. Lines are double precision.
 
 from __future__ import annotations
 
+import gzip
+import re
+from base64 import b64encode
 from collections.abc import Sequence
 from html import escape
+from math import ceil, floor, log10
 from textwrap import wrap
 from typing import Any
 
 import numpy as np
 
 from orbitproof.explore.invariants import ManifoldRecord, ToriRecord
+from orbitproof.explore.names import units_of_system
 from orbitproof.figures.orbits import Array
 from orbitproof.figures.pictures.lines import NUMERICAL, Line, tube_lines
 
@@ -39,7 +44,8 @@ def orbits_figure(title: str, lines: Sequence[Line], mass: float) -> Any:
         figure.add_trace(_trace(line.places, line.label, line=style))
     if len(set(levels[np.isfinite(levels)].tolist())) > 1:
         figure.add_trace(_bar(levels))
-    return _finished(figure, title, mass, "thick: certified, thin: numerical")
+    note = "thick: certified, thin: numerical" if any(line.proved for line in lines) else NUMERICAL
+    return _finished(figure, title, mass, note)
 
 
 def tori_figure(record: ToriRecord) -> Any:
@@ -122,15 +128,15 @@ def _finished(figure: Any, title: str, mass: float, note: str) -> Any:
     near = _NEAR * float((high - low).max())
     places = [
         (name, x)
-        for name, x in (("larger primary", -mass), ("smaller primary", 1 - mass))
+        for name, x in zip(_bodies(mass), (-mass, 1 - mass), strict=True)
         if np.all(np.array([x, 0, 0]) >= low - near) and np.all(np.array([x, 0, 0]) <= high + near)
     ]
     figure.add_trace(
         graph_objects.Scatter3d(
-            x=[x for _, x in places], y=[0] * len(places), z=[0] * len(places), mode="markers",
+            x=[x for _, x in places], y=[0] * len(places), z=[0] * len(places), mode="markers+text",
             marker={"size": 4, "color": _ORBIT},
-            text=[f"{name} (not to scale)" for name, _ in places], hovertemplate="%{text}<extra></extra>",
-            showlegend=False,
+            text=[name for name, _ in places], textposition="top center",
+            hovertemplate="%{text} (not to scale)<extra></extra>", showlegend=False,
         )
     )  # fmt: skip
     inside = np.array([[x, 0.0, 0.0] for _, x in places]).reshape(-1, 3)
@@ -142,24 +148,47 @@ def _finished(figure: Any, title: str, mass: float, note: str) -> Any:
     half = 0.53 * np.maximum(high - low, 0.1 * size)
     is_flat = bool(high[2] - low[2] < _FLAT * size)
     axis = {"backgroundcolor": "white", "gridcolor": "#e4e4e4", "color": _ORBIT}
-    axes = {
-        f"{name}axis": {"title": {"text": name}, "range": [middle[i] - half[i], middle[i] + half[i]], **axis}
-        for i, name in enumerate("xyz")
-    }
+    axes = {f"{name}axis": {**_axis(name, middle[i], half[i], mass), **axis} for i, name in enumerate("xyz")}
     axes["zaxis"]["visible"] = not is_flat
     ratio = dict(zip("xyz", (half / half.max()).tolist(), strict=True))
     camera = {"eye": {"x": 0, "y": 0, "z": 1.45}, "up": {"x": 0, "y": 1, "z": 0}} if is_flat else {"eye": _ASLANT}
+    units = units_of_system(mass)
     unit = "unit of length: the distance of the primaries"
+    if units is not None:
+        unit = f"the distance of the primaries is {units.length:,.0f} km; the origin is their centre of mass"
     figure.update_layout(
         title={"text": f"{'<br>'.join(wrap(escape(title), 44))}<br><sub>{note}<br>{unit}</sub>", "font": {"size": 14}},
         scene={"aspectmode": "manual", "aspectratio": ratio, "camera": camera, **axes},
-        margin={"l": 0, "r": 0, "t": 110, "b": 70},
+        margin={"l": 0, "r": 0, "t": 90, "b": 70},
         paper_bgcolor="white",
     )
     return figure
 
 
-_ASLANT = {"x": 1.2, "y": -1.44, "z": 0.8}
+def _bodies(mass: float) -> Sequence[str]:
+    """What the primaries are called, the larger one first."""
+    units = units_of_system(mass)
+    return ("larger primary", "smaller primary") if units is None else units.name.split("-")
+
+
+def _axis(name: str, middle: float, half: float, mass: float) -> dict[str, Any]:
+    """Title, range and marks of an axis: in thousands of km where the length of the unit is known."""
+    found: dict[str, Any] = {"title": {"text": name}, "range": [middle - half, middle + half]}
+    units = units_of_system(mass)
+    if units is None:
+        return found
+    low, high = ((middle + sign * half) * units.length / 1000 for sign in (-1, 1))
+    power = 10.0 ** floor(log10(high - low))
+    step = next(
+        power * part for part in (0.2, 0.25, 0.5, 1.0, 2.0, 2.5) if (high - low) / (power * part) <= _MOST_MARKS
+    )
+    marks = np.arange(ceil(low / step), floor(high / step) + 1) * step
+    places = {"tickvals": (marks * 1000 / units.length).tolist(), "ticktext": [f"{mark:g}" for mark in marks]}
+    return {**found, **places, "title": {"text": f"{name} (1000 km)"}}
+
+
+_MOST_MARKS = 5
+_ASLANT = {"x": 1.08, "y": -1.3, "z": 0.72}
 """From where the picture is seen: far enough for all of its box."""
 
 _HEAD = (
@@ -179,14 +208,32 @@ window.addEventListener("resize", fit);
 """In a window that is higher than wide the picture would be cut off at its sides: it is seen from farther away."""
 
 
+_UNPACK = """
+const bytes = Uint8Array.from(atob("{packed}"), letter => letter.charCodeAt(0));
+const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+const script = document.createElement("script");
+script.textContent = await new Response(stream).text();
+document.head.append(script);
+"""
+_SCRIPT = re.compile(r"<script(?: [^>]*)?>(.*?)</script>", re.DOTALL)
+
+
 def html_of(figure: Any) -> str:
-    """The figure as one HTML page that needs nothing else, for wide and narrow windows."""
+    """The figure as one HTML page that needs nothing else, for wide and narrow windows.
+
+    The scripts are packed: with them as they are a page has 5 MB.
+    """
+    from plotly.offline import get_plotlyjs
+
     page = figure.to_html(
-        include_plotlyjs=True,
+        include_plotlyjs=False,
         full_html=True,
         div_id="figure",
         default_height="100vh",
         config={"responsive": True},
         post_script=_FIT,
     )
-    return str(page).replace("<head>", _HEAD, 1)
+    scripts = [get_plotlyjs(), *_SCRIPT.findall(page)]
+    packed = b64encode(gzip.compress("\n".join(scripts).encode("utf-8"), 9, mtime=0)).decode("ascii")
+    page = _SCRIPT.sub("", str(page)).replace("<head>", _HEAD, 1)
+    return page.replace("</body>", f'<script type="module">{_UNPACK.replace("{packed}", packed)}</script></body>')

@@ -32,6 +32,8 @@ from orbitproof.figures.report.statements import (
     parameter_text,
     piece_table,
     statement_blocks,
+    system_blocks,
+    system_of,
 )
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedCatalogue, CheckedRow
 from orbitproof.shared.systems import shown
@@ -59,10 +61,14 @@ def report_of(entries: Sequence[Checked], draw: Draw = lambda entry: ()) -> Docu
     proved = _in_order([entry for entry in entries if is_proved(entry)])
     numbers = {entry.name: number for number, entry in enumerate(proved, start=1)}
     sections = [_summary(proved, numbers)]
+    systems = {
+        lines: number for number, lines in enumerate(dict.fromkeys(filter(None, map(system_of, proved))), start=1)
+    }
+    sections += _systems(systems)
     for label, title in _CHAPTERS.items():
         if group := [entry for entry in proved if entry.chapter == label]:
             sections.append(Section(label, title, ()))
-            sections += [_theorem(entry, numbers, draw) for entry in group]
+            sections += [_theorem(entry, numbers, systems, draw) for entry in group]
     sections += _not_proved([entry for entry in entries if not is_proved(entry)])
     sections += [_checked(entries), _again(entries), _software(entries)]
     if rows := _rows(proved):
@@ -88,9 +94,9 @@ def _summary(proved: Sequence[Checked], numbers: dict[str, int]) -> Section:
     many = counted(len(proved), "theorem") if len(proved) != 1 else "one theorem"
     blocks: list[Block] = [
         Paragraph((
-            f"This report states {many}, each with its system, so that it can be read by itself. An interval [a, b] "
-            "is an enclosure: it contains the number, and its ends are rounded outward. A number written "
-            "0xMp-E is the hexadecimal integer M divided by 2 to the E, exactly. Numbers are those of the "
+            f"This report states {many}, in full: a system that several are about stands once, before them. "
+            "An interval [a, b] is an enclosure: it contains the number, and its ends are rounded outward. A number "
+            "written 0xMp-E is the hexadecimal integer M divided by 2 to the E, exactly. Numbers are those of the "
             "certificates, words those that follow from them; each was checked again before it was printed. What that "
             "check shows, and what it leaves to be believed, stands in ",
             Place("checked", "What was checked"), ". Names such as ",
@@ -110,9 +116,23 @@ def _summary(proved: Sequence[Checked], numbers: dict[str, int]) -> Section:
     return Section("summary", "Summary", tuple(blocks))
 
 
-def _theorem(entry: Checked, numbers: Mapping[str, int], draw: Draw) -> Section:
+def _systems(systems: Mapping[tuple[str, ...], int]) -> list[Section]:
+    """Each system of the theorems about boxes, once."""
+    if not systems:
+        return []
+    each = [
+        Section(f"system-{number}", f"System {number}", system_blocks(lines), level=2)
+        for lines, number in systems.items()
+    ]
+    return [Section("systems", "Systems", ()), *each]
+
+
+def _theorem(entry: Checked, numbers: Mapping[str, int], systems: Mapping[tuple[str, ...], int], draw: Draw) -> Section:
     name, number = entry.name, numbers[entry.name]
-    statement = Statement(theorem_label(name), number, f"{kind_of(entry)}; {shown(name)}", statement_blocks(entry))
+    of_system = systems.get(system_of(entry))
+    system = None if of_system is None else Place(f"system-{of_system}", f"System {of_system}")
+    title = f"{kind_of(entry)}; {shown(name)}"
+    statement = Statement(theorem_label(name), number, title, statement_blocks(entry, system))
     blocks: list[Block] = [statement]
     if isinstance(entry, Joined):
 

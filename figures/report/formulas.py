@@ -104,8 +104,8 @@ _SINGLE = frozenset("BCDEFGHJKLMNPQRSTUVWXYZbcdefghjklmnopqrstuvwxyz")
 _PIECES = re.compile(r"[^\W\d]\w*|[0-9]+[ijkmn]\b|[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]+)?(?!\w)|<=|>=|->|\.\.|\s|.")
 _OPERATORS = ("+", "-", "*", "/", "=", "<", ">", "<=", ">=", "->")
 _CLOSING = {"(": ")]", "[": ")]", "{": "}"}
-_LONGEST_NUMBERS = 26
-"""Enclosures with many digits stay words: they are to be copied."""
+_LONGEST_NUMBER, _LONGEST_NUMBERS = 9, 26
+"""Numbers and enclosures with many digits stay words: they are to be copied."""
 _LONGEST = 60
 """Letters of a formula that is kept in one piece: one in a line of text is not broken."""
 
@@ -172,6 +172,8 @@ def _is_apart(pieces: list[str], position: int) -> bool:
 def _is_whole(pieces: list[str], start: int, end: int) -> bool:
     """Whether what was found is a formula, and not the beginning of a word; a number alone stays a number."""
     if end - start - 2 * (pieces[start] == "(") == 1 and pieces[end - 1 - (pieces[start] == "(")][0].isdigit():
+        return False
+    if pieces[start] == "-" and end - start == 2 and len(pieces[end - 1]) > _LONGEST_NUMBER:
         return False
     after, more = (pieces[end : end + 2] + [" ", " "])[:2]
     if after == "-":

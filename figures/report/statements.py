@@ -89,10 +89,35 @@ def is_proved(entry: Checked) -> bool:
     return entry.check.verdict == "proved"
 
 
-def statement_blocks(entry: Checked) -> tuple[Block, ...]:
-    """The theorem in full, in the words of its certificate: system, box, what is proved and what that means."""
+def system_of(entry: Checked) -> tuple[str, ...]:
+    """The lines of a certificate of a box that state its system, all before those of the box; empty for others."""
+    if not isinstance(entry, CheckedRow):
+        return ()
+    lines = str(entry.document["statement"]["in_full"]).split("\n")
+    first = next((i for i, line in enumerate(lines) if line.startswith(_BOX)), 0)
+    return tuple(lines[:first]) if _THEOREM in lines[first:] else ()
+
+
+def system_blocks(lines: Sequence[str]) -> tuple[Block, ...]:
+    """A system, in the words of its certificates."""
+    return tuple(_blocks(lines))
+
+
+def statement_blocks(entry: Checked, system: Place | None = None) -> tuple[Block, ...]:
+    """The theorem in full, in the words of its certificate: system, box, what is proved and what that means.
+
+    Args:
+        system: where the system stands that other theorems are about too; then what is proved comes first.
+    """
     words = "theorem" if isinstance(entry, Joined) else "in_full"
-    blocks = list(_blocks(str(entry.document["statement"][words]).split("\n")))
+    lines = str(entry.document["statement"][words]).split("\n")
+    blocks: list[Block] = []
+    if system is not None:
+        lines = lines[len(system_of(entry)) :]
+        theorem = lines.index(_THEOREM)
+        blocks.append(Paragraph(("About ", system, ".")))
+        lines = [*lines[theorem:], *lines[:theorem]]
+    blocks += _blocks(lines)
     if isinstance(entry, CheckedRow):
         where = Place(box_label(entry), "the table of boxes")
         blocks.append(Paragraph(("Centre, frame and radii stand exactly in ", where, ".")))
@@ -100,6 +125,7 @@ def statement_blocks(entry: Checked) -> tuple[Block, ...]:
     return (*blocks, *_notes(entry))
 
 
+_THEOREM, _BOX = "Theorem.", "The box"
 _EQUATION = re.compile(r"  ([\w']+) = (.*)")
 _VALUE = re.compile(r"(.*) \(exactly (.*)\)")
 
@@ -109,7 +135,7 @@ def _blocks(lines: Sequence[str]) -> Iterator[Block]:
 
     The line that says where the theorem begins is left out: all of it stands under the theorem's number.
     """
-    for kind, group in groupby((line for line in lines if line != "Theorem."), _kind):
+    for kind, group in groupby((line for line in lines if line != _THEOREM), _kind):
         if kind is Formulas:
             equations = [found.groups() for line in group if (found := _EQUATION.fullmatch(line)) is not None]
             yield Formulas(tuple((to_latex(left), _right(right)) for left, right in equations))

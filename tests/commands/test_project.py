@@ -111,6 +111,7 @@ def test_what_is_misspelt_is_answered_with_what_may_be_meant(
     for words, meant in (
         (["explore", "orbit", "--familly", "L2-halo"], "did you mean --family?"),
         (["verify", "c.json", "--outptu", "x"], "did you mean --output?"),
+        (["explore", "candidats"], "did you mean candidates?"),
         (["figures", "family", "c.json", "-o", "x", "--familly", "x"], "did you mean --family?"),
     ):
         with pytest.raises(SystemExit):

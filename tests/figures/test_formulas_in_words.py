@@ -34,6 +34,7 @@ def shown(text: str) -> str:
         ("y' = vy at it", "$y' = v_{y}$ at it"),
         ("X = x_l + eps x on it", r"$X = x_{l} + \varepsilon x$ on it"),
         ("the multiplier -1: each orbit", "the multiplier $-1$: each orbit"),
+        ("xi in [-0.774657454957, -0.774657454953]", r"$\xi$ in [-0.774657454957, -0.774657454953]"),
         ("the case eps2 -> 0", r"the case $\varepsilon _{2} \to 0$"),
     ],
 )  # fmt: skip

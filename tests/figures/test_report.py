@@ -131,6 +131,23 @@ def test_every_format_says_the_same_theorems(told: dict[str, Path], rows: list[C
         assert all(str(row.to_json()["digest"]) in text for text in plain.values())
 
 
+def test_a_system_stands_once_and_what_is_proved_before_the_box(files: list[Path], tmp_path: Path) -> None:
+    two = [certify(replace(known("fs3"), id=name)) for name in ("one", "two")]
+    write_certificates(tmp_path / "rows.json", [*two, certify(known("em1"))])
+    assert main(words(tmp_path / "rows.json", "-o", tmp_path / "r.md", "-o", tmp_path / "r.html", "--quiet")) == 0
+    page = Page((tmp_path / "r.html").read_text())
+    assert (
+        page.text.count("The Falkner-Skan equation:")
+        == page.text.count("System 1") - page.text.count("About System 1")
+        == 1
+    )
+    assert page.text.count("About System 1") == 2
+    assert page.text.count("About System 2") == 1
+    assert {"system-1", "system-2"} <= page.ids
+    for part in (tmp_path / "r.md").read_text().split("About ")[1:]:
+        assert part.index("The bifurcation point has") < part.index("The box, in the coordinates")
+
+
 def test_a_latex_report_is_balanced_and_names_pictures_that_exist(told: dict[str, Path]) -> None:
     text = told["tex"].read_text("utf-8")
     depth = 0
