@@ -6,19 +6,22 @@ import random
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from flint import arb, ctx
-from support.chain_cases import alone, certificate, proved, reversed_piece, stands
+from support.chain_cases import MU, alone, certificate, circle_piece, proved, reversed_piece, stands
 from support.conclusions import conclude
 from support.random_pieces import number, values
 
 from orbitproof.shared import format_exact
 from orbitproof.shared.claims import Atlas, Claim, Covers, Piece
-from orbitproof.shared.systems import FALKNER_SKAN
-from orbitproof.verify.curve import Conclusion, ProvedCurve
-from orbitproof.verify.evidence import NotProved, Proved, ball_to_json, enclose
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN
+from orbitproof.verify.curve import Conclusion, PieceLimits, ProvedCurve
+from orbitproof.verify.curve import piece as piece_proof
+from orbitproof.verify.evidence import Checklist, NotProved, Proved, ball_to_json, enclose
+from orbitproof.verify.oracle import ORACLE
 
 TUBE = Fraction(1, 2**16)
 UNKNOWN = Fraction(1, 2**24)
@@ -225,3 +228,24 @@ def test_one_flaw_of_any_piece_breaks_an_arc(seed: int) -> None:
             assert not holds(changed, results)
         wide = [{**result, "deviation": [format_exact(TUBE)]} for result in results if result["piece"] == piece.id]
         assert not holds(atlas, [*others, *wide])
+
+
+@pytest.mark.parametrize("ends", [("1/4", "1"), ("-1", "-1/2"), ("1/8", "1/4"), ("-3/4", "-5/8")])
+def test_slopes_of_a_symmetric_piece_are_divided_by_the_least_s_of_an_interval_beside_0(
+    ends: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """|d'(s)| is 1 there, in units of the tube: |d'(s)/s| may be one over the s next to 0."""
+    proof = piece_proof._Proof(
+        CR3BP, {"mu": MU}, circle_piece(0, 0.0, "symmetric"), (Fraction(ends[0]), Fraction(ends[1])), ORACLE,
+        PieceLimits(), "S",
+    )  # fmt: skip
+    half: Any = SimpleNamespace(time_of_all=arb(3))
+    monkeypatch.setattr(piece_proof._Proof, "_half_return", lambda *_: half)
+    monkeypatch.setattr(piece_proof._Proof, "_equations", lambda *_: [None, None])
+    monkeypatch.setattr(piece_proof, "check_newton", lambda *_: ([arb(1) / 64] * 2, [arb(1)] * 2))
+    found = proof.check_all(Checklist(), {}, None)
+    least = min(abs(Fraction(end)) for end in ends)
+    for bound, width in zip(found.slope_deviation, proof.tube, strict=True):
+        assert width / least <= bound < width / least * Fraction(33, 32)
+    for bound, width in zip(found.deviation, proof.tube, strict=True):
+        assert width / 64 <= bound < width / 64 * Fraction(33, 32)
