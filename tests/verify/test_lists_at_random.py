@@ -773,6 +773,13 @@ def test_out_of_the_plane_every_entry_of_every_part_has_its_zeros(seed: int, mon
     planar = Planar(seed)
     found = planar.listed().found
     assert found.gaps == ()
+    for segment, rows in zip(found.segments, planar.rows, strict=True):
+        (function,) = segment.characteristic
+        for s in (Q(-1, 2), Q(1, 3)):
+            v = [sum((c * s**n for n, c in enumerate(row)), Q(0)) for row in rows]
+            assert (function.value(segment.tau_of(enclose(s))) + arb(0, 1e-20)).contains(
+                enclose(v[0] * v[3] + v[1] * v[2])
+            )
     kinds = {1: Kind.ACROSS_AXIAL, 2: Kind.ACROSS_SYMMETRIC, 0: Kind.ACROSS_DOUBLING, 3: Kind.ACROSS_DOUBLING}
     expected = []
     for number, rows in enumerate(planar.rows):
@@ -944,6 +951,7 @@ def test_the_orbit_that_decides_lies_between_its_places_and_on_the_curve() -> No
         cut = Q(chance.randint(-62, 60), 64)
         own = [replace(segment_with([flat], low, min(max(low, entered), high), high), stretch=stretch)
                for stretch in range(2) for low, high in ((Q(-1), cut), (cut, Q(1)))]  # fmt: skip
+        own = [replace(each, middle=Q(1, 3), radius=Q(5, 4)) for each in own]
         places = sorted((chance.randrange(2), Q(chance.randint(-64, 64), 64)) for _ in range(2))
         before, after = (Bound(stretch, s, s + Q(chance.randint(0, 8), 64), ()) for stretch, s in places)
         if (before.stretch, before.upper) > (after.stretch, after.lower):
