@@ -15,7 +15,7 @@ from orbitproof.explore.numerics import Solution
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem
 from orbitproof.explore.periodic.detection import BRANCH, DOUBLING, FOLD, PITCHFORK, TORUS, Bifurcation
 from orbitproof.explore.periodic.extended import ExtendedSystem
-from orbitproof.explore.periodic.flow import Matrix, Vector, arc_of, stretching, velocity_at
+from orbitproof.explore.periodic.flow import Matrix, Vector, arc_of, preserves_volume, stretching, velocity_at
 from orbitproof.explore.periodic.refinement import RULE, box_exponent, refuse_functions, solved
 from orbitproof.explore.periodic.section import AffineSection, map_derivative, suggested
 from orbitproof.explore.refinement import RefinementFailure
@@ -34,7 +34,10 @@ _CLAIMED = {
     TORUS: PERIODIC_TORUS,
 }
 _KERNEL_BITS = 6
-_WIDENING, _BOX_DIGITS, _MOST_BOX_DIGITS = 6.5, 8, 150
+_WIDENING, _IN_FRAMES, _BOX_DIGITS = 6.5, 2.0, 8
+_MOST_BOX_DIGITS, _HOPELESS = 90, 150
+"""Digits of the narrowest box over which the verifier's floats can bound errors; where many more are asked for there is
+no claim."""
 _BEYOND_BOX = 10
 """Digits of the centre beyond those of the half-widths."""
 _SAMPLED = 2
@@ -91,10 +94,11 @@ def refine_bifurcation(
         guess += [*vector, Fraction(time)]
     if found.kind == TORUS:
         guess += [Fraction(start.multiplier.real), Fraction(start.multiplier.imag)]
-    narrow = _digits_of_box(found)
+    narrow = digits_of_box(found)
     rule = replace(RULE, farthest=3e-2)
     solution = solved(extended.linearised, guess, max(digits, narrow + _BEYOND_BOX), rule, progress)
     exponent = max(box_exponent(digits, solution.last.spread), ceil(narrow * log2(10)))
+    exponent = min(exponent, ceil(_MOST_BOX_DIGITS * log2(10)))
     return _claim(found, name, digits, start, extended, solution, Fraction(1, 2**exponent))
 
 
@@ -136,16 +140,24 @@ def _claim(
     )  # fmt: skip
 
 
-def _digits_of_box(found: Bifurcation) -> int:
+def digits_of_box(found: Bifurcation) -> int:
     """-log10 of half-widths over which derivatives to order 3 are expected to be enclosed narrowly.
 
-    Enclosures of the third derivatives widen a few times faster than neighbours move apart along the orbit; measured on
-    the first doublings of Roessler's system, with one to four loops.
+    Enclosures of the third derivatives widen a few times faster than neighbours move apart along the orbit where bounds
+    are kept entry by entry, and less where they are carried in frames; measured on first and second doublings.
+    Raises `RefinementFailure` where no box is narrow enough.
     """
     orbit = found.member.orbit
     states = orbit.loop[::_SAMPLED]
     apart = stretching(found.problem.system, states, orbit.values) * orbit.period / found.parts / log(10)
-    return min(_MOST_BOX_DIGITS, ceil(_WIDENING * apart + _BOX_DIGITS)) if isfinite(apart) else 0
+    widening = _WIDENING if preserves_volume(found.problem.system, states, orbit.values) else _IN_FRAMES
+    wanted = ceil(widening * apart + _BOX_DIGITS) if isfinite(apart) else 0
+    if wanted > _HOPELESS:
+        raise RefinementFailure(
+            f"neighbours move apart so fast that it could be proved over a box of width 1e-{wanted} only, which is "
+            "narrower than the verifier's bounds of errors"
+        )
+    return min(_MOST_BOX_DIGITS, wanted)
 
 
 def _bits_of_kernel(extended: ExtendedSystem, matrix: Any) -> int:

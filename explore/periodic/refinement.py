@@ -35,6 +35,8 @@ _BOX_SHARE, _BOX_DIGITS = 0.7, 5
 derivatives are known to fewer digits, over a wider one they vary more."""
 _KNOWN_DIGITS, _MOST_DIGITS = 9, 200
 """So many digits narrower is the box than the growth of bounds asks for; the centre has no more than the second."""
+_MOST_BITS = 900
+"""The verifier bounds no error below 2^-960: derivatives over a box as narrow as that are not known."""
 _MOST_STEPS = 4000
 _SMALLEST_EXPONENT = -60
 
@@ -179,12 +181,12 @@ def evaluated(program: Program, inputs: Sequence[Any], context: mpmath.MPContext
 
 
 def box_exponent(digits: int, spread: float) -> int:
-    """-log2 of the half-widths of a box about a point that is known to so many digits.
+    """-log2 of the half-widths of a box about a point that is known to so many digits, as far as floats bound errors.
 
     Arguments:
         spread: how much the map magnifies.
     """
-    return ceil((_BOX_SHARE * digits + _BOX_DIGITS) * log2(10) + log2(max(1.0, spread)))
+    return min(_MOST_BITS, ceil((_BOX_SHARE * digits + _BOX_DIGITS) * log2(10) + log2(max(1.0, spread))))
 
 
 def _claim(task: PeriodicTask, found: Solution) -> PeriodicOrbit:

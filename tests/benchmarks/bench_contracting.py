@@ -47,6 +47,7 @@ POINTS: tuple[tuple[str, System, Mapping[str, Any], str], ...] = (
 """Name, system, point, and bits a unit of time that CAPD's method loses."""
 
 BOXES: tuple[tuple[str, System, Mapping[str, Any], str, int, str], ...] = (
+    ("Lorenz", LORENZ, WING, "0", 10, ""),
     ("Lorenz", LORENZ, WING, "1e-10", 5, "4.5e-08"),
     ("Lorenz", LORENZ, WING, "1e-10", 10, ""),
     ("Lorenz", LORENZ, WING, "1e-12", 5, "2.7e-09"),
@@ -91,13 +92,23 @@ def growth(of: System, point: Mapping[str, Any]) -> str:
 
 def of_box(name: str, of: System, centre: Mapping[str, Any], radius: str, until: int, other: str) -> Iterator[str]:
     """Lines of the second table."""
-    box = enclose.box(centre, radii=dict.fromkeys(of.state, radius))
-    for degree in (1, 2):
+    box = enclose.box(centre, radii={} if radius == "0" else dict.fromkeys(of.state, radius))
+    for degree in (1, 2) if box.radii else (1,):
         begin = time.process_time()
         found = enclose.flow(of, box, until, degree=degree, precision=128)
         seconds = time.process_time() - begin
         width = f"{float(widest(found.value)):.1e}" if found else f"ends at {found.reason.reached:.2g}"
         yield f"| {name} | {radius} | {until} | {degree} | {width} | {other} | {seconds:.2g} |"
+
+
+def of_return(degree: int) -> str:
+    """The radius of the derivative of Lorenz's return map over a box of radius 1e-6."""
+    begin = time.process_time()
+    box = enclose.box(WING, radii=dict.fromkeys("xy", "1e-6"))
+    found = enclose.poincare_map(LORENZ, box, enclose.section("z", 27), direction=1, degree=degree, precision=128)
+    seconds = time.process_time() - begin
+    width = f"{float(max(slope.rad() for row in found.jacobian.values() for slope in row)):.1e}" if found else "none"
+    return f"| {degree} | {width} | 2.1e-03 | {seconds:.2g} |"
 
 
 def main() -> None:
@@ -109,6 +120,13 @@ def main() -> None:
     for each in BOXES:
         for line in of_box(*each):
             print(line, flush=True)
+    print(
+        "\n| degree | radius of the derivative of Lorenz's return map over 1e-6 | CAPD | seconds |\n"
+        + "| --- " * 4
+        + "|"
+    )
+    for degree in (1, 2):
+        print(of_return(degree), flush=True)
 
 
 if __name__ == "__main__":

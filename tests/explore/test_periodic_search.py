@@ -6,6 +6,8 @@ import json
 from fractions import Fraction
 from math import exp, pi
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,10 +29,12 @@ from orbitproof.explore.periodic import (
     remarks,
     search,
 )
+from orbitproof.explore.periodic.bifurcations import digits_of_box
 from orbitproof.explore.periodic.flow import growth_of_bounds, stretching
-from orbitproof.explore.periodic.refinement import digits_of_centre
+from orbitproof.explore.periodic.refinement import box_exponent, digits_of_centre
 from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.formats import define_system, read_claims
+from orbitproof.verify.flow import LEAST_ERROR
 
 LORENZ = """\
 name = "lorenz"
@@ -315,9 +319,33 @@ def test_bad_input_is_one_line(
     assert error.count("\n") == 1
 
 
-def test_bounds_grow_where_orbits_come_together_too_and_the_centre_has_digits_for_it() -> None:
-    system = define_system({"name": "decay", "state": "x y", "field": {"x": "-5*x", "y": "x - 2*y"}})
+def test_bounds_grow_as_orbits_move_apart_or_by_absolute_values_where_volume_is_preserved() -> None:
     states = np.array([[1.0, 0.0], [0.5, 0.25]])
-    assert growth_of_bounds(system, states, ()) == pytest.approx(5.0)
-    assert stretching(system, states, ()) == 0.0
+    turning = define_system({"name": "turning", "state": "x y", "field": {"x": "5*y", "y": "-5*x"}})
+    assert growth_of_bounds(turning, states, ()) == pytest.approx(5.0)
+    assert stretching(turning, states, ()) == pytest.approx(0.0)
+    decay = define_system({"name": "decay", "state": "x y", "field": {"x": "-5*x", "y": "x - 2*y"}})
+    assert growth_of_bounds(decay, states, ()) == stretching(decay, states, ()) == 0.0
+
+
+def test_the_centre_has_digits_for_the_growth_of_bounds() -> None:
     assert digits_of_centre(10.0) < 50 < digits_of_centre(45.0) < digits_of_centre(1e9) <= 200
+
+
+def bifurcation_in(field: dict[str, str]) -> Any:
+    """As much of a bifurcation as the width of its box depends on: neighbours part at the rates of a linear field."""
+    system = define_system({"name": "saddle", "state": "x y", "field": field})
+    orbit = SimpleNamespace(loop=np.array([[1.0, 0.0], [0.5, 0.25]]), values=(), period=1.0)
+    return SimpleNamespace(
+        problem=SimpleNamespace(system=system), member=SimpleNamespace(orbit=orbit), parts=1
+    )  # fmt: skip
+
+
+def test_no_box_is_narrower_than_what_the_verifier_bounds() -> None:
+    """Derivatives to order 3 over the box of a bifurcation, to order 1 over that of an orbit."""
+    narrowest = digits_of_box(bifurcation_in({"x": "30*x", "y": "-30*y"}))
+    assert narrowest > digits_of_box(bifurcation_in({"x": "30*x", "y": "-31*y"})) > 30
+    assert Fraction(1, 10**narrowest) ** 3 > 1000 * Fraction(LEAST_ERROR)
+    assert Fraction(1, 2 ** box_exponent(10**6, 1e9)) > 1000 * Fraction(LEAST_ERROR)
+    with pytest.raises(RefinementFailure, match="narrower than the verifier's bounds"):
+        digits_of_box(bifurcation_in({"x": "60*x", "y": "-60*y"}))

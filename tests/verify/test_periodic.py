@@ -286,6 +286,21 @@ def test_a_derivative_that_may_be_singular_proves_nothing() -> None:
     assert _refused(CLAIMS["AB"], _changed("AB", same)) == "periodic"
 
 
+@pytest.mark.parametrize(("spread", "words"), [(0.0, "may be singular"), (0.75, "known too roughly, up to [0.75")])
+def test_why_a_derivative_is_not_shown_to_be_regular_is_said(spread: float, words: str) -> None:
+    """Multipliers near 0 that are known badly are not multipliers 1."""
+    middle = 1.0 if spread == 0.0 else 0.5
+
+    def vague(returns: Any) -> Any:
+        flat = Linearised(arb(0), (arb(middle, spread), arb(0))), Linearised(arb(0), (arb(0), arb(0, spread)))
+        return (*returns[:-1], replace(returns[-1], image=flat))
+
+    outcome = _outcome(CLAIMS["AB"], _changed("AB", vague))
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.condition == "periodic"
+    assert words in outcome.reason.message
+
+
 def test_an_earlier_return_that_may_be_the_point_proves_nothing() -> None:
     def back(returns: Any) -> Any:
         return (replace(returns[0], image=(Linearised(arb(0, 1), (arb(0), arb(0))),) * 2), *returns[1:])

@@ -40,6 +40,9 @@ from orbitproof.verify.periodic.box import (
 from orbitproof.verify.periodic.enclosures import PeriodicEnclosures, SectionReturn, stops_of
 from orbitproof.verify.periodic.multipliers import Multipliers, multipliers_of, on_level
 
+_ROUGH = 2.0**-6
+"""A derivative that is known better than this and may be singular is near one that is."""
+
 
 @dataclass(frozen=True)
 class PeriodicResults:
@@ -163,7 +166,10 @@ def _check_newton(checklist: Checklist, claim: PeriodicOrbit, found: SectionRetu
         for row, entries in enumerate(matrix, start=1):
             for position, ball in enumerate(entries):
                 evidence.record(f"d G_{row} / d p_{position}", ball)
-        evidence.require(is_regular(matrix), "the derivative may be singular in the box", needs_precision=True)
+        widest = max((ball.rad() for entries in matrix for ball in entries), default=arb(0))
+        vague = f"the derivative over the box is known too roughly, up to {show(widest)}: smaller radii or more bits"
+        message = "the derivative may be singular in the box" if widest < _ROUGH else vague
+        evidence.require(is_regular(matrix), message, needs_precision=True)
         image = newton_image(matrix, residual)
         for position, (ball, radius) in enumerate(zip(image, claim.radii, strict=True)):
             evidence.record(f"p_{position}", ball)

@@ -26,8 +26,8 @@ from orbitproof.verify.evidence import Checklist, dot, enclose, excludes_zero, g
 from orbitproof.verify.periodic import slopes_along
 from orbitproof.verify.periodic_curve.characteristic import ProvedPeriodicInterval, multipliers_along
 from orbitproof.verify.periodic_curve.conditions import check_integral, require_piece
-from orbitproof.verify.periodic_curve.returns import Returns, TubeOfOrbits, ranges
-from orbitproof.verify.poincare import PHYSICAL, WideOracle, at_start
+from orbitproof.verify.periodic_curve.returns import FramingWideOracle, Returns, TubeOfOrbits, ranges
+from orbitproof.verify.poincare import PHYSICAL, at_start
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def prove_periodic_piece(
     atlas: PeriodicAtlas,
     piece: Piece,
     interval: Interval,
-    oracle: WideOracle,
+    oracle: FramingWideOracle,
     limits: PeriodicLimits | None = None,
     progress: Progress | None = None,
 ) -> PieceResult[ProvedPeriodicInterval]:
@@ -89,7 +89,7 @@ class _Proof:
     atlas: PeriodicAtlas
     piece: Piece
     interval: Interval
-    oracle: WideOracle
+    oracle: FramingWideOracle
     limits: PeriodicLimits
 
     def check(self, checklist: Checklist, computation: Account, progress: Progress | None) -> ProvedPeriodicInterval:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Protocol
 
 from flint import arb
 
@@ -12,6 +13,7 @@ from orbitproof.shared.formats import PeriodicAtlas, Piece
 from orbitproof.verify.algebra import Arithmetic, Series
 from orbitproof.verify.curve import tube_points
 from orbitproof.verify.evidence import IntegrationFailure, hull
+from orbitproof.verify.flow import Expansion, FlowStep, FrameOracle, InFrame
 from orbitproof.verify.maps import AffineSection
 from orbitproof.verify.periodic import stops_of
 from orbitproof.verify.poincare import (
@@ -24,6 +26,29 @@ from orbitproof.verify.poincare import (
     range_of,
     wide_parts,
 )
+
+
+class FramingWideOracle(WideOracle, FrameOracle, Protocol):
+    """What may be asked about the orbits of a tube."""
+
+
+class _FramedOrbits(WideOrbits):
+    """As `WideOrbits`, the errors in a frame that the steps hand on (section 4.4)."""
+
+    def __init__(
+        self,
+        coordinates: Coordinates,
+        arithmetic: Arithmetic,
+        state: Sequence[Series],
+        constants: Sequence[Series],
+        oracle: FramingWideOracle,
+        wanted: int,
+    ) -> None:
+        super().__init__(coordinates, arithmetic, state, constants, oracle, wanted=wanted)
+        self._carried = InFrame(oracle)
+
+    def _advance(self, expansion: Expansion, step: Fraction) -> FlowStep:
+        return self._carried.advance(self.program, self.state, self.fixed, expansion, step)
 
 
 @dataclass(frozen=True)
@@ -82,7 +107,7 @@ class TubeOfOrbits:
         return at_start(coordinates.field, [*self.state, *self.constants])[self.claim.pivot]
 
     def follow(
-        self, coordinates: Coordinates, oracle: WideOracle, progress: Callable[[int], None] | None = None
+        self, coordinates: Coordinates, oracle: FramingWideOracle, progress: Callable[[int], None] | None = None
     ) -> Returns:
         """The crossings in the direction that tell whether a point returns, and whether it does so before.
 
@@ -90,9 +115,7 @@ class TubeOfOrbits:
         (23.3). Raises `IntegrationFailure`.
         """
         last = self.claim.crossings
-        orbits = WideOrbits(
-            coordinates, self.arithmetic, self.state, self.constants, oracle, wanted=2 * last
-        )  # fmt: skip
+        orbits = _FramedOrbits(coordinates, self.arithmetic, self.state, self.constants, oracle, 2 * last)
         images: dict[int, tuple[Series, ...]] = {}
         for stop in stops_of(last):
             self._reach(orbits, 2 * stop, progress)
