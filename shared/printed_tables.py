@@ -60,6 +60,19 @@ def wrapped(lines: Iterable[str]) -> str:
     return "\n".join(parts)
 
 
+def shortened(text: str, other: str = "") -> str:
+    """What a progress bar is about: the text, the other one, or its beginning. The times beside it stay whole."""
+    room = terminal_width() - _BESIDE
+    if len(text) > room and other:
+        text = other
+    return text if len(text) <= room else f"{text[: room - 2]}.."
+
+
+_BESIDE = 50
+"""Columns of the terminal that a bar of `BAR_WIDTH`, its share and its times take."""
+BAR_WIDTH = 16
+
+
 def terminal_width() -> int:
     """Columns of the terminal, as COLUMNS or it says."""
     return max(_LEAST, get_terminal_size((_WIDTH, 24)).columns)

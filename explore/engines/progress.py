@@ -9,7 +9,7 @@ from types import TracebackType
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from orbitproof.shared.printed_tables import wrapped
+from orbitproof.shared.printed_tables import BAR_WIDTH, shortened, wrapped
 from orbitproof.shared.printing import printable
 
 _REFRESH_SECONDS = 0.1
@@ -30,7 +30,7 @@ class Reporter:
         self._drawn = 0.0
         self._progress = Progress(
             TextColumn("{task.description}", markup=False),
-            BarColumn(bar_width=30),
+            BarColumn(bar_width=BAR_WIDTH),
             TextColumn("{task.percentage:>3.0f}%"),
             TimeElapsedColumn(),
             TextColumn("left"),
@@ -59,7 +59,7 @@ class Reporter:
         if self._live:
             if self._task is not None:
                 self._progress.remove_task(self._task)
-            self._task = self._progress.add_task(name, total=None)
+            self._task = self._progress.add_task(shortened(name), total=None)
             self._progress.refresh()
         else:
             self.message(f"{name} ...")
@@ -68,7 +68,8 @@ class Reporter:
         """Show how far the stage is: `fraction` 0 to 1, or `None` where nobody knows."""
         if self._task is None:
             return
-        description = printable(f"{self._stage}: {detail}" if detail else self._stage)
+        whole = printable(f"{self._stage}: {detail}" if detail else self._stage)
+        description = shortened(whole, printable(detail))
         if fraction is None:
             self._progress.update(self._task, description=description)
         else:

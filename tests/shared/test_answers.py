@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 from collections.abc import Callable
 from fractions import Fraction
+from io import StringIO
 from math import inf
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from orbitproof.explore.commands.arguments import parser as explore_parser
+from orbitproof.explore.engines import Reporter
 from orbitproof.figures.__main__ import argument_parser as figures_parser
 from orbitproof.shared.answers import add_json_option, answered, tell
 from orbitproof.shared.output import files_of_a_command, write_text
-from orbitproof.shared.printed_tables import fitted, wrapped
+from orbitproof.shared.printed_tables import fitted, shortened, wrapped
 from orbitproof.verify.run import branch_command, catalogue_command, index_command, row_command, web_command
 
 WIDE = [("name", "state", "id"), ("first", "x = 0.123456789012345678901234, y = 0.123456789012345678901234", "a b c"),
@@ -120,3 +124,24 @@ def test_lines_are_wrapped_below_their_margin(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setenv("COLUMNS", "40")
     text = wrapped(["short", "  point: x = 1.23456789012345, y = 1.23456789012345"])
     assert text == "short\n  point: x = 1.23456789012345,\n      y = 1.23456789012345"
+
+
+@pytest.mark.parametrize("columns", [60, 80, 120])
+def test_a_progress_bar_shows_its_times_whole(columns: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    console = Console(width=columns, file=StringIO(), force_terminal=True, legacy_windows=False)
+    bar = Reporter()._progress
+    for name in ("refining 14 points: earth-moon-L1-halo-k4-2: Newton step 1 with 128 bits", "short"):
+        task = bar.add_task(
+            shortened(name, "earth-moon-L1-halo-k4-2: Newton step 1 with 128 bits"), total=4, completed=1
+        )
+        bar.tasks[task].start_time = 0.0
+    console.print(bar.make_tasks_table(bar.tasks))
+    text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", console.file.getvalue())  # type: ignore[attr-defined]
+    first, second = text.splitlines()
+    for line in (first, second):
+        assert len(line) <= columns
+        assert re.search(r"25% .*:\d\d left +\S*:--\s*$|25% .*:\d\d left +\d+:\d\d:\d\d\s*$", line), line
+    assert first.startswith("earth-mo" if columns < 120 else "earth-moon-L1-halo-k4-2: Newton step 1 with 128 bits ")

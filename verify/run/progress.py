@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from orbitproof.shared.printed_tables import wrapped
+from orbitproof.shared.printed_tables import BAR_WIDTH, shortened, wrapped
 from orbitproof.shared.printing import printable
 from orbitproof.shared.systems import ID, fits, shown
 
@@ -40,7 +40,7 @@ class Display:
 
         columns = (
             TextColumn("{task.description}", markup=False),
-            BarColumn(),
+            BarColumn(bar_width=BAR_WIDTH),
             TextColumn("{task.percentage:>3.0f}%"),
             TimeElapsedColumn(),
             TextColumn("left"),
@@ -89,7 +89,9 @@ class Display:
 
     def _refresh(self, description: str) -> None:
         if self._bar is not None:
-            self._bar.update(self._bar.task_ids[0], completed=self._work_done(), description=description, refresh=True)
+            self._bar.update(
+                self._bar.task_ids[0], completed=self._work_done(), description=shortened(description), refresh=True
+            )
 
 
 def _shown(name: str) -> str:
