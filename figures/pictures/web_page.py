@@ -7,6 +7,7 @@ precision.
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from html import escape
@@ -50,11 +51,13 @@ def page_of(web: WebCertificate, curves: Mapping[str, Curve]) -> str:
     order = [vertex.id for vertex in web.vertices]
     arcs = [
         {
-            **_arc(known, arc, curves[known.id]),
+            **_arc(known, arc, curves[known.id], name),
             "meets": [[meeting.how, order.index(meeting.vertex)] for meeting in known.meets],
             "beside": beside,
         }
-        for known, arc, beside in zip(web.arcs, drawn, _beside(web), strict=True)
+        for known, arc, beside, name in zip(
+            web.arcs, drawn, _beside(web), _names([each.id for each in web.arcs]), strict=True
+        )
     ]
     mu = float(next(iter(curves.values())).parameters["mu"])
     data = {"arcs": arcs, "vertices": _vertices(web, drawn), "bodies": [-mu, 1 - mu]}
@@ -96,7 +99,27 @@ def _beside(web: WebCertificate) -> list[list[int]]:
     return [[number for number, arc in enumerate(web.arcs) if arc.id in names] for names in wanted]
 
 
-def _arc(known: StoredArc, arc: DrawnArc, curve: Curve) -> dict[str, Any]:
+def _names(ids: Sequence[str]) -> list[str]:
+    """What arcs are called: their ids without the words that all of them end with, and with blanks between words.
+
+    >>> _names(["lyapunov-l1-earth-moon", "l1-circle-earth-moon"])
+    ['lyapunov L1', 'L1 circle']
+    """
+    if any(shown(each) != each for each in ids):
+        return [shown(each) for each in ids]
+    words = [each.split("-") for each in ids]
+    same = 0
+    while (
+        len(ids) > 1 and all(len(each) > same + 1 for each in words) and len({each[-1 - same] for each in words}) == 1
+    ):
+        same += 1
+    return [
+        " ".join(word.upper() if re.fullmatch(r"l[1-5]", word) else word for word in each[: len(each) - same])
+        for each in words
+    ]
+
+
+def _arc(known: StoredArc, arc: DrawnArc, curve: Curve, name: str) -> dict[str, Any]:
     states = States.of(curve)
     points = np.concatenate([stretch.points for stretch in curve.stretches])
     places = [(number, float(s)) for number, stretch in enumerate(curve.stretches) for s in stretch.s]
@@ -106,8 +129,8 @@ def _arc(known: StoredArc, arc: DrawnArc, curve: Curve) -> dict[str, Any]:
         if orbit is not None:
             found.append({**orbit, "i": _index_at(places[row], known.index, curve)})
     return {
-        "id": known.id,
-        "name": shown(known.id),
+        "id": shown(known.id),
+        "name": name,
         "words": _SAID.get(arc.kind, WORDS[arc.kind]),
         "colour": COLOURS[arc.kind],
         "level": "not known" if known.level is None else range_text(known.level, 5),

@@ -9,34 +9,44 @@ PAGE = """<!DOCTYPE html>
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>@TITLE@</title>
 <style>
-:root { color-scheme: light; }
-body { font: 15px/1.45 system-ui, sans-serif; color: #222; margin: 0 auto; padding: 1rem; max-width: 78rem; }
+:root { color-scheme: light dark; --ink: #222; --paper: #fff; --quiet: #666; --faint: #eee; --rule: #ccc; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e6e6e6; --paper: #17191c; --quiet: #a8a8a8; --faint: #2c3035; --rule: #555; }
+}
+body { font: 15px/1.45 system-ui, sans-serif; color: var(--ink); margin: 0 auto; padding: 1rem;
+  background: var(--paper); max-width: 78rem; }
 h1 { font-size: 1.25rem; }
 .panels { display: grid; grid-template-columns: 1fr 1fr; gap: 1rem; }
-@media (max-width: 50rem) { .panels { grid-template-columns: 1fr; } }
-canvas { width: 100%; aspect-ratio: 4 / 3; border: 1px solid #ccc; touch-action: none; }
+h1 button { font-size: .8rem; font-weight: normal; }
+main { display: flex; flex-direction: column; }
+@media (max-width: 50rem) { .panels { grid-template-columns: 1fr; order: -1; } }
+.legend span { margin-right: 1rem; white-space: nowrap; }
+.legend i { border-top: 3px solid; display: inline-block; margin-right: .3rem; vertical-align: middle; width: 1.6rem; }
+canvas { width: 100%; aspect-ratio: 4 / 3; border: 1px solid var(--rule); touch-action: none; }
 button { font: inherit; margin: 0 .4rem .4rem 0; padding: .1rem .5rem; border: 2px solid; border-radius: .4rem; }
 button { background: none; color: inherit; overflow-wrap: anywhere; }
-button[aria-pressed="true"] { font-weight: bold; background: #eee; }
+button[aria-pressed="true"] { font-weight: bold; background: var(--faint); }
 #meets button { border-color: #999; border-style: dotted; }
 .along { display: flex; align-items: center; } .along button { border-color: #999; white-space: nowrap; }
 input[type="range"] { flex: 1; min-width: 0; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 0 .8rem; margin: .5rem 0; }
-dd { margin: 0; } .small { color: #666; font-size: .85rem; } summary { cursor: pointer; }
+dd { margin: 0; } .small { color: var(--quiet); font-size: .85rem; } summary { cursor: pointer; }
 #theorem p { margin: .3rem 0; overflow-wrap: anywhere; }
 </style>
 </head>
 <body>
-<h1>@TITLE@</h1>
+<h1><button id="back" type="button" hidden>back</button> @TITLE@</h1>
+<main>
 <div id="arcs"></div>
 <div class="panels">
-<div><canvas id="diagram"></canvas><p class="small">Jacobi constant to the right, x where orbits start upwards; vertices
-filled, libration points as diamonds@STABLE@. A vertex at which arcs start at different points of its orbit is drawn at
-each, joined by a dotted line. Click an arc, or a vertex for its name.
+<div><canvas id="diagram"></canvas><p class="small legend" id="legend"></p>
+<p class="small">Vertices are filled, libration points as diamonds@STABLE@. A vertex at which arcs start at
+different points of its orbit is drawn at each, joined by a dotted line. Click an arc, or a vertex for its name.
 <label><input id="whole" type="checkbox"> all arcs</label></p></div>
 <div><canvas id="space"></canvas><p class="small">The orbit in space; drag to turn it. Dots: the two primaries, if near.
 </p></div>
 </div>
+</main>
 <div class="along"><button id="move" type="button" aria-pressed="false">move along</button>
 <input id="along" type="range" min="0" value="0" aria-label="along the arc"></div>
 <div id="meets"></div>
@@ -55,6 +65,7 @@ let chosen = 0, turn = [-0.7, 0.5];
 // The vertex that is asked for, and the one under the pointer.
 let picked = null, pointed = null;
 let span, rise;
+const shade = name => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
 function frame() {
   const arcs = byId("whole").checked ? data.arcs : data.arcs[chosen].beside.map(number => data.arcs[number]);
   const ends = index => {
@@ -73,8 +84,8 @@ function prepared(canvas) {
   return [pen, width, height];
 }
 function place(level, x, width, height) {
-  return [40 + (width - 50) * (level - span[0]) / (span[1] - span[0]),
-          height - 24 - (height - 34) * (x - rise[0]) / (rise[1] - rise[0])];
+  return [56 + (width - 66) * (level - span[0]) / (span[1] - span[0]),
+          height - 40 - (height - 50) * (x - rise[0]) / (rise[1] - rise[0])];
 }
 function ticks(from, to) {
   const raw = (to - from) / 5, unit = 10 ** Math.floor(Math.log10(raw));
@@ -84,16 +95,19 @@ function ticks(from, to) {
 }
 function drawDiagram() {
   const [pen, width, height] = prepared(diagram);
-  pen.fillStyle = "#666"; pen.strokeStyle = "#eee"; pen.lineWidth = 1;
+  pen.fillStyle = shade("quiet"); pen.strokeStyle = shade("faint"); pen.lineWidth = 1;
   for (const value of ticks(...span)) {
     const [u] = place(value, rise[0], width, height);
-    pen.beginPath(); pen.moveTo(u, 0); pen.lineTo(u, height - 20); pen.stroke();
-    pen.fillText(value, u - 12, height - 6);
+    pen.beginPath(); pen.moveTo(u, 0); pen.lineTo(u, height - 36); pen.stroke();
+    pen.fillText(value, u - 12, height - 22);
   }
   for (const value of ticks(...rise)) {
     const [, v] = place(span[0], value, width, height);
-    pen.beginPath(); pen.moveTo(34, v); pen.lineTo(width, v); pen.stroke(); pen.fillText(value, 2, v + 4);
+    pen.beginPath(); pen.moveTo(50, v); pen.lineTo(width, v); pen.stroke(); pen.fillText(value, 18, v + 4);
   }
+  pen.textAlign = "center"; pen.fillText("Jacobi constant", width / 2, height - 5);
+  pen.save(); pen.translate(12, height / 2); pen.rotate(-Math.PI / 2); pen.fillText("x where the orbit starts", 0, 0);
+  pen.restore(); pen.textAlign = "start";
   const stroke = (points, colour, thick) => {
     pen.strokeStyle = colour; pen.lineWidth = thick; pen.beginPath();
     points.forEach((p, i) => pen[i ? "lineTo" : "moveTo"](...place(p[0], p[1], width, height)));
@@ -105,7 +119,7 @@ function drawDiagram() {
   });
   data.vertices.forEach((vertex, number) => {
     const places = vertex.places.map(([level, x]) => place(level, x, width, height)), noted = number === named();
-    pen.fillStyle = pen.strokeStyle = "#222"; pen.lineWidth = noted ? 2 : 1;
+    pen.fillStyle = pen.strokeStyle = shade("ink"); pen.lineWidth = noted ? 2 : 1;
     pen.setLineDash([2, 4]); pen.beginPath();
     places.forEach((at, i) => pen[i ? "lineTo" : "moveTo"](...at));
     pen.stroke(); pen.setLineDash([]);
@@ -120,7 +134,7 @@ function drawDiagram() {
   const orbit = current();
   if (orbit) {
     const [u, v] = place(orbit.c, orbit.x, width, height);
-    pen.strokeStyle = "#222"; pen.lineWidth = 2; pen.beginPath(); pen.arc(u, v, 7, 0, 7); pen.stroke();
+    pen.strokeStyle = shade("ink"); pen.lineWidth = 2; pen.beginPath(); pen.arc(u, v, 7, 0, 7); pen.stroke();
   }
   if (named() !== null) label(pen, data.vertices[named()], width, height);
 }
@@ -131,8 +145,9 @@ function label(pen, vertex, width, height) {
     const [u, v] = place(level, x, width, height);
     if (u < 0 || u > width || v < 0 || v > height || last - v < 18) continue;
     const left = u + 10 + size < width ? u + 10 : Math.max(2, u - 10 - size), line = Math.max(12, v - 6);
-    pen.strokeStyle = "#fff"; pen.lineWidth = 4; pen.lineJoin = "round"; pen.strokeText(vertex.name, left, line);
-    pen.fillStyle = "#222"; pen.fillText(vertex.name, left, line);
+    pen.strokeStyle = shade("paper"); pen.lineWidth = 4; pen.lineJoin = "round";
+    pen.strokeText(vertex.name, left, line);
+    pen.fillStyle = shade("ink"); pen.fillText(vertex.name, left, line);
     last = v;
   }
 }
@@ -170,9 +185,9 @@ function drawSpace() {
   data.bodies.forEach((x, i) => {
     if (x < box[0][0] - size / 2 || x > box[0][1] + size / 2) return;
     const [u, v] = seen(x, 0, 0);
-    pen.fillStyle = "#444"; pen.beginPath(); pen.arc(u, v, i ? 4 : 7, 0, 7); pen.fill();
+    pen.fillStyle = shade("ink"); pen.beginPath(); pen.arc(u, v, i ? 4 : 7, 0, 7); pen.fill();
   });
-  pen.fillStyle = "#666"; pen.lineWidth = 1; pen.strokeStyle = "#999";
+  pen.fillStyle = pen.strokeStyle = shade("quiet"); pen.lineWidth = 1;
   [["x", 1, 0, 0], ["y", 0, 1, 0], ["z", 0, 0, 1]].forEach(([name, a, b, c]) => {
     const from = seen(...middle), to = seen(middle[0] + a, middle[1] + b, middle[2] + c);
     const u = [36, height - 36], length = 26 / scale;
@@ -185,7 +200,7 @@ function tell() {
   const stable = !orbit ? "" : orbit.m < 1.001 ? "linearly stable, as computed" : "largest multiplier about " + orbit.m;
   const vertex = picked === null ? null : data.vertices[picked];
   const through = data.arcs.filter(each => each.meets.some(([, number]) => number === picked)).map(each => each.name);
-  const facts = [["arc", arc.name + ": " + arc.words + (arc.meets.length ? "" : "; meets no vertex")],
+  const facts = [["arc", arc.id + ": " + arc.words + (arc.meets.length ? "" : "; meets no vertex")],
     ["Jacobi constant", "all in " + arc.level + (orbit ? "; this orbit about " + orbit.c : "")],
     ["period", "all in " + arc.period + (orbit ? "; this orbit about " + orbit.t : "")],
     ["stability", [stable, arc.list].filter(Boolean).join("; ")],
@@ -234,6 +249,15 @@ data.arcs.forEach((arc, number) => {
   button.textContent = arc.name; button.style.borderColor = arc.colour; button.onclick = () => choose(number);
   byId("arcs").append(button);
 });
+const kinds = new Map(data.arcs.map(arc => [arc.words, arc.colour]));
+byId("legend").replaceChildren(...[...kinds].map(([words, colour]) => {
+  const entry = document.createElement("span"), line = document.createElement("i");
+  line.style.borderColor = colour; entry.append(line, words);
+  return entry;
+}));
+byId("back").hidden = history.length < 2;
+byId("back").onclick = () => history.back();
+matchMedia("(prefers-color-scheme: dark)").onchange = () => draw();
 along.oninput = () => { move(false); draw(); };
 byId("whole").onchange = draw;
 diagram.onpointermove = event => {

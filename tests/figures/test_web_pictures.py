@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -199,6 +200,27 @@ def test_the_index_is_told_of_the_intervals_for_which_it_is_proved() -> None:
     round_the_beginning = [counted(4, (4, 0), (1, 0))]
     assert [_index_at((number, 0.5), round_the_beginning, curve) for number in range(6)] == [4, None, None, None, 4, 4]
     assert _index_at((0, 0.5), [replace(orbits[0], begin=None)], curve) is None
+
+
+def test_arcs_have_names_for_people_that_stay_different() -> None:
+    names = ["lyapunov-l1-earth-moon", "l1-circle-earth-moon", "axial-family-l3-earth-moon"]
+    assert web_page._names(names) == ["lyapunov L1", "L1 circle", "axial family L3"]
+    assert web_page._names(["circle"]) == ["circle"]
+    assert web_page._names(["a-moon", "moon"]) == ["a moon", "moon"]
+    assert web_page._names(["two words", "a-b"]) == ['"two words"', "a-b"]
+
+
+def test_the_page_has_titles_a_legend_a_dark_form_and_a_way_back() -> None:
+    page = web_page.PAGE
+    assert 'fillText("Jacobi constant"' in page
+    assert 'fillText("x where the orbit starts"' in page
+    assert "prefers-color-scheme: dark" in page
+    assert 'id="legend"' in page
+    assert "history.back()" in page
+    # In a narrow window the picture comes before the buttons.
+    assert ".panels { grid-template-columns: 1fr; order: -1; }" in page
+    # Colours of the two forms are those of the style alone.
+    assert not re.search(r'(?:fill|stroke)Style = "#', page)
 
 
 def test_the_page_has_the_index_of_the_certificate_of_the_web(monkeypatch: pytest.MonkeyPatch) -> None:
