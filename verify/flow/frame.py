@@ -129,17 +129,16 @@ class _Over:
         coarse, bounds = norm_arithmetic_of(slopes), self.frame.bounds
         reach = np.array([[bounds_on_parts(Series(coarse, [p], [])).max() for p in row] for row in columns])
         known = _up(reach @ bounds)
-        sources = _up(_defect(slopes, columns, step, coarse) @ bounds) + defects
+        sources = _defect(slopes, columns, step, coarse) @ bounds + defects
         length = fraction_above(step)
         for i, row in enumerate(slopes):
             for j, slope in row.items():
                 sources[i] += _convolved(_up(length * np.array(slope.errors)), known[j])
         rest = grown(slopes, _up(sources), step)
         end = [[coarse.at_end(p) for p in row] for row in columns]
-        errors = _up(known + rest)
-        self.last = np.minimum(errors, _up(_up(_sizes(end, coarse.bits) @ bounds) + rest))
+        self.last = _up(_sizes(end, coarse.bits) @ bounds + rest)
         self.following = self._next(end, rest)
-        return errors
+        return _up(known + rest)
 
     def _columns(self, slopes: Slopes, step: Fraction) -> Columns | None:
         """Polynomials that begin at the frame; `None` if there are none."""
@@ -175,7 +174,7 @@ class _Over:
             [reduce(add, (a * p for a, p in zip(row, column, strict=True))) for column in zip(*end, strict=True)]
             for row in inverse.tolist()
         ]
-        seen = _up(_up(_sizes(moved, 2 * bits) @ bounds) + _sizes(inverse.tolist(), bits) @ rest)
+        seen = _up(_sizes(moved, 2 * bits) @ bounds + _sizes(inverse.tolist(), bits) @ rest)
         further = _up(seen + np.outer(lacking, seen.max(axis=0)) / (1.0 - worst))
         return Frame(matrix, bits, further) if bool(np.all(np.isfinite(further))) else None
 
