@@ -140,7 +140,7 @@ def test_a_picture_of_ones_own_system_knows_nothing_of_its_units(tmp_path: Path)
 
 def test_an_orbit_keeps_the_parameter_that_was_given(capsys: pytest.CaptureFixture[str]) -> None:
     assert explore(["orbit", "--system", str(EXAMPLES / "michelson.py"), *START]) == 0
-    assert "point        c = 0.1, y = 0.196593739345" in capsys.readouterr().out
+    assert "point            c = 0.1, y = 0.196593739345" in capsys.readouterr().out
 
 
 def test_the_box_of_a_claim_may_be_given(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

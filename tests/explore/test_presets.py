@@ -54,7 +54,10 @@ def test_a_preset_of_several_masses_has_a_limit_for_each(tmp_path: Path) -> None
     assert limits == {("earth-moon", 20.5), ("sun-jupiter", 8.0)}
 
 
-def test_families_of_two_systems_are_found_by_one_search_with_a_table_for_each(tmp_path: Path, capsys: Any) -> None:
+def test_families_of_two_systems_are_found_by_one_search_with_a_table_for_each(
+    tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
     path = tmp_path / "families.json"
     assert main(["family", "--preset", "demo", "--jobs", "1", "-o", str(path)]) == 0
     records = {record.name: [resonance.k for resonance in record.resonances] for record in read_families(path)}
