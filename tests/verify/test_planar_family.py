@@ -8,7 +8,7 @@ import random
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, pairwise
 from math import comb, floor
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,7 @@ from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Atlas, LibrationPiece, evaluate
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.systems import AROUND, OVER_MASSES, SIDES, mass_of_distance
-from orbitproof.verify.evidence import NotProved, Proved
+from orbitproof.verify.evidence import NotProved, Proved, enclose, exact_value, hull
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.surface import SurfaceLimits, conclude_surface, prove_libration_piece
 from orbitproof.verify.surface.gluing import read_sheet
@@ -98,6 +98,50 @@ def test_over_a_part_a_sheet_is_asked_from_the_first_to_the_last_of_its_masses(p
         ((low, high),) = asked
         assert low <= min(each[0] for each in singly[first : last + 1])
         assert high >= max(each[1] for each in singly[first : last + 1])
+
+
+class Linear:
+    """A sheet whose parameter h is linear in s, and whose symmetry breakings have xi = 2 + h and veta = h."""
+
+    def __init__(self, first: Fraction, last: Fraction) -> None:
+        self.parameter = (first + last) / 2, (last - first) / 2
+
+    def place(self, value: Fraction) -> tuple[Fraction, Fraction]:
+        s = max(min((value - self.parameter[0]) / self.parameter[1], Fraction(1)), Fraction(-1))
+        return max(s - Fraction(1, 2**40), Fraction(-1)), min(s + Fraction(1, 2**40), Fraction(1))
+
+    def point(self, low: Fraction, high: Fraction) -> list[arb]:
+        h = hull(*(enclose(evaluate(self.parameter, s)) for s in (low, high)))
+        return [2 + h, arb(0), h]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_symmetry_breakings_are_those_of_a_sheet_that_reaches_over_all_masses(piece: LibrationPiece, seed: int) -> None:
+    """Of several sheets one after the other: none is read beyond its ends, where others have the orbits."""
+    source, (middle, half) = random.Random(seed), piece.distance
+    side = SIDES[piece.point]
+
+    def scaled(b: Fraction) -> tuple[arb, arb]:
+        scale = side * enclose(side * mass_of_distance(side, b)).root(3)
+        return enclose(b) * scale, scale
+
+    with ctx.workprec(128):
+        ends = sorted(exact_value(scaled(middle + half * Fraction(n, 4))[0].mid()) for n in (-5, -1, 2, 5))
+        more = Fraction(1, 2**14)
+        sheets: Any = [Linear(low - more, high + more) for low, high in pairwise(ends)]
+        known = set()
+        for _ in range(40):
+            first = middle + half * Fraction(source.randint(-256, 224), 256)
+            last = first + half * Fraction(source.choice((0, 8, 32)), 256)
+            found = _breaking(piece, sheets, (first, last))
+            known.add(isinstance(found, tuple))
+            for b in (first, (first + last) / 2, last):
+                h, scale = scaled(b)
+                if isinstance(found, tuple):
+                    eps = scale * (2 + h) - 1
+                    assert found[0].overlaps(eps)
+                    assert found[1].overlaps(scale * h / eps)
+        assert known == {True, False}
 
 
 @pytest.mark.parametrize("point", ["L1", "L2"])
