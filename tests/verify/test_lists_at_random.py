@@ -988,6 +988,38 @@ def test_of_a_loop_that_is_cut_the_ranges_are_known_if_they_are_on_both_sides(mo
         assert (around[0].ranges is None) == (lost is not None)
 
 
+def test_the_ranges_of_an_interval_are_those_of_all_orbits_that_may_be_between_its_places() -> None:
+    """A place is a point of its ball: on both sides of it there may be orbits of the interval in the ball."""
+    chance = random.Random(12)
+    tube = SimpleNamespace(piece=SimpleNamespace(id="p"))
+    stretches = [SimpleNamespace(tube=tube, enters=Q(-1), entered=Q(-15, 16), leaves=Q(1)) for _ in range(2)]
+    chain: Any = SimpleNamespace(stretches=stretches)
+    inside, seen = BoundedFunction(arb_poly([0]), arb(0)), 0
+    for _ in range(60):
+        lines = [(arb(chance.randint(-9, 9)), arb(chance.randint(-9, 9))) for _ in stretches]
+        segments = tuple(
+            replace(
+                segment_with([inside], Q(-1), Q(-15, 16), Q(1)),
+                stretch=stretch,
+                half_period=BoundedFunction(arb_poly(list(line)), arb(0)),
+            )
+            for stretch, line in enumerate(lines)
+        )
+        points = tuple(
+            point_at(chance.randrange(2), arb(chance.uniform(-0.9, 0.9)) + arb(0, 1) * 2.0**-9, Kind.FOLD, 1)
+            for _ in range(chance.randint(1, 4))
+        )
+        for entry in stable_intervals(chain, CompleteList(2, 1, points, (), segments), False)[0]:
+            assert entry.ranges is not None
+            places = (entry.begin.stretch, entry.begin.lower), (entry.end.stretch, entry.end.upper)
+            for stretch, s in (*places, *((number, end) for number in (0, 1) for end in (Q(-1), Q(1)))):
+                if places[0] <= (stretch, s) <= places[1]:
+                    value = segments[stretch].half_period.value(enclose(segments[stretch].tau(s)))
+                    assert entry.ranges.half_period.contains(value)
+                    seen += 1
+    assert seen > 200
+
+
 def test_a_part_meets_the_symmetric_point_if_that_is_one_of_its_ends() -> None:
     flat = BoundedFunction(arb_poly([0]), arb(0))
     for start, end, at in ((0, 1, -1), (-1, 0, 1), (-1, 1, 0), (Q(1, 4), 1, 0), (-1, Q(-1, 4), 0)):

@@ -192,6 +192,32 @@ def test_zeros_are_proved_in_the_set_only() -> None:
             enclose_zeros(functions, radii)
 
 
+@pytest.mark.parametrize("unknowns", [1, 2])
+def test_every_unknown_stays_within_its_own_half_width(unknowns: int) -> None:
+    """Zeros of affine functions: the farthest one is known exactly."""
+    source = random.Random(unknowns)
+    verdicts = set()
+    for _ in range(60):
+        radii = tuple(Fraction(source.choice((1, 4, 16)), 4) for _ in range(2))
+        rows, reaches = [], []
+        for place in range(2 - unknowns, 2):
+            at, slope = Fraction(source.randint(-20, 20), 7), Fraction(source.randint(-9, 9), 7)
+            # p_place = at + slope p_0, or at where nothing is independent.
+            rows.append({(0, 0): -at, (0, 1) if place else (1, 0): Fraction(1)})
+            if unknowns == 1:
+                rows[-1][1, 0] = -slope
+            reaches.append(abs(at) + (abs(slope) * radii[0] if unknowns == 1 else 0))
+        inside = all(reach < radius for reach, radius in zip(reaches, radii[2 - unknowns :], strict=True))
+        tables = [polynomial_table(row, radii) for row in rows]
+        if inside:
+            enclose_zeros(tables, radii)
+        else:
+            with pytest.raises(IntegrationFailure):
+                enclose_zeros(tables, radii)
+        verdicts.add(inside)
+    assert verdicts == {True, False}
+
+
 @pytest.mark.parametrize("name", ["sin", "cos", "exp", "log"])
 def test_functions_of_elements_contain_the_functions_of_their_values(name: str) -> None:
     source = random.Random(name)

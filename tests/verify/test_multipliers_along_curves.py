@@ -6,7 +6,9 @@ import random
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
 from math import exp, pi
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -26,7 +28,7 @@ from support.periodic_curves import (
 
 from orbitproof.shared.formats import PeriodicAtlas
 from orbitproof.verify.curve import IntervalResult
-from orbitproof.verify.evidence import IntegrationFailure, NotKnown, Proved, Reason, enclose, interval_text
+from orbitproof.verify.evidence import IntegrationFailure, NotKnown, Proved, Reason, enclose, hull, interval_text
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.periodic_curve import (
     CountedPart,
@@ -37,6 +39,7 @@ from orbitproof.verify.periodic_curve import (
     conclude_periodic,
     unconfirmed_multipliers,
 )
+from orbitproof.verify.periodic_curve import counted as counted_parts
 from orbitproof.verify.periodic_curve.characteristic import multipliers_along
 from orbitproof.verify.periodic_curve.counted import counts_of, counts_of_pair_of_area
 from orbitproof.verify.words.branches import conclusion_in_words
@@ -279,6 +282,37 @@ def test_the_level_is_that_of_points_of_the_section() -> None:
             level = (1 - y / 2) ** 2 + y * y
             assert abs(float(value.mid()) - level) < 1e-12 + float(value.rad()) < 1e-6
             assert part.all_values.contains(arb(level, 1e-9))
+
+
+def test_what_is_said_of_parts_that_are_counted_alike_holds_of_all_of_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The parameter may turn on the way: its values at the ends of a part do not bound those between them."""
+    chance = random.Random(0)
+    for _ in range(40):
+        ends = [(arb(chance.uniform(-2, 2)), arb(chance.uniform(-2, 2))) for _ in range(8)]
+        parts = [
+            CountedPart(
+                (f"p{number}", f"q{number}"),
+                (Q(number), Q(number + 1)),
+                pair,
+                hull(*pair) + arb(0, chance.uniform(0, 1)),
+                chance.choice((None, Counts(1, 0, 0))),
+            )
+            for number, pair in enumerate(ends)
+        ]
+        shares = [parts[:3], [], parts[3:]]
+        chain: Any = SimpleNamespace(stretches=shares)
+        monkeypatch.setattr(counted_parts, "_parts_of", lambda atlas, stretch, known: iter(stretch))
+        found = counted_parts.counted_along(turning_atlas(), chain, proved("turning"))
+        assert all(one.counts != other.counts for one, other in pairwise(found))
+        assert (found[0].between[0], found[-1].between[1]) == (0, 8)
+        for whole in found:
+            own = [part for part in parts if whole.between[0] <= part.between[0] < whole.between[1]]
+            assert {part.counts for part in own} == {whole.counts}
+            assert whole.pieces == (own[0].pieces[0], own[-1].pieces[1])
+            assert (whole.between[0], whole.between[1]) == (own[0].between[0], own[-1].between[1])
+            assert whole.values[0] is own[0].values[0]
+            assert whole.values[1] is own[-1].values[1]
+            assert all(whole.all_values.contains(part.all_values) for part in own)
 
 
 def test_multipliers_of_what_is_not_proved_are_not_counted() -> None:

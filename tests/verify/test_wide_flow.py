@@ -25,6 +25,7 @@ from orbitproof.verify.flow import FlowStep, advance
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.wide_solution import CircleExpansion, expand
 from orbitproof.verify.poincare import Arrival, CrossingCounter, HalfOrbits, wide_parts
+from orbitproof.verify.poincare.crossing import range_of
 from orbitproof.verify.poincare.section import onto_section
 from orbitproof.verify.poincare.section_field import build_section_program
 
@@ -295,6 +296,28 @@ def test_a_zero_is_the_crossing_only_if_it_lies_where_the_crossing_does(monkeypa
         monkeypatch.setattr(CrossingCounter, "arrival", lambda self, number, arrival=arrival: arrival)
         if accepted:
             returns.crossing(1)
+        else:
+            with pytest.raises(IntegrationFailure, match="not separated"):
+                returns.crossing(1)
+
+
+def test_the_time_of_a_crossing_is_compared_on_each_part_with_what_is_clear_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where frequencies differ by a sixth along the piece each part has a crossing time of its own."""
+    with_rate(monkeypatch, None)
+    returns = half_return(oscillators(("1/12",)))
+    _, whole = returns.crossing(1)
+    delay, little = returns.delay, arb(2) ** -20
+    firsts = [returns.time + range_of(delay, counter.wide).lower() for counter in returns.counters]
+    assert max(firsts) - min(firsts) > 100 * little
+    assert min(firsts) > 0
+    for late in range(-1, len(firsts)):
+        clear = [first + (little if number == late else -little) for number, first in enumerate(firsts)]
+        for counter, since in zip(returns.counters, clear, strict=True):
+            monkeypatch.setattr(counter, "arrival", lambda _, since=since: Arrival(since))
+        if late < 0:
+            assert returns.crossing(1)[1].overlaps(whole)
         else:
             with pytest.raises(IntegrationFailure, match="not separated"):
                 returns.crossing(1)
