@@ -41,6 +41,18 @@ def field(x, y, z, nu, beta, gamma, r, a, b, e):
     c = b * (y - x) ** 3
     return (beta * y - (beta + nu) * x - a * x**3 + c) / r, beta * x - (beta + gamma) * y - z - c, y + e
 """
+CHUA = """\
+name = "chua"
+state = "x y z"
+parameters = "alpha b c"
+field = {"x": "alpha*(y - x**3 - c*x)", "y": "x - y + z", "z": "-b*y"}
+"""
+LURE = """\
+name = "lure"
+state = "x y z"
+parameters = "alpha beta"
+field = {"x": "y", "y": "z", "z": "-alpha*z - beta*y - x + x**2"}
+"""
 OF_CIRCUIT = "nu=-0.595 beta=0.5 gamma=-0.6 r=0.6 a=0.32858 b=0.93358 e=0.001"
 
 
@@ -69,6 +81,28 @@ OF_CIRCUIT = "nu=-0.595 beta=0.5 gamma=-0.6 r=0.6 a=0.32858 b=0.93358 e=0.001"
                 "pitchfork-1": "rho = 154.43635088",
                 "fold-1": "rho = 166.061492103",
                 "doubling-1": "rho = 148.430392",
+            },
+        ),
+        (
+            "chua",
+            CHUA,
+            "--parameter alpha=8.45 b=100/7 c=-1/7 --start x=0.5 y=0.1 z=-0.3 --transient 200 --returns 2 "
+            "--along alpha 8.3 8.75 --generations 2",
+            {
+                "doubling-1": "alpha = 8.49373024657",
+                "doubling-2": "alpha = 8.69743370484",
+                "doubling-3": "alpha = 8.740645",
+            },
+        ),
+        (
+            "lure",
+            LURE,
+            "--parameter alpha=0.7 beta=1 --start x=0.1 y=0 z=0 --transient 300 --along alpha 0.56 0.75 "
+            "--generations 3",
+            {
+                "doubling-1": "alpha = 0.6303020061",
+                "doubling-2": "alpha = 0.5796298408",
+                "doubling-3": "alpha = 0.569222719",
             },
         ),
         (
