@@ -28,7 +28,6 @@ from orbitproof.figures.commands.report import main as report
 from orbitproof.figures.report import (
     CERTIFICATE_FORMATS,
     Checked,
-    CheckedRow,
     Refused,
     check_again,
     check_files,
@@ -114,7 +113,7 @@ def guide(checked: Mapping[Path, Sequence[Checked]], places: Mapping[Path, Path]
 
     for entries in checked.values():
         for entry in entries:
-            place = entry.document.get("place") if isinstance(entry, CheckedRow) else None
+            place = entry.document.get("place")
             if place is not None and curve_of(place, entries) is None:
                 raise InputError(f"{entry.path}: {entry.name}: lies on a curve that is not in its folder; put it there")
             cells = ((places[entry.path.parent] / entry.path.name).as_posix(), f"`{entry.name}`", kind_of(entry))

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from archive import certificates_in
 
-from orbitproof.figures.report import CheckedAtlas, CheckedWeb, Refused, check_files
+from orbitproof.figures.report import Refused, check_files
 from orbitproof.figures.report.formulas import typeset
 from orbitproof.shared import InputError
 
@@ -55,7 +55,7 @@ def theorems(folder: Path) -> dict[str, str]:
         Refused: if one does not stand.
     """
     ((_, files),) = certificates_in([folder]).items()
-    checked = [each for each in check_files(files, quiet=False) if isinstance(each, CheckedAtlas | CheckedWeb)]
+    checked = [each for each in check_files(files, quiet=False) if each.part in ("arc", "web")]
     return {
         each.name: each.document["statement"]["theorem"] for each in checked if each.document["verdict"] == "proved"
     }

@@ -1,11 +1,7 @@
 from . import enclose as enclose
-from .atlas.catalogue import CatalogueCertificate as CatalogueCertificate
-from .atlas.certificate import AtlasCertificate as AtlasCertificate
-from .atlas.index import IndexCertificate as IndexCertificate
 from .atlas.listed import ListedInterval as ListedInterval
 from .atlas.listed import ListedPoint as ListedPoint
 from .atlas.places import Placed as Placed
-from .atlas.web import WebCertificate as WebCertificate
 from .certificate.certificate import Certificate as Certificate
 from .certificate.certificate import Computation as Computation
 from .certificate.levels import Finding as Finding

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import closing, suppress
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 from orbitproof.shared.claims.web import Web
 from orbitproof.shared.codec import to_json
@@ -19,46 +18,30 @@ from orbitproof.shared.formats import (
     InSection,
     check_writable,
     read_catalogue_rows,
-    stated_format,
     table_form,
     web_from_json,
 )
 from orbitproof.shared.formats import read_web as read_claim_of_web
 from orbitproof.shared.numbers import parse_exact
-from orbitproof.verify.atlas import (
-    WITHIN,
-    AtlasCertificate,
-    CatalogueCertificate,
-    IndexCertificate,
-    Placed,
-    Sealed,
-    WebCertificate,
-    certified_table,
-    claiming_indices,
-    kind_of,
-    read_atlas_certificate,
-    read_catalogue_certificate,
-    read_index_certificate,
-    read_web_certificate,
-    rows_of_curve,
-    write_atlas_certificate,
-    write_catalogue_certificate,
-    write_index_certificate,
-    write_web_certificate,
+from orbitproof.verify.atlas import WITHIN, Placed, certified_table, claiming_indices, kind_of, rows_of_curve
+from orbitproof.verify.certificate import (
+    Certificate,
+    Limits,
+    Recheck,
+    read_any,
+    repeated,
+    write_certificate,
+    write_certificates,
 )
-from orbitproof.verify.certificate import Certificate, Limits, Recheck, read_certificates, repeated, write_certificates
 from orbitproof.verify.run import GIBIBYTE, CheckLimits, Workplace
 from orbitproof.verify.run.branch_checks import places_on_apart
 from orbitproof.verify.run.branch_tasks import RunLimits
 from orbitproof.verify.run.branches import conclude_run, limits_of, prove_pieces, started
-from orbitproof.verify.run.catalogue_command import certify_rows, check_again
+from orbitproof.verify.run.catalogue_command import certify_rows
 from orbitproof.verify.run.checking_again import checked_again
-from orbitproof.verify.run.index_command import check_index_again
 from orbitproof.verify.run.rows import RowRun
 from orbitproof.verify.run.second_proofs import Comparison, SecondProofs, problem_of
-from orbitproof.verify.run.web_command import certify_the_web, check_web_again
-
-AnyCertificate = Certificate | AtlasCertificate | WebCertificate | IndexCertificate | CatalogueCertificate
+from orbitproof.verify.run.web_command import certify_the_web
 
 
 def certify(
@@ -148,7 +131,7 @@ def certify_atlas(
     fresh: bool = False,
     scheduler: str | None = None,
     quiet: bool = False,
-) -> AtlasCertificate:
+) -> Certificate:
     """Prove a whole branch, piece by piece: a curve, a libration family, a surface, a curve without symmetry.
 
     A piece that fails is tried with more precision, then split in two. Nothing that is wrong with a claim raises: it is
@@ -185,9 +168,9 @@ def certify_atlas(
 
 
 def recheck(
-    certificates: AnyCertificate | Iterable[AnyCertificate],
+    certificates: Certificate | Iterable[Certificate],
     *,
-    rests_on: AnyCertificate | Iterable[AnyCertificate] = (),
+    rests_on: Certificate | Iterable[Certificate] = (),
     integrate: bool = False,
     jobs: int = 1,
     timeout: float | None = None,
@@ -215,39 +198,15 @@ def recheck(
     """
     workplace = Workplace(_jobs(jobs), None, timeout, int(memory * GIBIBYTE), quiet)
     given, below = _several(certificates), _several(rests_on)
-    own = [entry for entry in given if isinstance(entry, (Certificate, AtlasCertificate))]
-    _ids(own, "certificates")
-    curve = next((entry for entry in below if isinstance(entry, AtlasCertificate)), None)
-    with closing(checked_again(own, curve, integrate, workplace)) as checks:
-        found = {check.id: check for check in checks}
-    return [
-        found[entry.id]
-        if isinstance(entry, (Certificate, AtlasCertificate))
-        else _joined(entry, below, integrate, workplace)
-        for entry in given
-    ]
+    _ids([entry for entry in given if entry.key[0] in ("vertex", "arc")], "certificates")
+    found: dict[Certificate, Recheck] = {}
+    with closing(checked_again(given, below, integrate, workplace)) as checks:
+        for entry, check in checks:
+            found[entry] = check
+    return [found[entry] for entry in given]
 
 
-def _joined(
-    entry: WebCertificate | IndexCertificate | CatalogueCertificate,
-    below: Sequence[AnyCertificate],
-    integrate: bool,
-    workplace: Workplace,
-) -> Recheck:
-    """What checking a certificate again shows that is nothing without others."""
-    if isinstance(entry, WebCertificate):
-        parts = [part for part in below if isinstance(part, (Certificate, AtlasCertificate, IndexCertificate))]
-        return check_web_again(entry, parts, integrate, workplace)
-    name = entry.document["rests_on"]["id"]
-    curve = next((part for part in below if isinstance(part, AtlasCertificate) and part.id == name), None)
-    if curve is None:
-        raise InputError(f"rests_on: without the curve {name!r}, on which a certificate rests; add its certificate")
-    if isinstance(entry, IndexCertificate):
-        return check_index_again(entry, curve, integrate, workplace)
-    return check_again(entry, curve, integrate, workplace)
-
-
-def places(curve: AtlasCertificate, orbits: Iterable[Certificate], *, timeout: float | None = None) -> list[Placed]:
+def places(curve: Certificate, orbits: Iterable[Certificate], *, timeout: float | None = None) -> list[Placed]:
     """Where certified orbits lie on a curve that is proved (sections 15.8 and 19.6).
 
     Arguments:
@@ -262,7 +221,7 @@ def places(curve: AtlasCertificate, orbits: Iterable[Certificate], *, timeout: f
 
 def certify_catalogue(
     catalogue: str | Path | CatalogueRows | int,
-    curve: AtlasCertificate,
+    curve: Certificate,
     *,
     within: Fraction | float | str = WITHIN,
     output: str | Path | None = None,
@@ -270,7 +229,7 @@ def certify_catalogue(
     timeout: float | None = None,
     memory: float = CheckLimits.memory / GIBIBYTE,
     quiet: bool = False,
-) -> CatalogueCertificate:
+) -> Certificate:
     """Which rows of a catalogue a proved curve certifies, and what it says of the orbits that start near them.
 
     Arguments:
@@ -303,7 +262,7 @@ def certify_catalogue(
         rows, curve, distance, Workplace(timeout=timeout, memory=int(memory * GIBIBYTE), quiet=quiet)
     )
     if output is not None:
-        write_catalogue_certificate(Path(output), certificate.document)
+        write_certificate(Path(output), certificate.document)
     if table is not None:
         certified_table(rows, certificate.document).write(Path(table))
     return certificate
@@ -311,7 +270,7 @@ def certify_catalogue(
 
 def certify_web(
     web: str | Path | Web,
-    certificates: Iterable[Certificate | AtlasCertificate | IndexCertificate],
+    certificates: Iterable[Certificate],
     *,
     indices: bool = False,
     output: str | Path | None = None,
@@ -319,7 +278,7 @@ def certify_web(
     timeout: float | None = None,
     memory: float = CheckLimits.memory / GIBIBYTE,
     quiet: bool = False,
-) -> WebCertificate:
+) -> Certificate:
     """Whether proved curves meet in certified orbits as a web claims, and hang together.
 
     Arguments:
@@ -338,7 +297,7 @@ def certify_web(
     given = list(certificates)
     certificate = certify_the_web(claiming_indices(claim, given) if indices else claim, given, workplace)
     if output is not None:
-        write_web_certificate(Path(output), certificate.document)
+        write_certificate(Path(output), certificate.document)
     return certificate
 
 
@@ -374,7 +333,7 @@ def prove_again(
     return [Comparison(proofs.rows[name]["verdict"], proofs.rows[name]["reason"]) for name in known]
 
 
-def read(path: str | Path) -> list[Any]:
+def read(path: str | Path) -> list[Certificate]:
     """The certificates of a file, in its order: those of rows, or the one of a curve, a web, an index, a catalogue.
 
     Raises `InputError`, one line with file, field and remedy, for anything else, and for what was changed.
@@ -385,12 +344,10 @@ def read(path: str | Path) -> list[Any]:
     orbitproof.shared.errors.InputError: no-such-file.json: cannot be read (No such file or directory); \
 give the path of a certificates file
     """
-    file = Path(path)
-    schema = stated_format(file, "give the path of a certificates file")
-    return [_FILES[schema][0](file)] if schema in _FILES else list(read_certificates(file).values())
+    return read_any(Path(path))
 
 
-def write(path: str | Path, certificates: AnyCertificate | Iterable[AnyCertificate]) -> None:
+def write(path: str | Path, certificates: Certificate | Iterable[Certificate]) -> None:
     """Write certificates to a file (docs/formats.md), whole or not at all; a file that is there is replaced.
 
     A file holds any number of certificates of rows, or one of a curve, a web, an index, a catalogue. Raises
@@ -399,31 +356,21 @@ def write(path: str | Path, certificates: AnyCertificate | Iterable[AnyCertifica
     entries = _several(certificates)
     if not _ids(entries, str(path), "give each certificate its own id"):
         raise InputError(f"{path}: there are no certificates to write")
-    rows = [entry for entry in entries if isinstance(entry, Certificate)]
+    rows = [entry for entry in entries if "format" not in entry.document]
     if len(rows) == len(entries):
         write_certificates(Path(path), rows)
         return
     if len(entries) > 1:
         raise InputError(f"{path}: the certificate of a curve, web, index or catalogue has a file of its own")
-    document = entries[0].document
-    _FILES[document["format"].removeprefix("orbitproof-")][1](Path(path), document)
+    write_certificate(Path(path), entries[0].document)
 
 
-_FILES: Mapping[str, tuple[Callable[[Path], Any], Callable[[Path, Mapping[str, Any]], None]]] = {
-    "atlas-certificate": (read_atlas_certificate, write_atlas_certificate),
-    "web-certificate": (read_web_certificate, write_web_certificate),
-    "index-certificate": (read_index_certificate, write_index_certificate),
-    "catalogue-certificate": (read_catalogue_certificate, write_catalogue_certificate),
-}
-"""How files that hold one certificate are read and written, by their formats."""
-
-
-def _several(certificates: AnyCertificate | Iterable[AnyCertificate]) -> list[Any]:
-    return [certificates] if isinstance(certificates, (Certificate, Sealed)) else list(certificates)
+def _several(certificates: Certificate | Iterable[Certificate]) -> list[Certificate]:
+    return [certificates] if isinstance(certificates, Certificate) else list(certificates)
 
 
 def _ids(
-    entries: Sequence[BoxClaim | Certificate | AtlasCertificate],
+    entries: Sequence[BoxClaim | Certificate],
     where: str,
     remedy: str = "give each certificate once",
 ) -> list[str]:

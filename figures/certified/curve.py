@@ -18,7 +18,7 @@ from orbitproof.figures.orbits import Array
 from orbitproof.shared.formats import AnyAtlas, Atlas, InputError, PeriodicAtlas, Piece
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import System
-from orbitproof.verify.atlas import AtlasCertificate, read_atlas_certificate
+from orbitproof.verify.certificate import Certificate, read_certificate
 from orbitproof.verify.poincare import PHYSICAL
 
 _SAMPLES = 200
@@ -97,13 +97,13 @@ class Curve:
     @classmethod
     def read(cls, path: Path) -> Curve:
         """Read the certificate of a curve. Raises `InputError` if it is not one."""
-        certificate = read_atlas_certificate(path)
+        certificate = read_certificate(path, "atlas-certificate")
         if certificate.atlas.is_surface:
             raise InputError(f"{path}: field statement.atlas.claim.kind: a surface; give certificates of curves")
         return cls.of(certificate)
 
     @classmethod
-    def of(cls, certificate: AtlasCertificate) -> Curve:
+    def of(cls, certificate: Certificate) -> Curve:
         """The curve of a certificate that is about a curve."""
         atlas = certificate.atlas
         pieces = atlas.curve_pieces()
@@ -166,7 +166,7 @@ class Curve:
         return stretch.arclength_at(mark.s), point
 
 
-def _stretch(certificate: AtlasCertificate, piece: Piece, s: Array, length: float) -> Stretch:
+def _stretch(certificate: Certificate, piece: Piece, s: Array, length: float) -> Stretch:
     points = _points(piece, s)
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     results = [entry for entry in certificate.results if entry.piece == piece.id and entry.is_proved]
@@ -213,7 +213,7 @@ def _matrix(piece: Piece) -> Array:
     return np.array([[float(value) for value in row] for row in piece.frame])
 
 
-def _marks(certificate: AtlasCertificate) -> list[CertifiedPoint]:
+def _marks(certificate: Certificate) -> list[CertifiedPoint]:
     conclusion = certificate.document["conclusion"] or {}
     return [
         CertifiedPoint(

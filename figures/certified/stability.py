@@ -16,7 +16,7 @@ from orbitproof.figures.certified.twist import twist_on
 from orbitproof.figures.orbits import Array
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.numbers import parse_exact
-from orbitproof.verify.atlas import AtlasCertificate
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.functions import StoredFunction
 from orbitproof.verify.stability import REACH, StabilityFunctions, StabilityResult
 
@@ -86,7 +86,7 @@ class CertifiedStability:
     twistless: tuple[tuple[str, float], ...] = ()
 
     @classmethod
-    def of(cls, certificate: AtlasCertificate) -> CertifiedStability | None:
+    def of(cls, certificate: Certificate) -> CertifiedStability | None:
         """The stability along the curve of a certificate; `None` if it has no complete list."""
         listed = (certificate.document["conclusion"] or {}).get("complete")
         if not listed or not certificate.proved:
@@ -122,7 +122,7 @@ def _end(entry: Mapping[str, Any], which: int) -> tuple[str, float]:
     return entry["piece"], float(parse_exact(entry["interval"][which]))
 
 
-def _on_stretch(stretch: Stretch, certificate: AtlasCertificate) -> StabilityOnStretch:
+def _on_stretch(stretch: Stretch, certificate: Certificate) -> StabilityOnStretch:
     atlas, results = certificate.atlas, certificate.results
     twist = twist_on(stretch, atlas, results) if isinstance(atlas, Atlas) else np.full(len(stretch.s), np.nan)
     # As in the list: of two results the one on the shorter interval, at equal lengths the one with more bits.

@@ -40,7 +40,7 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Read everything, then write the pictures; returns the exit code. Raises `InputError`."""
-    from orbitproof.verify.atlas import read_atlas_certificate
+    from orbitproof.verify.certificate import read_certificate
 
     draw_atlases(options.certificates, options.output, files=files_of(options), told=print_path)
-    return 0 if all(read_atlas_certificate(path).proved for path in options.certificates) else 1
+    return 0 if all(read_certificate(path, "atlas-certificate").proved for path in options.certificates) else 1

@@ -13,14 +13,15 @@ from orbitproof.figures.certified.rows import BOUNDS, bounds_of
 from orbitproof.figures.pictures.legends import legend_row, verdict_handles
 from orbitproof.figures.style import CURVE, INK
 from orbitproof.shared.formats import FIELDS
-from orbitproof.verify.atlas.catalogue import CatalogueCertificate, CertifiedRow
+from orbitproof.verify.atlas.catalogue import CertifiedRow
+from orbitproof.verify.certificate import Certificate
 
 _WIDTH, _HEIGHT = 7.2, 3.6
 _LEVEL, _PERIOD = FIELDS.index("jacobi"), FIELDS.index("period")
 _LOOKS = tuple(zip(BOUNDS, ("#111111", "#b2182b", "#1b7837", "#762a83"), "osD^", strict=True))
 
 
-def draw_rows(certificate: CatalogueCertificate) -> Figure:
+def draw_rows(certificate: Certificate) -> Figure:
     """Periods over Jacobi constants of all rows, and the bounds of their differences from certified orbits."""
     rows = certificate.rows
     verdicts = [row.orbit is not None for row in rows]

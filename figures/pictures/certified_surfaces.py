@@ -13,7 +13,7 @@ from orbitproof.figures.certified import heading_of
 from orbitproof.figures.orbits import Array
 from orbitproof.figures.style import CURVE, INK, label_of
 from orbitproof.shared.formats import Atlas, SurfacePiece
-from orbitproof.verify.atlas import AtlasCertificate
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.surface import SurfaceResult
 
 _WIDTH = 7.2
@@ -59,14 +59,14 @@ class Surface:
         return self.atlas.system.fixed_parameters[0]
 
 
-def surface_of(certificate: AtlasCertificate) -> Surface:
+def surface_of(certificate: Certificate) -> Surface:
     """The surface of a certificate that is about one."""
     atlas = certificate.atlas
     sheets = tuple(_sheet(certificate, piece) for piece in atlas.surface_pieces())
     return Surface(atlas, certificate.proved, sheets)
 
 
-def _sheet(certificate: AtlasCertificate, piece: SurfacePiece) -> Sheet:
+def _sheet(certificate: Certificate, piece: SurfacePiece) -> Sheet:
     system = certificate.atlas.system
     signs = system.symmetries[certificate.atlas.claim.symmetry or ""]
     odd = [i for i, name in enumerate(system.centre_coordinates) if signs[system.state.index(name)] < 0]

@@ -30,8 +30,9 @@ from orbitproof.shared.systems import (
     ReversibleSystem,
     System,
 )
-from orbitproof.verify.atlas import StoredArc, StoredVertex, WebCertificate
+from orbitproof.verify.atlas import StoredArc, StoredVertex
 from orbitproof.verify.atlas.listed import ListedInterval
+from orbitproof.verify.certificate import Certificate
 
 COLOURS = {"planar": "#3c6e91", "R": "#1b7837", "axial": "#b2182b", "vertical": "#762a83"}
 WORDS = {
@@ -68,7 +69,7 @@ class DrawnArc:
     stable: tuple[Array, ...]
 
 
-def drawn_arcs(web: WebCertificate, curves: Mapping[str, Curve]) -> tuple[DrawnArc, ...]:
+def drawn_arcs(web: Certificate, curves: Mapping[str, Curve]) -> tuple[DrawnArc, ...]:
     """The arcs of a proved web of the CR3BP, from the certificates of their curves by id. Raises `InputError`."""
     if not web.proved:
         raise InputError(f"the web {web.id}: its certificate says {web.verdict!r}; there is nothing to draw")
@@ -214,7 +215,7 @@ def _libration_point(mu: float, name: str) -> float:
     return 0.5 * (left + right)
 
 
-def draw_web(web: WebCertificate, curves: Mapping[str, Curve]) -> Figure:
+def draw_web(web: Certificate, curves: Mapping[str, Curve]) -> Figure:
     """Level against x where orbits start; the surroundings of planar and vertical arcs beside."""
     arcs = drawn_arcs(web, curves)
     near = [arc for known, arc in zip(web.arcs, arcs, strict=True) if is_around_smaller_primary(known)]

@@ -30,8 +30,9 @@ from orbitproof.figures.pictures.web import (
 )
 from orbitproof.figures.pictures.web_script import PAGE
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, System, shown
-from orbitproof.verify.atlas import StoredArc, WebCertificate
+from orbitproof.verify.atlas import StoredArc
 from orbitproof.verify.atlas.listed import ListedEnd
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.evidence import range_text
 from orbitproof.verify.web import IndexOnArc
 
@@ -45,7 +46,7 @@ _SAID = {"vertical": "vertical, symmetric under R and under the half turn"}
 """Where the legend of the picture is too short."""
 
 
-def page_of(web: WebCertificate, curves: Mapping[str, Curve]) -> str:
+def page_of(web: Certificate, curves: Mapping[str, Curve]) -> str:
     """The page of a proved web, from the certificates of its arcs. Raises `InputError`."""
     drawn = drawn_arcs(web, curves)
     order = [vertex.id for vertex in web.vertices]
@@ -74,7 +75,7 @@ def page_of(web: WebCertificate, curves: Mapping[str, Curve]) -> str:
     return page
 
 
-def _vertices(web: WebCertificate, drawn: Sequence[DrawnArc]) -> list[dict[str, Any]]:
+def _vertices(web: Certificate, drawn: Sequence[DrawnArc]) -> list[dict[str, Any]]:
     """The vertices, each with all places at which arcs meet it: arcs may start at different points of its orbit."""
     places: dict[str, list[list[float]]] = {vertex.id: [] for vertex in web.vertices}
     for vertex, level, x in (mark for arc in drawn for mark in arc.marks):
@@ -91,7 +92,7 @@ def _vertices(web: WebCertificate, drawn: Sequence[DrawnArc]) -> list[dict[str, 
     ]
 
 
-def _beside(web: WebCertificate) -> list[list[int]]:
+def _beside(web: Certificate) -> list[list[int]]:
     """For each arc which arcs the diagram is about when it is chosen: those around L1 and L2, or those of its part."""
     near = {arc.id for arc in web.arcs if is_around_smaller_primary(arc)}
     part_of = {name: set(part) for part in web.document["parts"] for name in part}

@@ -13,10 +13,6 @@ from .statements import parameter_text as parameter_text
 from .statements import piece_table as piece_table
 from .theorems import CERTIFICATE_FORMATS as CERTIFICATE_FORMATS
 from .theorems import Checked as Checked
-from .theorems import CheckedAtlas as CheckedAtlas
-from .theorems import CheckedCatalogue as CheckedCatalogue
-from .theorems import CheckedRow as CheckedRow
-from .theorems import CheckedWeb as CheckedWeb
 from .theorems import Refused as Refused
 from .theorems import check_files as check_files
 from .writers import FORMATS as FORMATS

@@ -7,15 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.figures.report.statements import is_proved
-from orbitproof.figures.report.theorems import (
-    Checked,
-    CheckedCatalogue,
-    CheckedIndex,
-    CheckedRow,
-    CheckedWeb,
-    has_second_proof,
-)
+from orbitproof.figures.report.theorems import VERTEX, Checked, has_second_proof
 from orbitproof.shared.systems import shown
+from orbitproof.verify.certificate.kinds import WEB
 
 Named = Callable[[Path], str]
 """How a file is called on the command line."""
@@ -28,12 +22,9 @@ def check_again(entries: Sequence[Checked], path: Path, named: Named, integrate:
     files: list[Path] = []
     option = "--curve"
     for entry in there:
-        if isinstance(entry, CheckedWeb):
-            option = "--certificates"
-            files += [each.path for each in entry.rests_on]
-        elif isinstance(entry, CheckedCatalogue | CheckedIndex):
-            files += [each.path for each in entry.rests_on]
-        elif isinstance(entry, CheckedRow) and (place := entry.document.get("place")) is not None:
+        option = "--certificates" if entry.part == WEB else option
+        files += [each.path for each in entry.rests_on]
+        if (place := entry.document.get("place")) is not None:
             curve = curve_of(place, entries)
             if curve is None:
                 return " ".join([*words, option, "CERTIFICATE-OF-THE-CURVE"])
@@ -49,7 +40,7 @@ def curve_of(place: Any, entries: Sequence[Checked]) -> Checked | None:
 
 def second_proofs(entries: Sequence[Checked], named: Named) -> list[str]:
     """The commands for what is proved and has a second proof; the others of its file are left out by name."""
-    rows = [entry for entry in entries if isinstance(entry, CheckedRow)]
+    rows = [entry for entry in entries if entry.part == VERTEX]
     lines = []
     for path in dict.fromkeys(entry.path for entry in rows):
         there = [entry for entry in rows if entry.path == path]

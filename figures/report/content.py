@@ -22,7 +22,7 @@ from orbitproof.figures.report.document import (
     Statement,
     Table,
 )
-from orbitproof.figures.report.joined import Joined, extent_of, resting_paragraph, tables_of_joined
+from orbitproof.figures.report.joined import resting_paragraph, tables_of_joined
 from orbitproof.figures.report.statements import (
     box_label,
     box_table,
@@ -35,11 +35,11 @@ from orbitproof.figures.report.statements import (
     system_blocks,
     system_of,
 )
-from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedCatalogue, CheckedRow
+from orbitproof.figures.report.theorems import ARC, VERTEX, Checked
 from orbitproof.shared.systems import shown
 from orbitproof.shared.wording import counted
 from orbitproof.verify.certificate import MEANINGS, Level
-from orbitproof.verify.evidence import Reason, as_said, software
+from orbitproof.verify.evidence import as_said, software
 
 TITLE = "Bifurcations and families of symmetric periodic orbits: theorems and their certificates"
 
@@ -81,8 +81,8 @@ def _in_order(proved: Sequence[Checked]) -> list[Checked]:
     return sorted(proved, key=lambda entry: list(_CHAPTERS).index(entry.chapter))
 
 
-def _rows(entries: Sequence[Checked]) -> list[CheckedRow]:
-    return [entry for entry in entries if isinstance(entry, CheckedRow)]
+def _rows(entries: Sequence[Checked]) -> list[Checked]:
+    return [entry for entry in entries if entry.part == VERTEX]
 
 
 def theorem_label(name: str) -> str:
@@ -134,18 +134,17 @@ def _theorem(entry: Checked, numbers: Mapping[str, int], systems: Mapping[tuple[
     title = f"{kind_of(entry)}; {shown(name)}"
     statement = Statement(theorem_label(name), number, title, statement_blocks(entry, system))
     blocks: list[Block] = [statement]
-    if isinstance(entry, Joined):
+    if entry.rests_on:
 
         def place_of(other: str) -> Place | None:
             return Place(theorem_label(other), f"Theorem {numbers[other]}") if other in numbers else None
 
         blocks.append(resting_paragraph(entry, place_of))
-    if not isinstance(entry, CheckedCatalogue):
+    if entry.certificate.hypotheses:
         blocks.append(hypothesis_table(entry))
-    if isinstance(entry, CheckedAtlas):
+    if entry.part == ARC:
         blocks.append(piece_table(entry))
-    elif isinstance(entry, Joined):
-        blocks += tables_of_joined(entry)
+    blocks += tables_of_joined(entry)
     return Section(f"section-{name}", f"Theorem {number}: {shown(name)}", (*blocks, *draw(entry)), level=2)
 
 
@@ -154,10 +153,8 @@ def _not_proved(entries: Sequence[Checked]) -> list[Section]:
         return []
     items: list[Runs] = []
     for entry in entries:
-        if isinstance(entry, CheckedCatalogue):
-            why = f"{extent_of(entry)} are certified by the curve"
-        else:
-            why = as_said(Reason(**entry.document["reason"]))
+        reason = entry.certificate.reason
+        why = f"{parameter_text(entry)} are certified by the curve" if reason is None else as_said(reason)
         items.append((f"{shown(entry.name)}: {why}",))
     words = (
         "These certificates claim nothing. That something is not proved does not mean that it is false. What the runs "
@@ -219,7 +216,7 @@ def _software(entries: Sequence[Checked]) -> Section:
     ))  # fmt: skip
 
 
-def _boxes(rows: Sequence[CheckedRow]) -> list[Section]:
+def _boxes(rows: Sequence[Checked]) -> list[Section]:
     words = "Numbers are exact: 0xMp-E is the hexadecimal integer M divided by 2 to the E, 0xMpE is M times 2 to the E."
     tables = [Section(box_label(entry), entry.name, (box_table(entry),), level=2) for entry in rows]
     return [Section("boxes", "Boxes, exactly", (Paragraph((words,)),)), *tables]

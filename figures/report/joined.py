@@ -9,28 +9,15 @@ from flint import arb
 
 from orbitproof.figures.certified.rows import BOUNDS, bounds_of
 from orbitproof.figures.report.document import Block, Code, Paragraph, Place, Run, Runs, Table
-from orbitproof.figures.report.theorems import CheckedCatalogue, CheckedIndex, CheckedWeb
+from orbitproof.figures.report.theorems import Checked
 from orbitproof.shared.systems import shown
-from orbitproof.shared.wording import counted
 from orbitproof.verify.atlas.catalogue import CertifiedRow
+from orbitproof.verify.certificate.kinds import CATALOGUE, WEB
 from orbitproof.verify.evidence import decimal_interval
 
 _SHORT = 12
 _SHOWN = 40
 """A catalogue of no more rows is told row by row."""
-
-Joined = CheckedWeb | CheckedCatalogue | CheckedIndex
-
-
-def extent_of(entry: Joined) -> str:
-    """What is in it, for the summary."""
-    if isinstance(entry, CheckedWeb):
-        arcs, vertices = entry.certificate.arcs, entry.certificate.vertices
-        return f"{counted(len(arcs), 'arc')}, {len(vertices)} {'vertex' if len(vertices) == 1 else 'vertices'}"
-    if isinstance(entry, CheckedIndex):
-        return f"index of {counted(len(entry.certificate.orbits), 'orbit')}"
-    rows = entry.certificate.rows
-    return f"{len(certified(rows))} of {len(rows)} rows"
 
 
 def certified(rows: Sequence[CertifiedRow]) -> list[CertifiedRow]:
@@ -38,7 +25,7 @@ def certified(rows: Sequence[CertifiedRow]) -> list[CertifiedRow]:
     return [row for row in rows if row.orbit is not None and row.differences is not None]
 
 
-def resting_paragraph(entry: Joined, place_of: Callable[[str], Place | None]) -> Paragraph:
+def resting_paragraph(entry: Checked, place_of: Callable[[str], Place | None]) -> Paragraph:
     """Which theorems it rests on; `place_of` gives those of this report by the names of certificates."""
     runs: list[Run] = ["It rests on "]
     for number, each in enumerate(entry.rests_on):
@@ -48,15 +35,15 @@ def resting_paragraph(entry: Joined, place_of: Callable[[str], Place | None]) ->
     return Paragraph((*runs, "."))
 
 
-def tables_of_joined(entry: Joined) -> Iterator[Block]:
+def tables_of_joined(entry: Checked) -> Iterator[Block]:
     """What is known of arcs, or of rows; of an index all is said in the theorem."""
-    if isinstance(entry, CheckedWeb):
+    if entry.part == WEB:
         yield _arcs(entry)
-    elif isinstance(entry, CheckedCatalogue):
+    elif entry.part == CATALOGUE:
         yield from _rows(entry)
 
 
-def _arcs(entry: CheckedWeb) -> Table:
+def _arcs(entry: Checked) -> Table:
     rows: list[tuple[Runs, ...]] = [
         (
             (arc.id,), (arc.kind,), (str(len(arc.meets)),),
@@ -69,7 +56,7 @@ def _arcs(entry: CheckedWeb) -> Table:
     return Table(header, tuple(rows), f"Arcs, {shown(entry.name)}", (0.24, 0.14, 0.1, 0.23, 0.23))
 
 
-def _rows(entry: CheckedCatalogue) -> Iterator[Block]:
+def _rows(entry: Checked) -> Iterator[Block]:
     rows = entry.certificate.rows
     found = certified(rows)
     bounds: list[tuple[Runs, ...]] = []

@@ -25,18 +25,11 @@ from orbitproof.figures.pictures import (
 )
 from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.report.document import Picture
-from orbitproof.figures.report.theorems import (
-    Checked,
-    CheckedAtlas,
-    CheckedCatalogue,
-    CheckedIndex,
-    CheckedRow,
-    CheckedWeb,
-)
+from orbitproof.figures.report.theorems import ARC, VERTEX, Checked
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared.formats import Candidate, InputError, PeriodicBifurcation, PeriodicOrbit
 from orbitproof.shared.systems import shown
-from orbitproof.verify.atlas import AtlasCertificate
+from orbitproof.verify.certificate.kinds import CATALOGUE, WEB
 from orbitproof.verify.double_resonance import ResonanceResults
 from orbitproof.verify.orbit import OrbitResults
 from orbitproof.verify.periodic import PeriodicResults
@@ -51,25 +44,13 @@ _FROM_POLYNOMIALS = "drawn from the polynomials of the pieces, from which the tr
 def pictures_of(entry: Checked) -> tuple[Picture, ...]:
     """The pictures of a proved theorem."""
     with use_style():
-        match entry:
-            case CheckedRow():
-                return _of_row(entry)
-            case CheckedAtlas():
-                return _of_atlas(entry)
-            case CheckedWeb():
-                return _of_web(entry)
-            case CheckedIndex():
-                return ()
-        return _of_catalogue(entry)
+        drawn = _DRAWN.get(entry.part)
+        return () if drawn is None else drawn(entry)
 
 
-def _of_web(entry: CheckedWeb) -> tuple[Picture, ...]:
+def _of_web(entry: Checked) -> tuple[Picture, ...]:
     """None of a web of another system than the three-body problem."""
-    curves = [
-        Curve.of(AtlasCertificate(each.atlas, each.document))
-        for each in entry.rests_on
-        if isinstance(each, CheckedAtlas)
-    ]
+    curves = [Curve.of(each.certificate) for each in entry.rests_on if each.part == ARC]
     try:
         figure = draw_web(entry.certificate, {curve.atlas.id: curve for curve in curves})
     except InputError:
@@ -78,7 +59,7 @@ def _of_web(entry: CheckedWeb) -> tuple[Picture, ...]:
     return (_picture(f"web-{file_name(entry.name)}", caption, figure),)
 
 
-def _of_catalogue(entry: CheckedCatalogue) -> tuple[Picture, ...]:
+def _of_catalogue(entry: Checked) -> tuple[Picture, ...]:
     caption = (
         f"{shown(entry.name)}: (a) the rows, filled where an orbit of the curve is certified to start near one; "
         "(b) certified bounds of how far the numbers of that orbit are from those of the row"
@@ -86,7 +67,7 @@ def _of_catalogue(entry: CheckedCatalogue) -> tuple[Picture, ...]:
     return (_picture(f"rows-{file_name(entry.name)}", caption, draw_rows(entry.certificate)),)
 
 
-def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
+def _of_row(entry: Checked) -> tuple[Picture, ...]:
     name = entry.certificate.id
     if entry.certificate.periodic is not None:
         return _of_periodic(entry, entry.certificate.periodic)
@@ -127,7 +108,7 @@ def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
     return (_picture(f"box-{file_name(name)}", caption, figure),)
 
 
-def _section_of(entry: CheckedRow, found: OrbitResults) -> tuple[Picture, ...]:
+def _section_of(entry: Checked, found: OrbitResults) -> tuple[Picture, ...]:
     """The return map about an orbit that is stable for ever; none where orbits near it cannot be followed."""
     if not isinstance(found, StableOrbitResults):
         return ()
@@ -145,7 +126,7 @@ def _section_of(entry: CheckedRow, found: OrbitResults) -> tuple[Picture, ...]:
     return (_picture(f"section-{file_name(name)}", caption, figure),)
 
 
-def _of_periodic(entry: CheckedRow, found: PeriodicResults) -> tuple[Picture, ...]:
+def _of_periodic(entry: Checked, found: PeriodicResults) -> tuple[Picture, ...]:
     """An orbit without symmetry; none of one that is too unstable to be drawn in double precision."""
     assert isinstance(entry.candidate, PeriodicOrbit)
     name = entry.certificate.id
@@ -160,7 +141,7 @@ def _of_periodic(entry: CheckedRow, found: PeriodicResults) -> tuple[Picture, ..
     return (_picture(f"orbit-{file_name(name)}", caption, figure),)
 
 
-def _of_periodic_bifurcation(entry: CheckedRow, claim: PeriodicBifurcation) -> tuple[Picture, ...]:
+def _of_periodic_bifurcation(entry: Checked, claim: PeriodicBifurcation) -> tuple[Picture, ...]:
     """None of an orbit that is too unstable to be drawn in double precision."""
     name, found = entry.certificate.id, entry.certificate.results
     assert isinstance(found, PeriodicBifurcationResults | TorusResults)
@@ -176,9 +157,8 @@ def _of_periodic_bifurcation(entry: CheckedRow, claim: PeriodicBifurcation) -> t
     return (_picture(f"bifurcation-{file_name(name)}", caption, drawn.figure),)
 
 
-def _of_atlas(entry: CheckedAtlas) -> tuple[Picture, ...]:
-    atlas = entry.atlas
-    certificate = AtlasCertificate(atlas, entry.document)
+def _of_atlas(entry: Checked) -> tuple[Picture, ...]:
+    certificate, atlas = entry.certificate, entry.certificate.atlas
     stem = file_name(atlas.id)
     if atlas.is_surface:
         caption = (
@@ -195,6 +175,10 @@ def _of_atlas(entry: CheckedAtlas) -> tuple[Picture, ...]:
             draw_pieces(curve),
         ),
     )
+
+
+_DRAWN = {VERTEX: _of_row, ARC: _of_atlas, WEB: _of_web, CATALOGUE: _of_catalogue}
+"""By what a certificate can be for others; there is no picture of an index."""
 
 
 def _picture(name: str, caption: str, figure: Figure) -> Picture:

@@ -11,21 +11,12 @@ from flint import arb
 
 from orbitproof.figures.report.document import Block, Code, Formulas, Items, Math, Paragraph, Place, Run, Runs, Table
 from orbitproof.figures.report.formulas import to_latex, typeset
-from orbitproof.figures.report.joined import Joined, extent_of
 from orbitproof.figures.report.margins import margin_of, margin_on_atlas, part_of
-from orbitproof.figures.report.theorems import (
-    Checked,
-    CheckedAtlas,
-    CheckedCatalogue,
-    CheckedIndex,
-    CheckedRow,
-    CheckedWeb,
-)
+from orbitproof.figures.report.theorems import ARC, VERTEX, Checked
 from orbitproof.shared.claims.fields import Matrix, Vector
 from orbitproof.shared.formats import (
     KINDS,
     REVERSOR_BREAKING,
-    SURFACE,
     Candidate,
     InSection,
     PeriodicAtlas,
@@ -42,46 +33,13 @@ from orbitproof.verify.words.curve import times_are_of_quarters
 _DIGITS = 34
 _SHORT = 12
 
-_KINDS = {
-    "symmetry_breaking": "Symmetry breaking",
-    "fold": "Fold",
-    "period_tupling": "Period {k}-tupling",
-    "touch_and_go": "Touch-and-go of order {k}",
-    "orbit": "One symmetric periodic orbit",
-    "invariant_tori": "Invariant tori near a symmetric periodic orbit",
-    "stable_orbit": "A symmetric periodic orbit that is stable for ever",
-    "reversor_breaking": "A birth of periodic orbits that R does not map to themselves",
-    "krein_collision": "A Krein collision of multipliers",
-    "double_resonance": "Two resonances that meet",
-    "periodic": "One periodic orbit",
-    "periodic-fold": "A fold of periodic orbits",
-    "periodic-doubling": "A period doubling of periodic orbits",
-    "periodic-pitchfork": "A symmetry breaking of periodic orbits",
-    "periodic-torus": "A torus bifurcation of periodic orbits",
-}
-_BRANCHES = {
-    "arc": "A curve of symmetric periodic orbits",
-    "loop": "A closed curve of symmetric periodic orbits",
-    "symmetric-arc": "A curve of symmetric periodic orbits, mapped to itself by {symmetry}",
-    "symmetric-loop": "A closed curve of symmetric periodic orbits, mapped to itself by {symmetry}",
-    SURFACE: "Symmetry breaking over a range of parameters",
-    "periodic-arc": "A curve of periodic orbits",
-    "periodic-loop": "A closed curve of periodic orbits",
-}
-
 
 def kind_of(entry: Checked) -> str:
     """What a theorem is about, from the claim."""
-    if isinstance(entry, CheckedRow):
-        kind, k = entry.candidate.kind, entry.candidate.k
-        return _KINDS[kind].format(k=k) if kind in _KINDS else kind_named(kind).said(k, kind).capitalize()
-    if isinstance(entry, CheckedWeb):
-        return "Curves of periodic orbits joined into a graph"
-    if isinstance(entry, CheckedCatalogue):
-        return "Rows of a catalogue as orbits of a curve"
-    if isinstance(entry, CheckedIndex):
-        return "The index of orbits of a curve"
-    return _BRANCHES[entry.atlas.claim.kind].format(symmetry=entry.atlas.claim.symmetry)
+    kind, k = entry.certificate.kind, entry.certificate.k
+    known = kind_named(kind)
+    symmetry = entry.certificate.atlas.claim.symmetry if entry.part == ARC else None
+    return known.titles.get(kind, known.said(k, kind).capitalize()).format(k=k, symmetry=symmetry)
 
 
 def is_proved(entry: Checked) -> bool:
@@ -91,7 +49,7 @@ def is_proved(entry: Checked) -> bool:
 
 def system_of(entry: Checked) -> tuple[str, ...]:
     """The lines of a certificate of a box that state its system, all before those of the box; empty for others."""
-    if not isinstance(entry, CheckedRow):
+    if entry.part != VERTEX:
         return ()
     lines = str(entry.document["statement"]["in_full"]).split("\n")
     first = next((i for i, line in enumerate(lines) if line.startswith(_BOX)), 0)
@@ -109,7 +67,7 @@ def statement_blocks(entry: Checked, system: Place | None = None) -> tuple[Block
     Args:
         system: where the system stands that other theorems are about too; then what is proved comes first.
     """
-    words = "theorem" if isinstance(entry, Joined) else "in_full"
+    words = "in_full" if entry.part in (VERTEX, ARC) else "theorem"
     lines = str(entry.document["statement"][words]).split("\n")
     blocks: list[Block] = []
     if system is not None:
@@ -118,7 +76,7 @@ def statement_blocks(entry: Checked, system: Place | None = None) -> tuple[Block
         blocks.append(Paragraph(("About ", system, ".")))
         lines = [*lines[theorem:], *lines[:theorem]]
     blocks += _blocks(lines)
-    if isinstance(entry, CheckedRow):
+    if entry.part == VERTEX:
         where = Place(box_label(entry), "the table of boxes")
         blocks.append(Paragraph(("Centre, frame and radii stand exactly in ", where, ".")))
         blocks += _normal_form(entry)
@@ -157,12 +115,12 @@ def _right(text: str) -> str:
     return to_latex(text) if value is None else rf"{value[1]} \quad \text{{(exactly {value[2]})}}"
 
 
-def box_label(entry: CheckedRow) -> str:
+def box_label(entry: Checked) -> str:
     """Where the exact box stands."""
     return f"box-{entry.certificate.id}"
 
 
-def _normal_form(entry: CheckedRow) -> Iterator[Block]:
+def _normal_form(entry: Checked) -> Iterator[Block]:
     section = "27.5" if entry.certificate.kind == REVERSOR_BREAKING else "9.5"
     balls = {name: ball for name, ball in entry.certificate.normal_form.items() if name in ("alpha", "gamma", "beta")}
     if balls:
@@ -177,24 +135,14 @@ def _notes(entry: Checked) -> Iterator[Block]:
         yield Paragraph((f"Note: {as_options(note)}.",))
 
 
-def hypothesis_table(entry: CheckedRow | CheckedAtlas | CheckedWeb | CheckedIndex) -> Table:
+def hypothesis_table(entry: Checked) -> Table:
     """The hypotheses of the theorem with their enclosures and margins."""
-    if isinstance(entry, CheckedRow):
-        hypotheses = [
-            (item.name, item.statement, item.section, item.enclosures) for item in entry.certificate.hypotheses
-        ]
-    else:
-        stored = entry.document if isinstance(entry, CheckedWeb | CheckedIndex) else entry.document["conclusion"]
-        hypotheses = [
-            (item["name"], item["statement"], item["section"],
-             {name: ball_from_json(ball) for name, ball in item["enclosures"].items()})
-            for item in stored["hypotheses"]
-        ]  # fmt: skip
     rows: list[tuple[Runs, ...]] = []
-    for name, statement, section, enclosures in hypotheses:
+    for each in entry.certificate.hypotheses:
+        name, statement, section, enclosures = each.name, each.statement, each.section, each.enclosures
         lead: tuple[Runs, ...] = ((name,), (f"{statement} (section {section})",))
         if not enclosures:
-            rows.append((*lead, ("exact",) if isinstance(entry, CheckedRow) else (), ()))
+            rows.append((*lead, ("exact",) if entry.part == VERTEX else (), ()))
         for key, ball in enclosures.items():
             rows.append((*lead, (f"{key}: {_shown(ball)}",), _margin(entry, name, key, ball)))
             lead = ((), ())
@@ -205,14 +153,11 @@ def hypothesis_table(entry: CheckedRow | CheckedAtlas | CheckedWeb | CheckedInde
     ).without_empty_columns()  # fmt: skip
 
 
-def _margin(
-    entry: CheckedRow | CheckedAtlas | CheckedWeb | CheckedIndex, hypothesis: str, name: str, ball: arb
-) -> Runs:
-    if isinstance(entry, CheckedWeb | CheckedIndex):
-        return ()
-    if isinstance(entry, CheckedAtlas):
-        margin = margin_on_atlas(entry.atlas, hypothesis, name, ball)
-    else:
+def _margin(entry: Checked, hypothesis: str, name: str, ball: arb) -> Runs:
+    margin = ""
+    if entry.part == ARC:
+        margin = margin_on_atlas(entry.certificate.atlas, hypothesis, name, ball)
+    elif entry.part == VERTEX:
         margin = margin_of(entry.claim, entry.candidate, hypothesis, name, ball)
     return (margin,) if margin else ()
 
@@ -221,9 +166,9 @@ def _shown(ball: arb) -> str:
     return decimal_interval(ball, _SHORT)
 
 
-def piece_table(entry: CheckedAtlas) -> Table:
+def piece_table(entry: Checked) -> Table:
     """The proved intervals of a curve or surface: in how many parts, and for curves the margin of the tube."""
-    atlas = entry.atlas
+    atlas = entry.certificate.atlas
     tubes: dict[str, Sequence[Fraction]] = {piece.id: (piece.tube,) for piece in atlas.libration_pieces()}
     tubes |= {piece.id: piece.tube for piece in atlas.curve_pieces()}
     rows: list[tuple[Runs, ...]] = []
@@ -254,7 +199,7 @@ def _tube_margin(deviations: Sequence[str], tube: Sequence[Fraction]) -> str:
     return part_of(worst, "of the tube")
 
 
-def box_table(entry: CheckedRow) -> Table:
+def box_table(entry: Checked) -> Table:
     """Parameters and box of a claim, exactly; with a level form also the candidate's own box."""
     if isinstance(entry.candidate, InSection):
         return _box_in_section(entry.candidate)
@@ -328,20 +273,20 @@ def _box_rows(
 
 def parameter_text(entry: Checked) -> str:
     """The parameter at a bifurcation, the period of an orbit, or what is on a curve or surface, for the summary."""
-    if isinstance(entry, CheckedAtlas):
+    if entry.part == ARC:
         return _extent(entry)
-    if isinstance(entry, Joined):
-        return extent_of(entry)
+    if entry.part != VERTEX:
+        return kind_named(entry.certificate.kind).extent(entry.certificate)
     if entry.certificate.parameter is None:
         return ""
     return f"{entry.certificate.parameter_name} in {interval_text(entry.certificate.parameter, 20)}"
 
 
-def _extent(entry: CheckedAtlas) -> str:
+def _extent(entry: Checked) -> str:
     conclusion, covers, names = (
         entry.document["conclusion"],
-        entry.atlas.claim.covers,
-        names_in_words(entry.atlas.system),
+        entry.certificate.atlas.claim.covers,
+        names_in_words(entry.certificate.atlas.system),
     )
     parts = []
     if covers is not None:

@@ -127,9 +127,9 @@ def draw_atlases(
     certificates: Sequence[Source], folder: Source, *, files: Files | None = None, told: Told = quietly
 ) -> list[Path]:
     """Branches, from the certificates of their atlases: curves, stability along them, surfaces. Verdicts are copied."""
-    from orbitproof.verify.atlas import read_atlas_certificate
+    from orbitproof.verify.certificate import read_certificate
 
-    known = [read_atlas_certificate(Path(path)) for path in certificates]
+    known = [read_certificate(Path(path), "atlas-certificate") for path in certificates]
     names = [file_name(certificate.atlas.id) for certificate in known]
     for name in names:
         if names.count(name) > 1:
@@ -164,10 +164,11 @@ def draw_web(
 
     `page`: a file for it as HTML, with the orbits of each arc.
     """
-    from orbitproof.verify.atlas import read_atlas_certificate, read_web_certificate
+    from orbitproof.verify.certificate import read_certificate
 
-    known = read_web_certificate(Path(web))
-    given = {certificate.id: certificate for certificate in map(read_atlas_certificate, map(Path, certificates))}
+    known = read_certificate(Path(web), "web-certificate")
+    arcs = [read_certificate(Path(path), "atlas-certificate") for path in certificates]
+    given = {certificate.id: certificate for certificate in arcs}
     for entry in known.document["rests_on"]:
         certificate = given.get(entry["id"])
         if entry["kind"] == "arc" and (certificate is None or certificate.document["digest"] != entry["digest"]):
@@ -198,9 +199,9 @@ def draw_catalogues(
     certificates: Sequence[Source], folder: Source, *, files: Files | None = None, told: Told = quietly
 ) -> list[Path]:
     """The rows of catalogues that a curve certifies, from their certificates: one picture each."""
-    from orbitproof.verify.atlas import read_catalogue_certificate
+    from orbitproof.verify.certificate import read_certificate
 
-    given = [(Path(path).stem, read_catalogue_certificate(Path(path))) for path in certificates]
+    given = [(Path(path).stem, read_certificate(Path(path), "catalogue-certificate")) for path in certificates]
 
     from orbitproof.figures.files import save
     from orbitproof.figures.pictures import draw_rows

@@ -14,8 +14,7 @@ from support.forgeries import forged
 from support.joined import retrograde_index, write_catalogue, write_indexed_web, write_web
 
 from orbitproof.verify.__main__ import main as verify
-from orbitproof.verify.atlas import write_index_certificate
-from orbitproof.verify.certificate import Limits, certify, write_certificates
+from orbitproof.verify.certificate import Limits, certify, write_certificate, write_certificates
 
 ROOT = Path(__file__).resolve().parents[2]
 ARCHIVE = runpy.run_path(str(ROOT / "docs" / "archive.py"))["main"]
@@ -124,7 +123,7 @@ def test_indices_are_told_and_checked_with_their_curves(
     assert "The index of orbits of a curve" in guide
 
     monkeypatch.chdir(tmp_path)
-    write_index_certificate(index, forged(retrograde_index().document, lambda d: d["orbits"][0].update(index=9)))
+    write_certificate(index, forged(retrograde_index().document, lambda d: d["orbits"][0].update(index=9)))
     assert ARCHIVE([str(made), "-o", str(tmp_path / "none"), "--no-pictures"]) == 1
     assert '"dro"' in capsys.readouterr().err
     index.unlink()

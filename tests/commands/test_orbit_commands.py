@@ -17,15 +17,17 @@ from orbitproof.explore.names import MONTHS
 from orbitproof.shared.formats import read_atlas, read_candidates
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.__main__ import main as verify
-from orbitproof.verify.atlas import (
-    check_of_conclusion,
-    make_atlas_certificate,
-    read_atlas_certificate,
-    recheck_place,
-    write_atlas_certificate,
-)
+from orbitproof.verify.atlas import make_atlas_certificate, recheck_place
 from orbitproof.verify.atlas.conclusion import told
-from orbitproof.verify.certificate import Level, digest, read_certificates, recheck, write_certificates
+from orbitproof.verify.certificate import (
+    Level,
+    digest,
+    read_certificate,
+    read_certificates,
+    recheck,
+    write_certificate,
+    write_certificates,
+)
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.evidence import spared
 from orbitproof.verify.run import branch_checks
@@ -45,7 +47,7 @@ def curve(tmp_path_factory: pytest.TempPathFactory) -> Path:
     results = [replace(result, time=spared(result.time)) for result in stored]
     conclusion = conclude(atlas, results)
     assert conclusion.is_proved
-    write_atlas_certificate(path, make_atlas_certificate(atlas, results, told(conclusion)))
+    write_certificate(path, make_atlas_certificate(atlas, results, told(conclusion)))
     return path
 
 
@@ -227,8 +229,8 @@ def test_a_place_on_a_curve_whose_certificate_does_not_stand_does_not_stand(
 
 def test_a_place_is_not_shown_by_the_check_of_another_curve(placed: Path, curve: Path) -> None:
     (entry,) = read_certificates(placed).values()
-    given, check = read_atlas_certificate(curve), recheck(entry)
-    own = check_of_conclusion(given.document)
+    given, check = read_certificate(curve, "atlas-certificate"), recheck(entry)
+    own = recheck(given)
     shown = recheck_place(given, own, entry, check)
     assert (shown.stands, shown.level) == (True, Level.CONCLUSION)
     other = {**given.document, "computation": {"intervals": 2, "seconds": 0.0}}

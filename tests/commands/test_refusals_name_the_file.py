@@ -19,7 +19,7 @@ from orbitproof.shared.processes import Failure
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.atlas import conclusion_of, make_atlas_certificate
 from orbitproof.verify.certificate import digest
-from orbitproof.verify.run import branch_checks, proof_command, second_proofs, web_command
+from orbitproof.verify.run import branch_checks, checking_again, proof_command, second_proofs, web_command
 
 Place = tuple[str | int, ...]
 Change = Callable[[Any], object]
@@ -231,7 +231,7 @@ def test_a_file_that_is_not_well_formed_is_named(
         raise ReadError
 
     for module, step in (
-        (web_command, "checked_again"), (proof_command, "examined"), (branch_checks, "conclusion_apart"),
+        (checking_again, "rechecks"), (proof_command, "examined"), (branch_checks, "check_apart"),
         (second_proofs.Processes, "run"),
     ):  # fmt: skip
         monkeypatch.setattr(module, step, taken)

@@ -12,6 +12,7 @@ from support.claims import known
 from orbitproof import verify
 from orbitproof.shared import InputError, read_atlas
 from orbitproof.verify.__main__ import main
+from orbitproof.verify.certificate import Certificate
 
 SOURCE = Path(__file__).parents[1] / "data" / "atlas-falkner-skan.json"
 
@@ -28,7 +29,7 @@ def row() -> verify.Certificate:
 
 
 @pytest.fixture(scope="module")
-def curve(folder: Path, row: verify.Certificate) -> verify.AtlasCertificate:
+def curve(folder: Path, row: verify.Certificate) -> verify.Certificate:
     return verify.certify_atlas(read_atlas(SOURCE), bifurcations=[row], output=folder / "curve.json", quiet=True)
 
 
@@ -39,10 +40,10 @@ def told(document: Any) -> Any:
     return [told(value) for value in document] if isinstance(document, list) else document
 
 
-def test_a_branch_is_proved_as_by_the_command(curve: verify.AtlasCertificate, folder: Path, row: Any) -> None:
+def test_a_branch_is_proved_as_by_the_command(curve: verify.Certificate, folder: Path, row: Any) -> None:
     assert curve.proved
     assert curve.is_whole
-    assert repr(curve) == f"<AtlasCertificate {curve.id!r}: proved, {len(curve.atlas.pieces)} pieces>"
+    assert repr(curve) == f"<Certificate {curve.id!r}: proved, {len(curve.atlas.pieces)} pieces>"
     assert (curve.theorem or "").startswith("Consider the Falkner-Skan equation")
     assert (curve.reason, folder.joinpath("curve.json").exists()) == (None, True)
     assert verify.read(folder / "curve.json")[0].document == curve.document
@@ -52,7 +53,7 @@ def test_a_branch_is_proved_as_by_the_command(curve: verify.AtlasCertificate, fo
     assert told(verify.read(folder / "there.json")[0].document) == told(curve.document)
 
 
-def test_a_run_goes_on_from_its_file(curve: verify.AtlasCertificate, folder: Path, capsys: Any) -> None:
+def test_a_run_goes_on_from_its_file(curve: verify.Certificate, folder: Path, capsys: Any) -> None:
     again = verify.certify_atlas(read_atlas(SOURCE), output=folder / "curve.json")
     assert "pieces settled already, kept" in capsys.readouterr().err
     assert again.document["results"] == curve.document["results"]
@@ -60,9 +61,7 @@ def test_a_run_goes_on_from_its_file(curve: verify.AtlasCertificate, folder: Pat
     assert verify.read(folder / "curve.json")[0].document == curve.document
 
 
-def test_rows_and_branches_are_checked_again_in_their_order(
-    curve: verify.AtlasCertificate, row: verify.Certificate
-) -> None:
+def test_rows_and_branches_are_checked_again_in_their_order(curve: verify.Certificate, row: verify.Certificate) -> None:
     first, second = verify.recheck([curve, row], quiet=True)
     assert (first.id, second.id) == (curve.id, row.id)
     assert first.stands
@@ -70,11 +69,11 @@ def test_rows_and_branches_are_checked_again_in_their_order(
     assert repr(first) == f"<Recheck {curve.id!r}: stands, level 2 conclusion>"
     document = json.loads(json.dumps(curve.document))
     document["results"][0]["deviation"][0] = "0x1p-100"
-    (forged,) = verify.recheck(verify.AtlasCertificate(curve.atlas, document), quiet=True)
+    (forged,) = verify.recheck(Certificate(document), quiet=True)
     assert not forged.stands
 
 
-def test_a_row_is_no_orbit_with_a_place(curve: verify.AtlasCertificate, row: verify.Certificate) -> None:
+def test_a_row_is_no_orbit_with_a_place(curve: verify.Certificate, row: verify.Certificate) -> None:
     (placed,) = verify.places(curve, [row])
     assert row.id in placed.line
     again = verify.recheck([placed.certificate], rests_on=curve, quiet=True)
@@ -82,10 +81,11 @@ def test_a_row_is_no_orbit_with_a_place(curve: verify.AtlasCertificate, row: ver
 
 
 def test_what_one_rests_on_has_to_be_given_and_files_hold_one_or_rows(
-    curve: verify.AtlasCertificate, row: verify.Certificate, folder: Path
+    curve: verify.Certificate, row: verify.Certificate, folder: Path
 ) -> None:
-    index = verify.IndexCertificate({"id": curve.id, "rests_on": {"id": curve.id, "digest": ""}})
-    with pytest.raises(InputError, match=f"rests_on: without the curve '{curve.id}'"):
+    rests_on = {"id": curve.id, "digest": ""}
+    index = Certificate({"format": "orbitproof-index-certificate", "id": curve.id, "rests_on": rests_on})
+    with pytest.raises(InputError, match=f"rests on the curve {curve.id} .*, which is not given; give its file"):
         verify.recheck(index, rests_on=row, quiet=True)
     for entries, words in (([curve, row], "a file of its own"), ([], "no certificates to write")):
         with pytest.raises(InputError, match=words):

@@ -20,8 +20,8 @@ from orbitproof.explore.refinement.krein import refuse_off_circle
 from orbitproof.shared.claims import Atlas, Claim, Piece
 from orbitproof.shared.formats import KREIN_COLLISION, REVERSOR_BREAKING
 from orbitproof.shared.systems import CR3BP
-from orbitproof.verify.atlas import make_atlas_certificate, write_atlas_certificate
-from orbitproof.verify.certificate import certify
+from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.certificate import certify, write_certificate
 
 ROOT = sqrt(cases.level_of(odd=True))
 
@@ -134,7 +134,7 @@ def test_a_list_without_losses_is_told_and_nothing_is_written(
     path, output = tmp_path / "list.json", tmp_path / "losses.json"
     found = stability_cases.results()
     conclusion = stability_cases.listed(found)
-    write_atlas_certificate(path, make_atlas_certificate(stability_cases.atlas(), values(found), conclusion))
+    write_certificate(path, make_atlas_certificate(stability_cases.atlas(), values(found), conclusion))
     assert main(["losses", str(path), "-o", str(output), "--quiet"]) == 1
     assert "no point of the kind reversor_breaking" in capsys.readouterr().err
     assert not output.exists()

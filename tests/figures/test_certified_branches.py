@@ -25,9 +25,9 @@ from orbitproof.figures.scripting.documents import _curve_in_space as page_of_cu
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared.claims import Atlas, Claim, SurfacePiece
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, HILL_VARIED
-from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate, write_atlas_certificate
+from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import told
-from orbitproof.verify.certificate import Certificate
+from orbitproof.verify.certificate import Certificate, write_certificate
 
 ANGLE = 0.7
 POINT = certificate(circle_point(ANGLE), name="on the circle")
@@ -45,7 +45,7 @@ def document_of(case: Case, *bifurcations: Certificate, regularised: Sequence[st
 
 
 def curve(case: Case, *bifurcations: Certificate, regularised: Sequence[str] = ()) -> Curve:
-    return Curve.of(AtlasCertificate(case[0], document_of(case, *bifurcations, regularised=regularised)))
+    return Curve.of(Certificate(document_of(case, *bifurcations, regularised=regularised)))
 
 
 @pytest.fixture(autouse=True)
@@ -95,7 +95,7 @@ def test_a_point_of_a_piece_that_is_not_drawn_is_not_marked() -> None:
     document = document_of((atlas, results), POINT, IMAGE)
     born, other = document["conclusion"]["bifurcations"]
     born["piece"] = "birth"
-    drawn = Curve.of(AtlasCertificate(atlas, document))
+    drawn = Curve.of(Certificate(document))
     assert [mark.id for mark in drawn.marks] == [other["id"]]
 
 
@@ -186,7 +186,7 @@ def test_a_parameter_that_grows_over_decades_has_a_logarithmic_axis() -> None:
 
 
 def write(path: Path, document: dict[str, Any]) -> str:
-    write_atlas_certificate(path, document)
+    write_certificate(path, document)
     return str(path)
 
 
@@ -209,7 +209,7 @@ def test_the_command_writes_pieces_and_curves_and_says_whether_all_is_proved(
     assert saved[3:] == ["curves-falkner-skan-arc", "curves-cr3bp-symmetric-loop"]
 
 
-def surface_certificate(results: Sequence[dict[str, Any]]) -> AtlasCertificate:
+def surface_certificate(results: Sequence[dict[str, Any]]) -> Certificate:
     """Two pieces over mu from 1/8 to 3/8 and from 3/8 to 5/8; x = 1 + mu, vy = 2."""
     unit = tuple(tuple(Fraction(i == j) for j in range(3)) for i in range(3))
     tall = (unit[0], (Fraction(0), Fraction(2), Fraction(0)), unit[2])
@@ -225,7 +225,7 @@ def surface_certificate(results: Sequence[dict[str, Any]]) -> AtlasCertificate:
         for name, middle in (("m1", Fraction(1, 4)), ("m2", Fraction(1, 2)))
     )
     atlas = Atlas("surface", "a surface", CR3BP, {}, Claim("symmetry-breaking-surface", "S"), pieces)
-    return AtlasCertificate(atlas, make_atlas_certificate(atlas, values(results), None))
+    return Certificate(make_atlas_certificate(atlas, values(results), None))
 
 
 def test_pieces_of_a_surface_stand_over_their_parameters_as_high_as_their_orbits_reach(tmp_path: Path) -> None:
@@ -265,7 +265,7 @@ def test_no_picture_is_headed_by_the_title_of_a_file(monkeypatch: pytest.MonkeyP
     heads = [figures[0].texts[0].get_text(), *(axes.get_title(loc="left") for axes in figures[1].axes[:1])]
     assert set(heads) == {"circle: symmetric closed curve of cr3bp"}
     surface = replace(surface_certificate([]).atlas, title=LIE)
-    figures.append(draw_surface(surface_of(AtlasCertificate(surface, make_atlas_certificate(surface, [], None)))))
+    figures.append(draw_surface(surface_of(Certificate(make_atlas_certificate(surface, [], None)))))
     assert figures[-1].texts[0].get_text() == "surface: surface of cr3bp"
     titles: list[str] = []
     monkeypatch.setattr(lines, "curve_lines", lambda found: [])

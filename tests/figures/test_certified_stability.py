@@ -26,8 +26,9 @@ from orbitproof.figures.pictures import draw_certified_stability
 from orbitproof.figures.pictures.certified_branches import Along
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared import parse_exact
-from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate, write_atlas_certificate
+from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import told
+from orbitproof.verify.certificate import Certificate, write_certificate
 from orbitproof.verify.curve import conclude
 
 
@@ -45,7 +46,7 @@ def document(**changes: Any) -> dict[str, Any]:
 
 
 def stability(**changes: Any) -> CertifiedStability:
-    found = CertifiedStability.of(AtlasCertificate(atlas(), document(**changes)))
+    found = CertifiedStability.of(Certificate(document(**changes)))
     assert found is not None
     return found
 
@@ -70,7 +71,7 @@ def test_the_picture_is_headed_by_the_id_and_not_by_the_title_of_the_file() -> N
     entitled = replace(atlas(), title="PROVED: all of them are stable")
     told = document()
     told["statement"]["atlas"]["title"] = entitled.title
-    found = CertifiedStability.of(AtlasCertificate(entitled, told))
+    found = CertifiedStability.of(Certificate(told))
     assert found is not None
     figure = draw_certified_stability(found)
     assert figure.texts[0].get_text() == f"{atlas().id}: curve of falkner-skan"
@@ -113,14 +114,14 @@ def test_the_curve_lies_on_the_drawn_resonances() -> None:
 
 def test_a_certificate_without_a_list_has_no_such_picture() -> None:
     plain = make_atlas_certificate(atlas(), values(results()), told(conclude(atlas(), values(results()))))
-    assert CertifiedStability.of(AtlasCertificate(atlas(), plain)) is None
+    assert CertifiedStability.of(Certificate(plain)) is None
 
 
 @pytest.mark.parametrize("with_list", [True, False])
 def test_the_command_draws_it_if_there_is_a_list(with_list: bool, tmp_path: Path) -> None:
     path, folder = tmp_path / "curve.json", tmp_path / "pictures"
     plain = make_atlas_certificate(atlas(), values(results()), told(conclude(atlas(), values(results()))))
-    write_atlas_certificate(path, document() if with_list else plain)
+    write_certificate(path, document() if with_list else plain)
     assert main(["atlas", str(path), "-o", str(folder)]) == 0
     assert bool(list(folder.glob("stability-*.png"))) is with_list
 
@@ -192,7 +193,7 @@ def test_the_twist_is_drawn_as_it_is_proved_of_one_orbit() -> None:
     """-3296.33067 at beta = 400 (section 28.7), by other functions than the stored ones."""
     found = json.loads((DATA / "lasting-falkner-skan.json").read_text())
     document = make_atlas_certificate(atlas(), values(found), with_lasting(atlas(), found))
-    stability = CertifiedStability.of(AtlasCertificate(atlas(), document))
+    stability = CertifiedStability.of(Certificate(document))
     assert stability is not None
     beta, twist = (np.concatenate(rows) for rows in zip(*(
         (part.stretch.points[:, 0], part.twist) for part in stability.parts

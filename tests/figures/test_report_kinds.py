@@ -22,7 +22,6 @@ from orbitproof.figures.certified import CertifiedPoint, Curve
 from orbitproof.figures.commands.report import main
 from orbitproof.figures.pictures import draw_curves, draw_surface, surface_of
 from orbitproof.figures.report import (
-    CheckedAtlas,
     check_files,
     hypothesis_table,
     margin_on_atlas,
@@ -32,8 +31,7 @@ from orbitproof.figures.report import (
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import Atlas, read_candidates
 from orbitproof.shared.systems import CR3BP, HILL_VARIED, VERTICAL, ReversibleSystem
-from orbitproof.verify.atlas import AtlasCertificate
-from orbitproof.verify.certificate import Limits, certify, write_certificates
+from orbitproof.verify.certificate import Certificate, Limits, certify, write_certificates
 from orbitproof.verify.evidence import bounds
 from orbitproof.verify.run.branch_command import main as verify_atlas
 
@@ -115,10 +113,10 @@ def reports(paths: list[Path], folder: Path) -> dict[str, str]:
 @pytest.mark.parametrize("kind", ATLASES)
 def test_every_kind_of_atlas_is_told_in_every_format(kind: str, written: dict[str, Path], tmp_path: Path) -> None:
     (entry,) = check_files([written[kind]])
-    assert isinstance(entry, CheckedAtlas)
+    assert entry.part == "arc"
     for text in reports([written[kind]], tmp_path).values():
-        assert text.count(entry.atlas.id) > 2
-        for piece in entry.atlas.pieces:
+        assert text.count(entry.certificate.atlas.id) > 2
+        for piece in entry.certificate.atlas.pieces:
             assert piece.id in text
     drawn = tmp_path / "report-pictures"
     assert {path.suffix for path in drawn.glob("*")} == {".pdf", ".png"}
@@ -143,35 +141,36 @@ def test_a_curve_with_its_complete_list_is_told_in_every_format(tmp_path: Path) 
 
 def test_the_summary_of_a_curve_does_not_count_orbits_as_bifurcations(written: dict[str, Path]) -> None:
     (entry,) = check_files([written["loop"]])
-    assert isinstance(entry, CheckedAtlas)
+    assert entry.part == "arc"
     on_it = [
         {"kind": kind, "on_curve": kind != "period_tupling"} for kind in ("fold", "orbit", "orbit", "period_tupling")
     ]
     conclusion = {**entry.document["conclusion"], "bifurcations": on_it}
-    text = parameter_text(replace(entry, document={**entry.document, "conclusion": conclusion}))
+    text = parameter_text(replace(entry, certificate=Certificate({**entry.document, "conclusion": conclusion})))
     assert text.endswith("one certified bifurcation on it; 2 certified orbits on it")
 
 
 def test_planar_pieces_below_a_surface_have_tubes_and_no_parts(written: dict[str, Path]) -> None:
     (entry,) = check_files([written["surface"]])
-    assert isinstance(entry, CheckedAtlas)
+    assert entry.part == "arc"
     table = piece_table(entry)
     cells = {str(row[0][0]): dict(zip(table.header, row, strict=True)) for row in table.rows}
-    for piece in entry.atlas.surface_pieces():
+    for piece in entry.certificate.atlas.surface_pieces():
         assert cells[piece.id]["parts"] != ()
         assert cells[piece.id]["deviation from the polynomial"] == ()
-    for piece in entry.atlas.libration_pieces():
+    for piece in entry.certificate.atlas.libration_pieces():
         assert cells[piece.id]["parts"] == ()
         assert "of the tube" in str(cells[piece.id]["deviation from the polynomial"])
 
 
 @pytest.mark.parametrize(("system", "times"), [(CR3BP, "half periods"), (VERTICAL["L2"], "T"), (HILL_VARIED, "T")])
 def test_times_of_quarters_are_not_called_half_periods(
-    system: ReversibleSystem, times: str, written: dict[str, Path]
+    system: ReversibleSystem, times: str, written: dict[str, Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (entry,) = check_files([written["loop"]])
-    assert isinstance(entry, CheckedAtlas)
-    table = piece_table(replace(entry, atlas=replace(entry.atlas, system=system)))
+    assert entry.part == "arc"
+    monkeypatch.setitem(vars(entry.certificate), "atlas", replace(entry.certificate.atlas, system=system))
+    table = piece_table(entry)
     assert [name for name in table.header if name in ("half periods", "periods", "T")] == [times]
 
 
@@ -207,7 +206,7 @@ def test_margins_on_an_atlas_are_rounded_to_be_safe() -> None:
 
 def test_neighbouring_pieces_of_a_surface_leave_no_gap_in_its_picture(written: dict[str, Path]) -> None:
     document = json.loads(written["surface"].read_text())
-    surface = surface_of(AtlasCertificate(read("surface-planar.json"), document))
+    surface = surface_of(Certificate(document))
     reach = draw_surface(surface).axes[0]
     assert len(reach.patches) == len(surface.sheets)
     for bar in reach.patches:
@@ -226,7 +225,7 @@ def insets_and_curves(figure: Figure) -> tuple[list[Any], np.ndarray[Any, Any]]:
 
 def test_insets_hide_no_part_of_a_loop() -> None:
     document = loop()
-    whole = Curve.of(AtlasCertificate(chain_cases.symmetric_loop()[0], document))
+    whole = Curve.of(Certificate(document))
     marks = [CertifiedPoint(f"point {n}", "period_tupling", 2, "p000", n / 10, False) for n in (1, 2, 3, 4)]
     near = replace(marks[0], id="near", s=0.102)
     curve = replace(whole, marks=(marks[0], near, *marks[1:]))

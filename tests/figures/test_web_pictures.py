@@ -37,10 +37,10 @@ from orbitproof.figures.pictures.web_page import _index_at, _list_in_words
 from orbitproof.shared.claims.web import BRANCHES, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import CR3BP, VERTICAL
-from orbitproof.verify.atlas import AtlasCertificate, WebCertificate, certified_web, key_of
+from orbitproof.verify.atlas import certified_web
 from orbitproof.verify.atlas.listed import ListedEnd, ListedInterval
 from orbitproof.verify.atlas.web import StoredArc
-from orbitproof.verify.certificate import Level, Recheck
+from orbitproof.verify.certificate import Certificate, Level, Recheck, write_certificate
 from orbitproof.verify.stability import ListedPlace
 from orbitproof.verify.web import IndexOnArc
 
@@ -48,19 +48,17 @@ MU = 1 / 80
 
 
 @cache
-def web() -> tuple[WebCertificate, AtlasCertificate]:
+def web() -> tuple[Certificate, Certificate]:
     """A circle of halo orbits that branches off in the plane, and a point on it."""
     atlas, results = symmetric_loop()
-    curve = AtlasCertificate(atlas, atlas_certificate(atlas, results))
+    curve = Certificate(atlas_certificate(atlas, results))
     at = {"x": arb(1, 2**-80), "z": arb(0), "vy": arb(2, 2**-80)}
     one = certificate(at, name="one", kind="symmetry_breaking", k=1, symmetry="S")
     inside = certificate(circle_point(0.7), name="inside")
     claim = Web("a web", "A web", (WebArc("circle", (Meeting("one", BRANCHES), Meeting("inside", PASSES))),))
-    checks = {
-        key_of(entry): Recheck(entry.id, "proved", 1, (), level=Level.CONCLUSION) for entry in (curve, one, inside)
-    }
+    checks = {entry.key: Recheck(entry.id, "proved", 1, (), level=Level.CONCLUSION) for entry in (curve, one, inside)}
     checks["arc", "circle"] = replace(checks["arc", "circle"], digest=curve.document["digest"])
-    return WebCertificate(certified_web(claim, (curve, one, inside), checks)), curve
+    return Certificate(certified_web(claim, (curve, one, inside), checks)), curve
 
 
 def level(angle: float) -> float:
@@ -131,7 +129,7 @@ def test_the_page_has_arcs_with_orbits_vertices_and_the_theorem(monkeypatch: pyt
     monkeypatch.setattr(web_page, "ORBITS", 2)
     known, curve = web()
     changed = forged(known.document, lambda d: d["statement"]["claim"].update(title="</script><b>a & b"))
-    page = web_page.page_of(WebCertificate(changed), {"circle": Curve.of(curve)})
+    page = web_page.page_of(Certificate(changed), {"circle": Curve.of(curve)})
     assert page.count("</script>") == 2
     assert "&lt;/script&gt;&lt;b&gt;a &amp; b" in page
     assert "http" not in page
@@ -226,7 +224,7 @@ def test_the_page_has_titles_a_legend_a_dark_form_and_a_way_back() -> None:
 def test_the_page_has_the_index_of_the_certificate_of_the_web(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(web_page, "ORBITS", 4)
 
-    def indices(known: WebCertificate) -> list[int | None]:
+    def indices(known: Certificate) -> list[int | None]:
         page = web_page.page_of(known, {"dro": Curve.of(retrograde_curve())})
         (arc,) = json.loads(page.partition('type="application/json">')[2].partition("</script>")[0])["arcs"]
         return [orbit["i"] for orbit in arc["orbits"]]
@@ -235,20 +233,19 @@ def test_the_page_has_the_index_of_the_certificate_of_the_web(monkeypatch: pytes
     assert 2 in told
     assert set(told) <= {2, 3, None}
     silent = forged(retrograde_web().document, lambda d: d["arcs"][0].pop("index"))
-    assert set(indices(WebCertificate(silent))) == {None}
+    assert set(indices(Certificate(silent))) == {None}
 
 
 def test_what_is_not_proved_is_not_drawn(tmp_path: Path) -> None:
     known, curve = web()
-    not_proved = WebCertificate({**known.document, "verdict": "not proved"})
+    not_proved = Certificate({**known.document, "verdict": "not proved"})
     with pytest.raises(InputError, match="nothing to draw"):
         drawn_arcs(not_proved, {"circle": Curve.of(curve)})
     files = tmp_path / "web.json", tmp_path / "curve.json"
     changed = forged(known.document, lambda d: [e.update(digest="sha256:" + 64 * "0") for e in d["rests_on"]])
-    from orbitproof.verify.atlas import write_atlas_certificate, write_web_certificate
 
-    write_web_certificate(files[0], changed)
-    write_atlas_certificate(files[1], curve.document)
+    write_certificate(files[0], changed)
+    write_certificate(files[1], curve.document)
     with pytest.raises(InputError, match="give its file"):
         draw_files(files[0], [files[1]], tmp_path)
 

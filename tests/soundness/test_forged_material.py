@@ -29,24 +29,19 @@ from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import InputError, candidate_from_json
 from orbitproof.shared.formats.documents import validator
 from orbitproof.shared.systems import ID, IDENTIFIER, LINE, PIECE, SYSTEM, TITLE, describe
-from orbitproof.verify.atlas import (
-    Means,
-    ProvedBefore,
-    conclusion_of,
-    make_atlas_certificate,
-    recheck_atlas,
-    write_atlas_certificate,
-)
+from orbitproof.verify.atlas import Means, ProvedBefore, conclusion_of, make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,
     Certificate,
+    Given,
     Level,
     Limits,
     certify,
     differences,
     digest,
     recheck,
+    write_certificate,
     write_certificates,
 )
 from orbitproof.verify.certificate.tables import ball_to_text
@@ -403,7 +398,7 @@ def test_a_forged_certificate_before_an_honest_one_of_the_same_id_is_refused(
     both = told(conclude(atlas, results, [lie, point], lambda entry: recheck(point)))
     assert [entry["on_curve"] for entry in both["bifurcations"]] == [True, False]
     document = make_atlas_certificate(atlas, values(results), both, [lie, point])
-    write_atlas_certificate(tmp_path / "forged.json", document)
+    write_certificate(tmp_path / "forged.json", document)
     assert main(["--recheck", str(tmp_path / "forged.json"), "--quiet"]) == 1
     assert "appears twice" in capsys.readouterr().err
     assert checked(document).level is Level.NONE
@@ -438,5 +433,5 @@ def test_an_interval_that_no_answer_comes_back_of_is_not_confirmed() -> None:
                 argument = task_again(atlas, each, None).argument
                 finished(each.name, value_of(honest(document["results"])(argument, lambda fraction, label: None)))
 
-        check = recheck_atlas(document, (), True, Means(lambda entries, integrate: [], prove))
+        check = recheck(Certificate(document), True, given=Given((), means=Means(lambda entries, integrate: [], prove)))
         assert check.stands == (first == 0), check.why

@@ -28,14 +28,13 @@ from orbitproof.shared.systems import (
     record,
 )
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.atlas import AtlasCertificate, atlas_of
-from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, certify, rechecking
+from orbitproof.verify.certificate import Certificate, Given, Level, Limits, Recheck, certify, rechecking
 from orbitproof.verify.claim import derivative_terms, is_first_integral
 from orbitproof.verify.evidence import ball_to_json
 from orbitproof.verify.run import CHECK_SECONDS, INTEGRATION_SECONDS, Answer, CheckLimits, second_proofs, workplace
 from orbitproof.verify.run import branch_checks as apart
 from orbitproof.verify.run import rows as side_by_side
-from orbitproof.verify.run.branch_checks import conclusion_apart, places_on_apart
+from orbitproof.verify.run.branch_checks import check_apart, places_on_apart
 from orbitproof.verify.run.row_command import _parser
 
 HEAD = {"format": "orbitproof-certificates", "version": 1, "software": {}}
@@ -187,8 +186,9 @@ def test_a_check_that_does_not_end_is_an_obstacle(
 @pytest.mark.parametrize("how", ENDS)
 def test_the_check_of_a_curve_that_does_not_end_is_an_obstacle(how: str, monkeypatch: pytest.MonkeyPatch) -> None:
     work, words, seconds = ENDS[how]
-    monkeypatch.setattr(apart, "check_of_conclusion", work)
-    found = conclusion_apart({"id": "curve", "verdict": "proved"}, CheckLimits(seconds, 2**28))
+    monkeypatch.setattr(apart, "recheck", work)
+    curve = Certificate({"id": "curve", "verdict": "proved"})
+    found = check_apart(curve, Given(), CheckLimits(seconds, 2**28))
     assert words in found.obstacle
     assert found.findings == ()
 
@@ -274,7 +274,7 @@ def test_a_program_has_bounded_exponents_and_lines() -> None:
 def test_commands_say_what_cannot_be_checked(
     honest: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(apart, "check_of_conclusion", process_work.hanging)
+    monkeypatch.setattr(apart, "recheck", process_work.hanging)
     monkeypatch.setattr(side_by_side, "recheck_task", process_work.aborting)
     rows, curve = written(tmp_path / "rows.json", honest), tmp_path / "curve.json"
     curve.write_text(json.dumps(a_curve()), "utf-8")
@@ -296,7 +296,7 @@ def test_an_orbit_is_not_placed_on_a_curve_that_cannot_be_checked(
 ) -> None:
     monkeypatch.setattr(apart, "places_on", process_work.hanging)
     document = a_curve()
-    curve, orbit = AtlasCertificate(atlas_of(document), document), Certificate.from_json(honest)
+    curve, orbit = Certificate(document), Certificate.from_json(honest)
     (placed,) = places_on_apart(curve, [orbit], CheckLimits(0.5))
     assert placed.certificate == orbit
     assert "not shown to lie" in placed.line

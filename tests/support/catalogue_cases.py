@@ -12,7 +12,8 @@ from support.stored import values
 
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.formats import atlas_from_json
-from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
+from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import conclude
 
 DATA = Path(__file__).parents[1] / "data"
@@ -22,15 +23,15 @@ ROWS = (1427, 1477, 1523, 1524, 245)
 ON_THE_ARC = 4
 
 
-def certificate_of(atlas: Atlas, results: list[dict[str, Any]], order: int | None = 1) -> AtlasCertificate:
+def certificate_of(atlas: Atlas, results: list[dict[str, Any]], order: int | None = 1) -> Certificate:
     """The certificate of a curve, with its list."""
     found = values(results)
     conclusion = with_complete_list(atlas, results, conclude(atlas, found), order or 1)
     assert conclusion["verdict"] == "proved"
-    return AtlasCertificate(atlas, make_atlas_certificate(atlas, found, conclusion))
+    return Certificate(make_atlas_certificate(atlas, found, conclusion))
 
 
 @cache
-def curve() -> AtlasCertificate:
+def curve() -> Certificate:
     """That of the arc, from the plane on: L2, southern halo orbits at the far side of the Moon."""
     return certificate_of(atlas_from_json(STORED["atlas"], "the arc"), STORED["results"])

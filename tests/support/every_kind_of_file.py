@@ -28,8 +28,8 @@ from orbitproof.explore.trajectories import SourceOrbit, trajectory_of
 from orbitproof.shared.claims import BoxClaim
 from orbitproof.shared.formats import read_candidates, read_claims, write_candidates
 from orbitproof.shared.systems import CR3BP
-from orbitproof.verify.atlas import conclusion_of, make_atlas_certificate, write_atlas_certificate
-from orbitproof.verify.certificate import Limits, certify, write_certificates
+from orbitproof.verify.atlas import conclusion_of, make_atlas_certificate
+from orbitproof.verify.certificate import Limits, certify, write_certificate, write_certificates
 
 DATA = Path(__file__).parents[1] / "data"
 MASS = Fraction("1.215058560962404e-2")
@@ -81,7 +81,7 @@ def write_every_kind(folder: Path) -> dict[Path, str]:
     _write_numeric(named)
     atlas, results = periodic_curves.closed_atlas()
     certificate = make_atlas_certificate(atlas, results, conclusion_of(atlas, results, [], lambda entries: [], None))
-    write_atlas_certificate(named("periodic-curve.json", "atlas-certificate"), certificate)
+    write_certificate(named("periodic-curve.json", "atlas-certificate"), certificate)
     named("periodic-atlas.json", "atlas").write_text(json.dumps(certificate["statement"]["atlas"]))
     named("system.json", "system").write_text(
         json.dumps({

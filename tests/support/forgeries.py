@@ -20,11 +20,12 @@ from orbitproof.shared.claims import Atlas, BoxClaim
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.numbers import format_dyadic
-from orbitproof.verify.atlas import Means, ProvedBefore, make_atlas_certificate, recheck_atlas
+from orbitproof.verify.atlas import Means, ProvedBefore, make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.certificate import (
     Certificate,
     Computation,
+    Given,
     Recheck,
     digest,
     make_certificate,
@@ -113,7 +114,12 @@ def checked(document: Mapping[str, Any], prover: Prover | None = None, given: Se
             finished(each.name, value_of(prover(argument, lambda fraction, label: None)))
 
     means = Means(lambda entries, integrate: [recheck(entry, integrate) for entry in entries], prove)
-    return recheck_atlas(document, given, prover is not None, means)
+    return recheck(Certificate(document), prover is not None, given=Given(given, means=means))
+
+
+def checked_by(document: Mapping[str, Any], curve: Certificate, examined: Recheck) -> Recheck:
+    """The certificate of an index or of rows, checked as far as its curve."""
+    return recheck(Certificate(document), given=Given((curve,), {curve.key: examined}))
 
 
 def honest(results: Sequence[Mapping[str, Any]], pieces: Sequence[Mapping[str, Any]] | None = None) -> Prover:

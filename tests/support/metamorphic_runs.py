@@ -18,7 +18,7 @@ from support.metamorphic_results import Named, differences
 from orbitproof.shared.formats import Atlas, Candidate, PeriodicAtlas
 from orbitproof.shared.systems import description
 from orbitproof.verify import enclose
-from orbitproof.verify.atlas import AtlasCertificate, conclusion_of, make_atlas_certificate
+from orbitproof.verify.atlas import conclusion_of, make_atlas_certificate
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate, Limits, Recheck, certify, recheck
 from orbitproof.verify.curve import conclude
@@ -144,11 +144,11 @@ def objections(before: Told, after: Told, change: Change) -> list[str]:
     return list(differences(before.results, after.results, change, named(before.case)))
 
 
-def certificate_of(told: Told) -> AtlasCertificate:
+def certificate_of(told: Told) -> Certificate:
     """That of a curve."""
     assert isinstance(told.case, Curve)
     assert told.document is not None
-    return AtlasCertificate(told.case.atlas, told.document)
+    return Certificate(told.document)
 
 
 PROVED_AGAIN = ("all at once",)

@@ -26,8 +26,15 @@ from orbitproof.shared import InputError
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import AROUND
-from orbitproof.verify.atlas import make_atlas_certificate, read_atlas_certificate, write_atlas_certificate
-from orbitproof.verify.certificate import Limits, certify, digest, write_certificates
+from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.certificate import (
+    Limits,
+    certify,
+    digest,
+    read_certificate,
+    write_certificate,
+    write_certificates,
+)
 from orbitproof.verify.oracle import steps_about
 from orbitproof.verify.run import piece_order
 from orbitproof.verify.run.branch_command import _parser, main
@@ -43,8 +50,8 @@ def certificate_of(atlas: Atlas, work: Any) -> dict[str, Any]:
 def test_a_certificate_is_written_and_read_again(tmp_path: Path) -> None:
     path = tmp_path / "curve.json"
     certificate = certificate_of(CURVE, atlas_work.short_only)
-    write_atlas_certificate(path, certificate)
-    stored = read_atlas_certificate(path)
+    write_certificate(path, certificate)
+    stored = read_certificate(path, "atlas-certificate")
     assert stored.document == certificate
     assert replace(stored.atlas, provenance=CURVE.provenance) == CURVE
     assert not stored.proved
@@ -54,24 +61,24 @@ def test_a_certificate_is_written_and_read_again(tmp_path: Path) -> None:
 
 def test_a_changed_certificate_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "curve.json"
-    write_atlas_certificate(path, certificate_of(CURVE, atlas_work.proving))
+    write_certificate(path, certificate_of(CURVE, atlas_work.proving))
     text = path.read_text()
     path.write_text(text.replace('"0x1p-30"', '"0x1p-31"', 1))
     with pytest.raises(InputError, match="digest"):
-        read_atlas_certificate(path)
+        read_certificate(path, "atlas-certificate")
     document = json.loads(text)
     document["results"][0]["piece"] = "p777"
     document["digest"] = digest(document)
     path.write_text(json.dumps(document))
     with pytest.raises(InputError, match=r"results\[0\]\.piece"):
-        read_atlas_certificate(path)
+        read_certificate(path, "atlas-certificate")
 
 
 def test_what_is_not_proved_carries_no_theorem(tmp_path: Path) -> None:
     certificate = certificate_of(CURVE, atlas_work.proving)
     certificate["statement"]["theorem"] = "all is well"
     with pytest.raises(InputError):
-        write_atlas_certificate(tmp_path / "curve.json", certificate)
+        write_certificate(tmp_path / "curve.json", certificate)
 
 
 def test_the_theorem_is_proved_printed_and_stored(tmp_path: Path, capsys: Any) -> None:
@@ -79,7 +86,7 @@ def test_the_theorem_is_proved_printed_and_stored(tmp_path: Path, capsys: Any) -
     code = main([write(tmp_path / "atlas.json"), "-o", str(target)], atlas_work.short_only)
     output, errors = capsys.readouterr()
     assert code == 0, output + errors
-    stored = read_atlas_certificate(target)
+    stored = read_certificate(target, "atlas-certificate")
     assert stored.proved
     assert " ".join(stored.document["statement"]["theorem"].split()) in " ".join(output.split())
     assert all(len(line) <= 80 for line in output.splitlines())
@@ -138,7 +145,7 @@ def test_a_piece_that_cannot_be_proved_is_named_and_the_rest_is_kept(tmp_path: P
     assert len(re.findall(r"p001: not proved, near beta = [0-9.]+, y = [0-9.]+: the tube is empty", errors)) == 1
     assert "[4/3]" not in errors
     assert "Traceback" not in errors
-    stored = read_atlas_certificate(target)
+    stored = read_certificate(target, "atlas-certificate")
     assert {r.piece for r in stored.results if r.is_proved} == {"p000", "p002"}
 
     # The same command with more splits proves p001 and nothing else.
@@ -152,7 +159,7 @@ def test_a_process_that_ends_costs_its_piece_only_and_is_tried_again(tmp_path: P
     source, target = write(tmp_path / "atlas.json"), tmp_path / "curve.json"
     assert main([source, "-o", str(target), "--jobs", "2"], atlas_work.dying) == 1
     assert "exit code 3" in capsys.readouterr().err
-    assert {r.piece for r in read_atlas_certificate(target).results if r.is_proved} == {"p000", "p002"}
+    assert {r.piece for r in read_certificate(target, "atlas-certificate").results if r.is_proved} == {"p000", "p002"}
     assert main([source, "-o", str(target), "--quiet"], atlas_work.proving) == 0
 
 
@@ -174,7 +181,7 @@ def test_a_piece_that_changed_is_proved_again_and_only_that(tmp_path: Path, caps
     errors = capsys.readouterr().err
     assert "2 of 3 pieces settled already" in errors
     assert "[1/1] p001: proved" in errors
-    assert read_atlas_certificate(target).atlas.curve_pieces()[1] == changed.curve_pieces()[1]
+    assert read_certificate(target, "atlas-certificate").atlas.curve_pieces()[1] == changed.curve_pieces()[1]
     assert main([write(tmp_path / "atlas.json", changed), "-o", str(target), "--fresh"], atlas_work.proving) == 0
     assert "[3/3]" in capsys.readouterr().err
 
@@ -184,7 +191,7 @@ def test_results_of_other_software_are_not_kept(tmp_path: Path, capsys: Any) -> 
     certificate = certificate_of(CURVE, atlas_work.proving)
     certificate["software"] = {**certificate["software"], "source": "sha256:other"}
     certificate["digest"] = digest(certificate)
-    write_atlas_certificate(target, certificate)
+    write_certificate(target, certificate)
     assert main([write(tmp_path / "atlas.json"), "-o", str(target)], atlas_work.proving) == 0
     assert "[3/3]" in capsys.readouterr().err
 
@@ -197,7 +204,7 @@ def test_an_interrupt_keeps_finished_pieces_and_the_same_command_goes_on(tmp_pat
     places = [str(ROOT / "tests"), *filter(None, [os.environ.get("PYTHONPATH")])]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(places)}
     with started(["-c", code], env=environment) as run:
-        wait_until(lambda: target.exists() and len(read_atlas_certificate(target).results) == 2)
+        wait_until(lambda: target.exists() and len(read_certificate(target, "atlas-certificate").results) == 2)
         # As a terminal does: to every process of the group.
         os.killpg(run.pid, signal.SIGINT)
         output, errors = run.communicate(timeout=60)
@@ -205,14 +212,14 @@ def test_an_interrupt_keeps_finished_pieces_and_the_same_command_goes_on(tmp_pat
     assert "interrupted: 2 of 3 pieces finished, saved in" in errors
     assert "Traceback" not in errors
     assert "not finished" in output
-    stored = read_atlas_certificate(target)
+    stored = read_certificate(target, "atlas-certificate")
     assert stored.document["reason"]["condition"] == "unfinished"
     assert [result.piece for result in stored.results] == ["p000", "p002"]
     assert main(["--recheck", str(target)]) == 1
 
     assert main([source, "-o", str(target)], atlas_work.proving) == 0
     assert "2 of 3 pieces settled already" in capsys.readouterr().err
-    assert read_atlas_certificate(target).proved
+    assert read_certificate(target, "atlas-certificate").proved
 
 
 def test_pieces_whose_orbits_take_the_most_steps_are_proved_first(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -267,7 +274,7 @@ def test_bad_input_is_one_line_and_exit_code_2(tmp_path: Path, capsys: Any, monk
     assert "not an address" in refused(capsys, source, "--scheduler", "somewhere")
     assert "--output: --recheck writes no file" in refused(capsys, "--recheck", source, "-o", str(target))
     assert "the file holds an atlas" in refused(capsys, "--recheck", source)
-    write_atlas_certificate(target, certificate_of(replace(CURVE, id="another"), atlas_work.proving))
+    write_certificate(target, certificate_of(replace(CURVE, id="another"), atlas_work.proving))
     assert "certificate of another atlas ('another')" in refused(capsys, source, "-o", str(target))
     target.write_text("{")
     assert "or replace the file with --fresh" in refused(capsys, source, "-o", str(target))
@@ -285,7 +292,7 @@ def test_a_full_disk_ends_the_run_in_one_line(tmp_path: Path, capsys: Any, monke
     def full(*arguments: Any) -> None:
         raise InputError(f"{target}: cannot be written (No space left on device); free space")
 
-    monkeypatch.setattr("orbitproof.verify.run.branches.write_atlas_certificate", full)
+    monkeypatch.setattr("orbitproof.verify.run.branches.write_certificate", full)
     assert main([source, "-o", str(target)], atlas_work.proving) == 2
     errors = capsys.readouterr().err
     assert errors.splitlines()[-1].startswith(f"error: {target}: cannot be written")
@@ -306,7 +313,7 @@ def test_bifurcations_stand_beside_a_curve_that_is_checked_again_and_not_beside_
     }
     codes = {}
     for name, document in documents.items():
-        write_atlas_certificate(tmp_path / f"{name}.json", document)
+        write_certificate(tmp_path / f"{name}.json", document)
         given = ["--recheck", str(tmp_path / f"{name}.json"), "--bifurcations", str(tmp_path / "points.json")]
         codes[name] = main([*given, "--quiet"])
     assert codes == {"with": 0, "without": 1, "surface": 2}

@@ -13,9 +13,8 @@ from support.claims import TOUCH_AND_GO
 
 from orbitproof.shared.claims import Atlas, Piece
 from orbitproof.shared.formats import candidate_from_json, read_atlas, write_atlas
-from orbitproof.verify.atlas import read_atlas_certificate
 from orbitproof.verify.attempt import Limits
-from orbitproof.verify.certificate import certify, write_certificates
+from orbitproof.verify.certificate import certify, read_certificate, write_certificates
 from orbitproof.verify.run.branch_command import main
 
 SOURCE = Path(__file__).parents[1] / "data" / "atlas-falkner-skan.json"
@@ -50,7 +49,7 @@ def test_certified_bifurcations_are_found_on_the_branch_or_missed(tmp_path: Path
     asked = [str(SOURCE), "-o", str(target), "--bifurcations", str(certificates)]
     assert main([*asked, "--only", "touch*"]) == 0
     assert "- touch-and-go: touch-and-go of order 3, beta in [453.44258682138482" in capsys.readouterr().out
-    (entry,) = read_atlas_certificate(target).document["conclusion"]["bifurcations"]
+    (entry,) = read_certificate(target, "atlas-certificate").document["conclusion"]["bifurcations"]
     assert entry["on_curve"]
     assert entry["piece"] == "p015"
 
@@ -74,7 +73,7 @@ def test_a_polynomial_that_was_changed_is_found(tmp_path: Path, capsys: Any) -> 
     output, errors = capsys.readouterr()
     assert "NOT PROVED" in output
     assert f"{second.id}: not proved" in errors
-    assert {r.piece for r in read_atlas_certificate(target).results if r.is_proved} == {first.id}
+    assert {r.piece for r in read_certificate(target, "atlas-certificate").results if r.is_proved} == {first.id}
 
 
 @pytest.mark.slow

@@ -14,9 +14,19 @@ from support.forgeries import atlas_certificate, fabricated, forged, honest, of_
 from support.stored import value_of, values
 
 from orbitproof.shared.claims import Atlas
-from orbitproof.verify.atlas import Means, ProvedBefore, conclusion_of, make_atlas_certificate, recheck_atlas
+from orbitproof.verify.atlas import Means, ProvedBefore, conclusion_of, make_atlas_certificate
 from orbitproof.verify.atlas.recheck import _contradictions
-from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck, certify, not_proved
+from orbitproof.verify.certificate import (
+    Certificate,
+    Finding,
+    Given,
+    Level,
+    Limits,
+    Recheck,
+    certify,
+    not_proved,
+    recheck,
+)
 from orbitproof.verify.evidence import Reason
 from orbitproof.verify.run.branch_tasks import task_again
 
@@ -30,7 +40,7 @@ def document() -> dict[str, Any]:
 
 
 def without_integrating(changed: Mapping[str, Any]) -> Recheck:
-    return recheck_atlas(changed, (), False, Means(lambda entries, integrate: ()))
+    return recheck(Certificate(changed), False, given=Given((), means=Means(lambda entries, integrate: ())))
 
 
 def checked(change: Callable[[dict[str, Any]], None]) -> Recheck:
@@ -43,7 +53,7 @@ def checked(change: Callable[[dict[str, Any]], None]) -> Recheck:
                 change(result)
             finished(each.name, value_of(result))
 
-    return recheck_atlas(document(), (), True, Means(lambda entries, integrate: (), prove))
+    return recheck(Certificate(document()), True, given=Given((), means=Means(lambda entries, integrate: (), prove)))
 
 
 def test_an_integration_that_finds_the_same_confirms() -> None:
@@ -53,8 +63,10 @@ def test_an_integration_that_finds_the_same_confirms() -> None:
 def test_an_atlas_of_which_nothing_is_proved_does_not_pass_the_last_level() -> None:
     conclusion = conclusion_of(CURVE, values(()), (), lambda entries: (), None)
     nothing = make_atlas_certificate(CURVE, values(()), conclusion)
-    found = recheck_atlas(
-        nothing, (), True, Means(lambda entries, integrate: (), lambda atlas, intervals, finished: None)
+    found = recheck(
+        Certificate(nothing),
+        True,
+        given=Given((), means=Means(lambda entries, integrate: (), lambda atlas, intervals, finished: None)),
     )
     assert (found.stands, found.level) == (True, Level.CONCLUSION)
     assert "nothing was integrated again: it stores no proved intervals" in found.notes
@@ -171,7 +183,7 @@ def test_what_another_integration_finds_about_a_bifurcation_on_the_curve_is_said
         ((), {"obstacle": "no time"}, [], "bifurcation near: no time"),
     ):
         means = Means(lambda entries, integrate, f=found, c=changes: examined(entries, integrate, *f, **c), prove)
-        check = recheck_atlas(carried, (), True, means)
+        check = recheck(Certificate(carried), True, given=Given((), means=means))
         assert [(finding.place, finding.message) for finding in check.findings] == said
         assert check.obstacle == obstacle
         assert check.level is (Level.CONCLUSION if said or obstacle else Level.INTEGRATION)

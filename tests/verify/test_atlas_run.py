@@ -24,7 +24,7 @@ from support.stored import values
 
 from orbitproof.shared import format_exact
 from orbitproof.shared.processes import Answer, Task
-from orbitproof.verify.atlas import read_atlas_certificate
+from orbitproof.verify.certificate import read_certificate
 from orbitproof.verify.run import Display, Processes, Work
 from orbitproof.verify.run.branch_command import main
 from orbitproof.verify.run.branch_tasks import RunLimits, all_attempts_of, attempts_of, for_slopes_of
@@ -296,7 +296,8 @@ def test_results_of_the_attempt_with_second_derivatives_count_in_the_next_run(tm
     given = [write(tmp_path / "atlas.json"), "-o", str(target), "--max-splits", "0", "--quiet"]
     assert main(given, atlas_work.unclear) == 1
     before = target.read_text()
-    assert [result.computation.top for result in read_atlas_certificate(target).results] == [1, 1, 2, 1, 1]
+    results = read_certificate(target, "atlas-certificate").results
+    assert [result.computation.top for result in results] == [1, 1, 2, 1, 1]
     assert main(given, atlas_work.proving) == 1
     assert json.loads(target.read_text())["results"] == json.loads(before)["results"]
 
@@ -338,7 +339,7 @@ def test_a_cluster_gives_the_same_certificate_as_processes(tmp_path: Path, capsy
     assert main([source, "-o", str(tmp_path / "b.json"), "--jobs", "2"], atlas_work.short_only) == 0
     by_cluster, by_processes = (json.loads((tmp_path / name).read_text()) for name in ("a.json", "b.json"))
     assert by_cluster == by_processes
-    lost = [r for r in read_atlas_certificate(tmp_path / "c.json").results if not r.is_proved]
+    lost = [r for r in read_certificate(tmp_path / "c.json", "atlas-certificate").results if not r.is_proved]
     assert [result.piece for result in lost] == ["p001"]
     assert "the cluster has no result for it (KilledWorker)" in str(lost[0].reason and lost[0].reason.message)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from support.stored import values
 
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.processes import Failure
-from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
+from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck, certify
 from orbitproof.verify.evidence import ball_to_json
 from orbitproof.verify.run import CheckLimits, Workplace, branch_checks, checking_again, rows
@@ -35,9 +35,9 @@ def point() -> Certificate:
     return certify(known("fs3"), Limits(max_precision=256))
 
 
-def curve() -> AtlasCertificate:
+def curve() -> Certificate:
     atlas, results = of_parabola()
-    return AtlasCertificate(atlas, atlas_certificate(atlas, results))
+    return Certificate(atlas_certificate(atlas, results))
 
 
 def standing(name: str, level: Level = Level.CONCLUSION) -> Recheck:
@@ -61,16 +61,18 @@ def test_rows_places_and_branches_are_all_checked_as_far_as_is_asked_for(
             asked.append((f"place of {entry.id} on {on.id}", far))
             yield standing(entry.id)
 
-    def of_branch(document: Mapping[str, Any], given: Any, far: bool, _: Any) -> Recheck:
-        asked.append((f"branch {document['id']}", far))
-        return standing(document["id"])
+    def of_branch(certificate: Certificate, given: Any, far: bool, _: Any) -> Recheck:
+        asked.append((f"branch {certificate.id}", far))
+        return standing(certificate.id)
 
     monkeypatch.setattr(checking_again, "rechecks", lambda *rest: (each for each in of_rows(*rest)))
     monkeypatch.setattr(branch_checks, "places_checked", of_places)
     monkeypatch.setattr(branch_checks, "examined", of_branch)
     placed = Certificate.from_json(forged(point.with_place(PLACE).to_json(), lambda d: d.update(id="placed")))
-    with closing(checking_again.checked_again([curve(), point, placed], curve(), integrate, QUIET)) as found:
-        assert [check.id for check in found] == [point.id, "placed", "placed", "parabola"]
+    with closing(checking_again.checked_again([curve(), point, placed], [curve()], integrate, QUIET)) as found:
+        assert [(entry.id, check.id) for entry, check in found] == [
+            (name, name) for name in (point.id, "placed", "placed", "parabola")
+        ]
     wanted = [f"row {point.id}", "row placed", "place of placed on parabola", "branch parabola"]
     assert asked == [(what, integrate) for what in wanted]
 
@@ -106,9 +108,9 @@ def test_a_branch_that_stands_is_integrated_again_where_that_is_asked_for(
 ) -> None:
     first = standing("parabola") if stands else Recheck("parabola", "proved", 1, (Finding("results", "is none"),))
     again = standing("parabola", Level.INTEGRATION)
-    monkeypatch.setattr(branch_checks, "conclusion_apart", lambda *_: first)
-    monkeypatch.setattr(branch_checks, "recheck_atlas", lambda document, given, far, means: again if far else first)
-    assert branch_checks.examined(curve().document, (), integrate, QUIET) is (again if integrate and stands else first)
+    monkeypatch.setattr(branch_checks, "check_apart", lambda *_: first)
+    monkeypatch.setattr(branch_checks, "recheck", lambda certificate, far, given: again if far else first)
+    assert branch_checks.examined(curve(), (), integrate, QUIET) is (again if integrate and stands else first)
 
 
 def test_a_place_that_was_not_looked_at_is_not_passed(point: Certificate, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -123,7 +125,7 @@ def test_no_place_rests_on_a_surface(point: Certificate, monkeypatch: pytest.Mon
     """Its certificate is not even looked at."""
     atlas = read_atlas(DATA / "surface.json")
     results = values(json.loads((DATA / "surface-results.json").read_text()))
-    surface = AtlasCertificate(atlas, make_atlas_certificate(atlas, results, None))
+    surface = Certificate(make_atlas_certificate(atlas, results, None))
     handed: list[Any] = []
 
     def place(on: Any, checked: Any, certificate: Certificate, check: Recheck, _: Any) -> Recheck:
@@ -131,7 +133,7 @@ def test_no_place_rests_on_a_surface(point: Certificate, monkeypatch: pytest.Mon
         return check
 
     monkeypatch.setattr(branch_checks, "place_apart", place)
-    monkeypatch.setattr(branch_checks, "examined", lambda document, *_: standing(document["id"]))
+    monkeypatch.setattr(branch_checks, "examined", lambda certificate, *_: standing(certificate.id))
     for on in (surface, curve(), None):
         list(branch_checks.places_checked(on, [point], {point.id: standing(point.id)}, False, QUIET))
     assert handed == [None, standing("parabola"), None]

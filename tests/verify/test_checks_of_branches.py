@@ -23,22 +23,22 @@ from support.stored import value_of, values
 from orbitproof.shared import InputError, parse_exact
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.formats import read_atlas
-from orbitproof.verify.atlas import (
-    AtlasCertificate,
-    Means,
-    ProvedBefore,
-    make_atlas_certificate,
-    order_of,
-    read_atlas_certificate,
-    recheck_atlas,
-    write_atlas_certificate,
-)
+from orbitproof.verify.atlas import Means, ProvedBefore, make_atlas_certificate, order_of
 from orbitproof.verify.atlas import recheck as chapter
 from orbitproof.verify.atlas.certificate import results_for
 from orbitproof.verify.atlas.conclusion_as_json import _outward, shortened
 from orbitproof.verify.atlas.places import _to_json as place_to_json
 from orbitproof.verify.atlas.recheck import _contradictions, _interval_findings
-from orbitproof.verify.certificate import Certificate, Finding, Level, Recheck
+from orbitproof.verify.certificate import (
+    Certificate,
+    Finding,
+    Given,
+    Level,
+    Recheck,
+    read_certificate,
+    recheck,
+    write_certificate,
+)
 from orbitproof.verify.certificate import not_proved as unproved
 from orbitproof.verify.curve import Bifurcation, IntervalResult, PlaceOnCurve
 from orbitproof.verify.evidence import Reason, ball_to_json
@@ -52,7 +52,9 @@ Prove = Callable[[Atlas, Sequence[ProvedBefore], Callable[[str, Any], str]], Non
 
 
 def checked(document: Any, prove: Prove | None = None) -> Recheck:
-    return recheck_atlas(document, (), prove is not None, Means(lambda entries, integrate: (), prove))
+    return recheck(
+        Certificate(document), prove is not None, given=Given((), means=Means(lambda entries, integrate: (), prove))
+    )
 
 
 def as_before(atlas: Atlas, intervals: Sequence[ProvedBefore], finished: Callable[[str, Any], str]) -> None:
@@ -316,7 +318,7 @@ def test_certificates_are_carried_without_their_places() -> None:
 
 def test_results_are_kept_of_the_same_claim_only() -> None:
     atlas, results = of_parabola()
-    before = AtlasCertificate(atlas, atlas_certificate(atlas, results))
+    before = Certificate(atlas_certificate(atlas, results))
     assert len(results_for(before, atlas)) == 3
     for other in (
         replace(atlas, system=replace(atlas.system, name="another")),
@@ -330,26 +332,24 @@ def test_results_are_kept_of_the_same_claim_only() -> None:
 def test_where_a_list_is_wanted_only_results_with_stability_are_kept() -> None:
     atlas, results = of_parabola()
     known = replace(value_of(stability_results()[0]), piece=atlas.pieces[0].id)
-    before = AtlasCertificate(atlas, make_atlas_certificate(atlas, [known, *values(results[1:])], None))
+    before = Certificate(make_atlas_certificate(atlas, [known, *values(results[1:])], None))
     assert [result.piece for result in reusable(before, atlas, ())] == [piece.id for piece in atlas.pieces]
     assert [result.piece for result in reusable(before, atlas, (), stability=True)] == [atlas.pieces[0].id]
 
 
 def test_a_file_that_does_not_fit_its_digest_is_not_read(document: Any, tmp_path: Path) -> None:
     path = tmp_path / "curve.json"
-    write_atlas_certificate(path, document)
-    assert read_atlas_certificate(path).document == document
-    write_atlas_certificate(path, {**document, "id": "another"})
+    write_certificate(path, document)
+    assert read_certificate(path, "atlas-certificate").document == document
+    write_certificate(path, {**document, "id": "another"})
     with pytest.raises(InputError, match="digest"):
-        read_atlas_certificate(path)
+        read_certificate(path, "atlas-certificate")
 
 
 def test_a_branch_is_whole_if_all_that_was_asked_about_is_on_it(document: Any) -> None:
-    atlas, _ = of_parabola()
-
     def is_whole(*on_curve: bool, **complete: Any) -> bool:
         conclusion = {"bifurcations": [{"on_curve": on} for on in on_curve], "complete": complete}
-        return AtlasCertificate(atlas, {**document, "conclusion": conclusion}).is_whole
+        return Certificate({**document, "conclusion": conclusion}).is_whole
 
     assert is_whole()
     assert is_whole(True, True, gaps=[], undecided=[])
@@ -375,7 +375,7 @@ def test_ends_of_intervals_are_written_outward() -> None:
 
 def test_a_place_is_told_as_it_was_found() -> None:
     atlas, results = of_parabola()
-    curve = AtlasCertificate(atlas, atlas_certificate(atlas, results))
+    curve = Certificate(atlas_certificate(atlas, results))
     for mirrored, other_point in ((False, True), (True, False)):
         place = PlaceOnCurve("p001", arb(1, 2**-9), mirrored, other_point)
         told = place_to_json(curve, Bifurcation("a", "orbit", 1, place, "", {}, "period", None))

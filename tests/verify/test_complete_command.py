@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from support import atlas_work
 
-from orbitproof.verify.atlas import read_atlas_certificate
+from orbitproof.verify.certificate import read_certificate
 from orbitproof.verify.run.branch_command import main
 
 DATA = Path(__file__).parents[1] / "data"
@@ -20,11 +20,11 @@ def test_the_list_is_part_of_the_theorem_and_stands(tmp_path: Path, capsys: Any)
     target = str(tmp_path / "curve.json")
     assert main([SOURCE, "-o", target, "--quiet"], atlas_work.stored) == 0
     assert "resonan" not in capsys.readouterr().out
-    assert "complete" not in read_atlas_certificate(Path(target)).document["conclusion"]
+    assert "complete" not in read_certificate(Path(target), "atlas-certificate").document["conclusion"]
     assert main([SOURCE, "-o", target, "--quiet", "--complete", "12"], atlas_work.stored) == 0
     printed = capsys.readouterr().out
     assert "- 1:11, a stability parameter is cos(2 pi 5/11): beta in [347.21" in printed
-    document = read_atlas_certificate(Path(target)).document
+    document = read_certificate(Path(target), "atlas-certificate").document
     assert document["conclusion"]["complete"]["order"] == 12
     assert "cos(2 pi 5/11)" in document["statement"]["theorem"]
     assert main(["--recheck", target, "--quiet"]) == 0
@@ -39,7 +39,7 @@ def test_a_list_with_gaps_is_named_and_is_not_all_that_was_asked(tmp_path: Path,
     target = str(tmp_path / "curve.json")
     assert main([SOURCE, "-o", target, "--complete", "12", "--quiet"], atlas_work.stored_without_stability) == 1
     assert "piece p015" in capsys.readouterr().out.split("Not covered")[1]
-    assert read_atlas_certificate(Path(target)).proved
+    assert read_certificate(Path(target), "atlas-certificate").proved
 
 
 @pytest.mark.parametrize("order", ["0", "-1", "100", "twelve", "1.5", ""])

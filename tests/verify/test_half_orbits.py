@@ -28,7 +28,7 @@ from orbitproof.shared.formats import (
     read_atlas,
     read_candidates,
 )
-from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
+from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, certify, digest, recheck
 from orbitproof.verify.curve import Chain, CurveTheorem, PieceLimits, ProvedCurve, prove_piece
@@ -210,7 +210,7 @@ def test_no_result_of_another_number_of_crossings_is_used_again() -> None:
         "computation": {"seconds": 1},
     }
     document = make_atlas_certificate(atlas, values([result]), None)
-    before = AtlasCertificate(atlas, document)
+    before = Certificate(document)
     assert reusable(before, atlas, ()) == values([result])
     assert reusable(before, replace(atlas, claim=replace(atlas.claim, crossings=1)), ()) == []
 

@@ -17,29 +17,28 @@ from typing import Any, cast
 
 import pytest
 from flint import acb, arb, arb_poly, ctx, fmpz_poly
-from support.forgeries import atlas_certificate, forged, forged_elsewhere
+from support.forgeries import atlas_certificate, checked_by, forged, forged_elsewhere
 from support.graph_index import index_of_orbit
 from support.stored import values
 
 from orbitproof import verify
-from orbitproof.shared.claims import SURFACE, Atlas
+from orbitproof.shared.claims import Atlas
 from orbitproof.shared.formats import InputError, atlas_from_json, read_atlas
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, FALKNER_SKAN, LIFTED, MASS_PARAMETERS, VERTICAL
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
-from orbitproof.verify.atlas import (
-    AtlasCertificate,
-    certified_index,
-    check_of_conclusion,
-    checked_index,
-    conclusion_of,
-    make_atlas_certificate,
-    read_index_certificate,
-    write_atlas_certificate,
-    write_index_certificate,
-)
+from orbitproof.verify.atlas import certified_index, conclusion_of, make_atlas_certificate
 from orbitproof.verify.atlas import index as of_indices
-from orbitproof.verify.certificate import CannotBeCheckedError, Finding, Level, Recheck
+from orbitproof.verify.certificate import (
+    CannotBeCheckedError,
+    Certificate,
+    Finding,
+    Level,
+    Recheck,
+    read_certificate,
+    recheck,
+    write_certificate,
+)
 from orbitproof.verify.curve import ProvedCurve, conclude, derived_parameter
 from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotProved, Proved
 from orbitproof.verify.index import (
@@ -60,7 +59,7 @@ from orbitproof.verify.index.half_turns import Turning, determinant, index_of
 from orbitproof.verify.index.libration_value import _whole, index_of_small_orbits, reaches_rest
 from orbitproof.verify.index.moving import Moving, moving, reduced
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.run import index_command
+from orbitproof.verify.run import index_command, proof_command
 from orbitproof.verify.stability import Bound, Gap, Matter, ProvedList, Resonance, StabilityResult, conclude_list
 from orbitproof.verify.words.index import index_in_words
 
@@ -710,12 +709,12 @@ def test_the_libration_point_itself_is_no_orbit_to_follow() -> None:
 
 
 @cache
-def curve_certificate() -> AtlasCertificate:
+def curve_certificate() -> Certificate:
     """With its list."""
     atlas, entries = case(RETROGRADE)
     results = values(entries)
     conclusion = conclusion_of(atlas, results, (), lambda _: (), 2)
-    return AtlasCertificate(atlas, make_atlas_certificate(atlas, results, conclusion))
+    return Certificate(make_atlas_certificate(atlas, results, conclusion))
 
 
 @cache
@@ -725,11 +724,11 @@ def document() -> Any:
 
 @cache
 def examined() -> Recheck:
-    return check_of_conclusion(curve_certificate().document)
+    return recheck(curve_certificate())
 
 
 def check(entry: Any, level: Level = Level.CONCLUSION) -> Recheck:
-    return checked_index(entry, curve_certificate(), replace(examined(), level=level, precision=128))
+    return checked_by(entry, curve_certificate(), replace(examined(), level=level, precision=128))
 
 
 def test_the_certificate_stands_as_far_as_its_curve_was_checked() -> None:
@@ -737,10 +736,10 @@ def test_the_certificate_stands_as_far_as_its_curve_was_checked() -> None:
     for level in (Level.FORM, Level.CONCLUSION, Level.INTEGRATION):
         found = check(document(), level)
         assert (found.stands, found.level) == (True, level), found.why
-    fallen = checked_index(document(), curve_certificate(), replace(examined(), obstacle="it hangs"))
+    fallen = checked_by(document(), curve_certificate(), replace(examined(), obstacle="it hangs"))
     assert not fallen.stands
     with pytest.raises(ValueError, match="is the check of"):
-        checked_index(document(), curve_certificate(), replace(examined(), digest="sha256:" + "0" * 64))
+        checked_by(document(), curve_certificate(), replace(examined(), digest="sha256:" + "0" * 64))
 
 
 def _orbit(number: int, **changes: Any) -> Callable[[Any], None]:
@@ -882,19 +881,17 @@ def test_what_is_not_proved_says_nothing(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_curves_of_other_systems_or_without_proof_have_no_index() -> None:
-    from support.chain_cases import symmetric_loop
+    from support.chain_cases import parabola
 
-    circle, results = symmetric_loop()
-    other = AtlasCertificate(circle, atlas_certificate(circle, results))
     with pytest.raises(InputError, match="system: no index is counted of falkner-skan; give"):
-        certified_index(replace(other, atlas=replace(circle, system=FALKNER_SKAN)))
-    surface = replace(circle, claim=replace(circle.claim, kind=SURFACE))
+        certified_index(Certificate(atlas_certificate(*parabola())))
+    surface = read_atlas(DATA / "surface-planar.json")
     with pytest.raises(InputError, match="kind: no index is counted of 'symmetry-br"):
-        certified_index(replace(other, atlas=surface))
+        certified_index(Certificate(make_atlas_certificate(surface, [], None)))
     entry = copy.deepcopy(dict(curve_certificate().document))
     entry["verdict"] = "not proved"
     with pytest.raises(InputError, match="proves no curve"):
-        certified_index(AtlasCertificate(curve_certificate().atlas, entry))
+        certified_index(Certificate(entry))
 
 
 def test_curves_without_an_index_are_refused_before_they_are_checked(
@@ -905,9 +902,10 @@ def test_curves_without_an_index_are_refused_before_they_are_checked(
     def never(*_: Any) -> Any:
         raise AssertionError("the curve was checked")
 
-    monkeypatch.setattr(index_command, "examined", never)
+    monkeypatch.setattr(proof_command, "examined", never)
+    monkeypatch.setattr(index_command, "check_of", never)
     curve = tmp_path / "curve.json"
-    write_atlas_certificate(curve, atlas_certificate(*parabola()))
+    write_certificate(curve, atlas_certificate(*parabola()))
     for words in (["-o", str(tmp_path / "index.json")], ["--recheck", str(curve)]):
         assert main(["index", "--curve", str(curve), *words]) == 2
     message = f"error: {curve}: field statement.atlas.system: no index is counted of falkner-skan; give the certificate"
@@ -918,22 +916,22 @@ def test_curves_without_an_index_are_refused_before_they_are_checked(
 
 def test_the_command_and_python_say_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     curve, output = tmp_path / "curve.json", tmp_path / "index.json"
-    write_atlas_certificate(curve, curve_certificate().document)
+    write_certificate(curve, curve_certificate().document)
     assert main(["index", "--curve", str(curve), "-o", str(output), "--quiet"]) == 0
     said = capsys.readouterr().out
     assert "in the plane 1 and across it 2" in " ".join(said.split())
     assert main(["index", "--recheck", str(output), "--curve", str(curve), "--quiet"]) == 0
     assert "2 conclusion" in capsys.readouterr().out
-    known = read_index_certificate(output)
+    known = read_certificate(output, "index-certificate")
     assert [orbit.index for orbit in known.orbits] == [2, 3]
     assert known.theorem is not None
     assert " ".join(known.theorem.split()) in " ".join(said.split())
     assert verify.recheck(verify.read(output), rests_on=verify.read(curve), quiet=True)[0].stands
-    write_index_certificate(output, forged(known.document, FORGERIES["another index"]))
+    write_certificate(output, forged(known.document, FORGERIES["another index"]))
     assert main(["index", "--recheck", str(output), "--curve", str(curve), "--quiet"]) == 1
     output.write_text(output.read_text().replace('"index": 3', '"index": 5'))
     with pytest.raises(InputError, match="digest"):
-        read_index_certificate(output)
+        read_certificate(output, "index-certificate")
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 from support.chain_cases import loop
-from support.forgeries import forged
+from support.forgeries import checked_by, forged
 from test_index import curve_certificate, examined
 from test_index import document as of_index
 from test_web import arc, halo, proof, refusal, theorem
@@ -25,22 +25,9 @@ from orbitproof.shared.claims.web import Web, WebArc
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import InputError
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.atlas import (
-    AtlasCertificate,
-    IndexCertificate,
-    Key,
-    Resting,
-    certified_web,
-    checked_index,
-    claiming_indices,
-    recheck_web,
-    resting,
-    write_atlas_certificate,
-    write_index_certificate,
-    write_web_certificate,
-)
+from orbitproof.verify.atlas import certified_web, claiming_indices, resting
 from orbitproof.verify.atlas import web as of_webs
-from orbitproof.verify.certificate import Finding, Level, Recheck
+from orbitproof.verify.certificate import Certificate, Finding, Given, Key, Level, Recheck, recheck, write_certificate
 from orbitproof.verify.stability import ListedPlace
 from orbitproof.verify.web import Arc, IndexOnArc, Indices
 
@@ -60,14 +47,14 @@ def claiming(*names: str, of: tuple[str, ...]) -> Web:
 
 
 @cache
-def given() -> tuple[Resting, ...]:
-    return resting(CLAIM, [IndexCertificate(of_index()), curve_certificate()])
+def given() -> tuple[Certificate, ...]:
+    return resting(CLAIM, [Certificate(of_index()), curve_certificate()])
 
 
 @cache
 def checks(level: Level = Level.CONCLUSION) -> dict[Key, Recheck]:
     curve = replace(examined(), level=level, precision=128)
-    return {CURVE: curve, INDEX: checked_index(of_index(), curve_certificate(), curve)}
+    return {CURVE: curve, INDEX: checked_by(of_index(), curve_certificate(), curve)}
 
 
 @cache
@@ -92,7 +79,7 @@ def test_the_index_that_is_claimed_is_stored_and_told_as_its_certificate_has_it(
 
 def test_without_a_claim_nothing_is_said_of_an_index() -> None:
     silent = Web("a web", "a web", (WebArc(NAME),))
-    certificates = resting(silent, [IndexCertificate(of_index()), curve_certificate()])
+    certificates = resting(silent, [Certificate(of_index()), curve_certificate()])
     assert certificates == (curve_certificate(),)
     found = certified_web(silent, certificates, checks())
     assert "index" not in json.dumps({key: value for key, value in found.items() if key != "software"})
@@ -114,17 +101,17 @@ def _elsewhere(one: Arc) -> Any:
 
 def test_a_web_stands_as_far_as_the_certificates_of_its_indices() -> None:
     for level in (Level.FORM, Level.CONCLUSION, Level.INTEGRATION):
-        found = recheck_web(document(), given(), checks(level))
+        found = recheck(Certificate(document()), given=Given(given(), checks(level)))
         assert (found.stands, found.level) == (True, level), found.why
         lower = {CURVE: checks(Level.INTEGRATION)[CURVE], INDEX: checks(level)[INDEX]}
-        assert recheck_web(document(), given(), lower).level is level
+        assert recheck(Certificate(document()), given=Given(given(), lower)).level is level
     fallen = {**checks(), INDEX: replace(checks()[INDEX], findings=(Finding("digest", "does not fit"),))}
-    found = recheck_web(document(), given(), fallen)
+    found = recheck(Certificate(document()), given=Given(given(), fallen))
     assert not found.stands
     assert f"the certificate of the index of {NAME} does not stand" in found.why
 
 
-def not_proved(entry: IndexCertificate, check: Recheck) -> str:
+def not_proved(entry: Certificate, check: Recheck) -> str:
     """Why a web with this certificate of an index is not proved."""
     own = {**checks(), INDEX: replace(check, digest=entry.document["digest"])}
     found = certified_web(CLAIM, (curve_certificate(), entry), own)
@@ -137,28 +124,28 @@ def not_proved(entry: IndexCertificate, check: Recheck) -> str:
 
 def test_the_certificate_of_an_index_has_to_be_proved_to_stand_and_to_be_of_the_same_curve() -> None:
     check = checks()[INDEX]
-    silent = IndexCertificate(forged(of_index(), lambda d: d.update(verdict="not proved")))
+    silent = Certificate(forged(of_index(), lambda d: d.update(verdict="not proved")))
     assert "says 'not proved'" in not_proved(silent, check)
-    own = IndexCertificate(of_index())
+    own = Certificate(of_index())
     assert "does not stand: it hangs" in not_proved(own, replace(check, obstacle="it hangs"))
     assert "not checked up to its conclusion" in not_proved(own, replace(check, level=Level.FORM))
     for other in ({"digest": "sha256:" + 64 * "0"}, {"id": "another"}):
-        moved = IndexCertificate(forged(of_index(), lambda d, other=other: d["rests_on"].update(other)))  # type: ignore[misc]
+        moved = Certificate(forged(of_index(), lambda d, other=other: d["rests_on"].update(other)))  # type: ignore[misc]
         assert "rests on another certificate of a curve" in not_proved(moved, check)
     with pytest.raises(ValueError, match="the check of another certificate"):
         certified_web(CLAIM, given(), {**checks(), INDEX: replace(check, digest="sha256:" + 64 * "0")})
     # One that was changed does not stand, whatever it says.
-    wrong = IndexCertificate(forged(of_index(), lambda d: d["orbits"][0].update(index=4)))
-    assert "does not stand" in not_proved(wrong, checked_index(wrong.document, curve_certificate(), examined()))
+    wrong = Certificate(forged(of_index(), lambda d: d["orbits"][0].update(index=4)))
+    assert "does not stand" in not_proved(wrong, checked_by(wrong.document, curve_certificate(), examined()))
 
 
 def test_an_index_of_the_same_name_on_another_certificate_of_the_curve_does_not_count() -> None:
     entry = forged(curve_certificate().document, lambda d: d.update(software={**d["software"], "version": "9"}))
-    curve = AtlasCertificate(curve_certificate().atlas, entry)
+    curve = Certificate(entry)
     moved = {CURVE: replace(checks()[CURVE], digest=entry["digest"]), INDEX: checks()[INDEX]}
-    found = certified_web(CLAIM, (curve, IndexCertificate(of_index())), moved)
+    found = certified_web(CLAIM, (curve, Certificate(of_index())), moved)
     assert found["reason"]["condition"] == "indices"
-    assert not recheck_web(document(), (curve, given()[1]), moved).stands
+    assert not recheck(Certificate(document()), given=Given((curve, given()[1]), moved)).stands
 
 
 def _index(**changes: Any) -> Callable[[dict[str, Any]], Any]:
@@ -185,9 +172,9 @@ FORGED: dict[str, Callable[[dict[str, Any]], Any]] = {
 
 @pytest.mark.parametrize("what", FORGED)
 def test_forged_indices_of_webs_do_not_stand(what: str) -> None:
-    assert not recheck_web(forged(document(), FORGED[what]), given(), checks()).stands
+    assert not recheck(Certificate(forged(document(), FORGED[what])), given=Given(given(), checks())).stands
     # What it rests on is told before anything is looked at.
-    at_form = recheck_web(forged(document(), FORGED[what]), given(), checks(Level.FORM))
+    at_form = recheck(Certificate(forged(document(), FORGED[what])), given=Given(given(), checks(Level.FORM)))
     assert at_form.stands is not (
         what in ("another digest", "rests on no index", "rests on a vertex", "no claim", "a hypothesis less")
     )
@@ -201,7 +188,7 @@ def test_a_certificate_of_an_index_that_is_missing_or_given_twice_is_told() -> N
         resting(CLAIM, [curve, index, index])
     with pytest.raises(InputError, match="names distant-retrograde, and no such"):
         resting(CLAIM, [index])
-    other = IndexCertificate(forged(of_index(), lambda d: d.update(id="other")))
+    other = Certificate(forged(of_index(), lambda d: d.update(id="other")))
     with pytest.raises(InputError, match="claims the index"):
         resting(CLAIM, [curve, other])
     assert resting(CLAIM, [other, index, curve]) == (curve, index)
@@ -243,15 +230,15 @@ def test_the_index_of_small_orbits_is_stored_of_an_arc_of_which_an_index_is_clai
         web = proof(claiming(family.id, of=of), indexed)
         stored = of_webs._stored_arc(web.arcs[0], web, plain)
         assert (stored.small, stored.index) == (small, index)
-    read = IndexCertificate({**of_index(), "small": [2, 1]})
+    read = Certificate({**of_index(), "small": [2, 1]})
     assert read.small == (2, 1)
-    assert IndexCertificate(of_index()).small == ()
+    assert Certificate(of_index()).small == ()
 
 
 def test_the_command_reads_certificates_of_indices(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     curve, index, claim, output = (tmp_path / f"{name}.json" for name in ("curve", "index", "claim", "web"))
-    write_atlas_certificate(curve, curve_certificate().document)
-    write_index_certificate(index, of_index())
+    write_certificate(curve, curve_certificate().document)
+    write_certificate(index, of_index())
     claim.write_text(json.dumps({"format": "orbitproof-web", "version": 1, **to_json(CLAIM)}))
     both = ["--certificates", str(curve), str(index), "--quiet"]
     assert main(["web", str(claim), *both, "-o", str(output)]) == 0
@@ -261,7 +248,7 @@ def test_the_command_reads_certificates_of_indices(tmp_path: Path, capsys: pytes
     assert main(["web", str(claim), "--certificates", str(curve), "--quiet"]) == 2
     assert "claims the index of distant-retrograde" in capsys.readouterr().err
     # A certificate that says less than was proved follows from nothing.
-    write_index_certificate(index, forged(of_index(), lambda d: d["orbits"].pop()))
+    write_certificate(index, forged(of_index(), lambda d: d["orbits"].pop()))
     assert main(["web", str(claim), *both]) == 1
     assert "NOT PROVED: indices" in capsys.readouterr().out
 
@@ -272,9 +259,9 @@ def test_a_report_tells_the_index_with_the_web_that_rests_on_it_and_a_forged_one
     curve, index, web, report = (tmp_path / f"{name}.{end}" for name, end in (
         ("curve", "json"), ("index", "json"), ("web", "json"), ("report", "md")
     ))  # fmt: skip
-    write_atlas_certificate(curve, curve_certificate().document)
-    write_index_certificate(index, of_index())
-    write_web_certificate(web, document())
+    write_certificate(curve, curve_certificate().document)
+    write_certificate(index, of_index())
+    write_certificate(web, document())
     told = ["-o", str(report), "--no-pictures", "--quiet"]
     assert report_of([str(web), str(index), str(curve), *told]) == 0
     text = report.read_text()
@@ -295,7 +282,7 @@ def test_a_report_tells_the_index_with_the_web_that_rests_on_it_and_a_forged_one
     assert "claims the index of distant-retrograde" in capsys.readouterr().err
     assert report_of([str(index), *told]) == 2
     assert "rests on the curve" in capsys.readouterr().err
-    write_index_certificate(index, forged(of_index(), lambda d: d["orbits"].pop()))
+    write_certificate(index, forged(of_index(), lambda d: d["orbits"].pop()))
     assert report_of([str(index), str(curve), *told]) == 1
     assert f"REFUSED {index}" in capsys.readouterr().err
     assert not report.exists()
@@ -304,13 +291,13 @@ def test_a_report_tells_the_index_with_the_web_that_rests_on_it_and_a_forged_one
 def test_the_index_is_claimed_of_all_arcs_whose_certificates_are_given(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    silent, index = Web("a web", "a web", (WebArc(NAME),)), IndexCertificate(of_index())
+    silent, index = Web("a web", "a web", (WebArc(NAME),)), Certificate(of_index())
     assert claiming_indices(silent, [curve_certificate(), index]) == CLAIM
     assert claiming_indices(silent, [curve_certificate()]) == silent
     assert claiming_indices(CLAIM, [curve_certificate()]) == CLAIM
     files = [tmp_path / name for name in ("curve.json", "index.json", "claim.json", "web.json")]
-    write_atlas_certificate(files[0], curve_certificate().document)
-    write_index_certificate(files[1], index.document)
+    write_certificate(files[0], curve_certificate().document)
+    write_certificate(files[1], index.document)
     files[2].write_text(json.dumps({"format": "orbitproof-web", "version": 1, **to_json(silent)}))
     given_files = ["--certificates", *map(str, files[:2]), "--quiet"]
     assert main(["web", str(files[2]), *given_files, "--indices", "-o", str(files[3])]) == 0

@@ -55,7 +55,7 @@ def proved_twice(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: py
     """The files of a run that was ended after each result, until nothing was left, and of an undisturbed one."""
     disturbed, undisturbed = tmp_path / "a.json", tmp_path / "b.json"
     with monkeypatch.context() as patch:
-        patch.setattr(branches, "write_atlas_certificate", asked_to_end_after(branches.write_atlas_certificate))
+        patch.setattr(branches, "write_certificate", asked_to_end_after(branches.write_certificate))
         for count in range(1, RUNS[request.param][2] + 1):
             assert prove_here(request.param, disturbed) == INTERRUPTED
             assert len(untimed(disturbed)["results"]) == count
@@ -85,7 +85,7 @@ def test_a_web_that_is_ended_after_each_step_ends_as_an_undisturbed_one(
         words = [str(source), "--certificates", str(proved_twice[number]), "-o", str(paths[number]), "--quiet"]
         return run_command(lambda: join(words))
 
-    for module, step in ((branch_checks, "examined"), (web_command, "apart"), (web_command, "write_web_certificate")):
+    for module, step in ((branch_checks, "examined"), (web_command, "apart"), (web_command, "write_certificate")):
         assert not paths[0].exists()
         with monkeypatch.context() as patch:
             patch.setattr(module, step, asked_to_end_after(getattr(module, step)))

@@ -29,7 +29,8 @@ from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.formats import read_atlas, write_atlas
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.processes import Answer, Progress, Source
-from orbitproof.verify.atlas import Result, read_atlas_certificate
+from orbitproof.verify.atlas import Result
+from orbitproof.verify.certificate import read_certificate
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.run import Display, Engine, Work, Workplace, branches, piece_order
 from orbitproof.verify.run.branch_tables import piece_table
@@ -134,7 +135,7 @@ def test_an_interrupted_run_for_lasting_ends_as_an_undisturbed_one(tmp_path: Pat
     atlas = falkner_skan()
     limits = limits_of(atlas, 4, lasting=True)
     undisturbed = made(tmp_path / "a.json", atlas, limits, lasting)
-    results = read_atlas_certificate(tmp_path / "a.json").results
+    results = read_certificate(tmp_path / "a.json", "atlas-certificate").results
     looks = [result for result in results if result.computation.width == lasting_work.LOOK]
     # Both halves of a piece know one place roughly, and one look is in vain.
     assert [sum(result.is_proved == proved for result in looks) for proved in (True, False)] == [6, 1]

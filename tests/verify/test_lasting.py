@@ -28,8 +28,9 @@ from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import InputError, piece_from_json
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, HILL, Defined
-from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
+from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import conclusion_of
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.evidence import NotKnown, ball_from_json
 from orbitproof.verify.functions import REACH, StoredFunction
 from orbitproof.verify.lasting import (
@@ -812,7 +813,7 @@ def test_it_is_asked_for_with_a_long_enough_list_of_a_system_with_n_1() -> None:
 def test_where_it_is_wanted_only_results_with_the_twist_are_kept() -> None:
     entries = results()
     del entries[0]["twist"]
-    before = AtlasCertificate(atlas(), make_atlas_certificate(atlas(), values(entries), None))
+    before = Certificate(make_atlas_certificate(atlas(), values(entries), None))
     for asked, kept in (({}, 2), ({"stability": True}, 2), ({"stability": True, "lasting": True}, 1)):
         assert len(reusable(before, atlas(), (), **asked)) == kept
 
@@ -821,7 +822,7 @@ def test_a_list_with_a_gap_of_the_twist_leaves_something_out() -> None:
     for found, whole in ((results(), True), (made_up(([], []), error=2.0), False)):
         conclusion = with_lasting(atlas(), found)
         certificate = make_atlas_certificate(atlas(), values(found), conclusion)
-        assert AtlasCertificate(atlas(), certificate).is_whole is whole
+        assert Certificate(certificate).is_whole is whole
 
 
 def test_functions_are_those_of_the_interval_of_a_segment_and_mirrored_on_the_other_side() -> None:

@@ -9,14 +9,15 @@ from support.stability_cases import atlas, listed, results
 from support.stored import values
 
 from orbitproof.shared import InputError
-from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
+from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.evidence import ball_from_json
 
 
-def certificate(**changes: Any) -> AtlasCertificate:
+def certificate(**changes: Any) -> Certificate:
     conclusion = listed(results())
     conclusion = {**conclusion, "complete": {**conclusion["complete"], **changes}}
-    return AtlasCertificate(atlas(), make_atlas_certificate(atlas(), values(results()), conclusion))
+    return Certificate(make_atlas_certificate(atlas(), values(results()), conclusion))
 
 
 def test_points_and_stable_intervals_are_those_of_the_document() -> None:
@@ -36,7 +37,7 @@ def test_points_and_stable_intervals_are_those_of_the_document() -> None:
 
 
 def test_without_a_list_there_is_nothing_and_what_is_none_is_refused_in_a_line() -> None:
-    assert AtlasCertificate(atlas(), make_atlas_certificate(atlas(), values(results()), None)).points == ()
+    assert Certificate(make_atlas_certificate(atlas(), values(results()), None)).points == ()
     for changes in ({"points": [{"piece": "p001"}]}, {"points": [3]}, {"stable": [{"from": {}}]}):
         found = certificate(**changes)
         with pytest.raises(InputError, match="of the list: "):

@@ -16,7 +16,7 @@ import pytest
 from flint import arb, ctx
 from support.conclusions import conclude, with_complete_list
 from support.flow_checks import ball
-from support.forgeries import checked, forged
+from support.forgeries import checked, checked_by, forged
 from support.graph_index import index_of_orbit
 from support.stored import function_of, stability_of, values
 from test_lists_of_vertical_orbits import after, motion, sums
@@ -27,16 +27,8 @@ from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import atlas_from_json, read_atlas
 from orbitproof.shared.systems import LIFTED, VERTICAL
 from orbitproof.verify.algebra import Grading, WideArithmetic
-from orbitproof.verify.atlas import (
-    AtlasCertificate,
-    IndexCertificate,
-    certified_index,
-    check_of_conclusion,
-    checked_index,
-    conclusion_of,
-    make_atlas_certificate,
-)
-from orbitproof.verify.certificate import Level
+from orbitproof.verify.atlas import certified_index, conclusion_of, make_atlas_certificate
+from orbitproof.verify.certificate import Certificate, Level, recheck
 from orbitproof.verify.curve import Bifurcation, HalfReturn, PieceLimits, PlaceOnCurve, prove_piece
 from orbitproof.verify.evidence import EmptyIntersectionError, IntegrationFailure, Proved
 from orbitproof.verify.functions import REACH
@@ -82,8 +74,8 @@ def listed() -> dict[str, Any]:
 
 
 @cache
-def with_list() -> AtlasCertificate:
-    return AtlasCertificate(arc(), make_atlas_certificate(arc(), values(ARC["results"]), listed()))
+def with_list() -> Certificate:
+    return Certificate(make_atlas_certificate(arc(), values(ARC["results"]), listed()))
 
 
 @cache
@@ -94,10 +86,10 @@ def family() -> Atlas:
 
 
 @cache
-def without_list() -> AtlasCertificate:
+def without_list() -> Certificate:
     results = values(json.loads((DATA / "results-axial-family.json").read_text()))
     conclusion = conclusion_of(family(), results, (), lambda _: (), None)
-    return AtlasCertificate(family(), make_atlas_certificate(family(), results, conclusion))
+    return Certificate(make_atlas_certificate(family(), results, conclusion))
 
 
 def place(s: float) -> Any:
@@ -111,7 +103,7 @@ def place(s: float) -> Any:
 def test_without_a_list_the_index_of_one_orbit_is_told() -> None:
     document = certified_index(without_list())
     assert document["verdict"] == "proved"
-    (orbit,) = IndexCertificate(document).orbits
+    (orbit,) = Certificate(document).orbits
     # Of an orbit of this family the graph of the flow has it.
     assert orbit.index == 4
     theorem = document["statement"]["theorem"]
@@ -119,7 +111,7 @@ def test_without_a_list_the_index_of_one_orbit_is_told() -> None:
     assert "Single orbits; of others nothing is said:" in theorem
 
     def check(entry: dict[str, Any]) -> bool:
-        return checked_index(entry, without_list(), check_of_conclusion(without_list().document)).stands
+        return checked_by(entry, without_list(), recheck(without_list())).stands
 
     def moved(entry: dict[str, Any]) -> None:
         # Where eps2 < 0 there is no orbit.
@@ -269,7 +261,7 @@ def test_certified_births_are_in_the_list() -> None:
 def test_the_index_is_that_of_all_orbits_from_the_birth_on() -> None:
     document = certified_index(with_list())
     assert document["verdict"] == "proved"
-    (orbit,) = IndexCertificate(document).orbits
+    (orbit,) = Certificate(document).orbits
     assert orbit.begin is not None
     assert orbit.end is not None
     assert (orbit.begin.what, orbit.end.what) == (("birth from the plane",), ("the end of the curve",))
@@ -283,7 +275,7 @@ def test_the_index_is_that_of_all_orbits_from_the_birth_on() -> None:
 
     for change, stands in ((lambda entry: None, True), (before, False)):
         entry = forged(document, change)
-        assert checked_index(entry, with_list(), check_of_conclusion(with_list().document)).stands is stands
+        assert checked_by(entry, with_list(), recheck(with_list())).stands is stands
 
 
 def test_the_check_of_a_certificate_refuses_another_list() -> None:

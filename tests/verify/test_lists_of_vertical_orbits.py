@@ -26,9 +26,9 @@ from orbitproof.shared.claims import REVERSOR_BREAKING, Atlas
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import atlas_from_json
 from orbitproof.shared.systems import AROUND, CR3BP, LIFTED, VERTICAL
-from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
+from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.atlas.index import certified_index
-from orbitproof.verify.certificate import Level
+from orbitproof.verify.certificate import Certificate, Level
 from orbitproof.verify.curve import Bifurcation, PieceLimits, PlaceOnCurve, prove_piece
 from orbitproof.verify.curve.lyapunov_family import libration_point
 from orbitproof.verify.evidence import EmptyIntersectionError, IntegrationFailure, Proved, ball_from_json
@@ -209,7 +209,7 @@ def test_what_is_said_of_the_whole_period_leaves_out_what_the_list_does_not_cove
 
 def test_the_index_over_the_whole_period_is_told_of_single_orbits_only() -> None:
     document = make_atlas_certificate(arc(), values(ARC["results"]), listed(12))
-    found = certified_index(AtlasCertificate(arc(), document))
+    found = certified_index(Certificate(document))
     assert found["verdict"] == "proved"
     assert [sorted(entry) for entry in found["orbits"] if "begin" in entry or "end" in entry] == []
     assert len(found["orbits"]) == 1

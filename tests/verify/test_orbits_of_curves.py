@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from flint import acb, arb, ctx
 from support import catalogue_cases
-from support.forgeries import forged, forged_elsewhere
+from support.forgeries import checked_by, forged, forged_elsewhere
 from support.runs import done_here
 from support.stored import values
 from support.three_body import Orbits, problem_of
@@ -28,21 +28,10 @@ from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.formats import FIELDS, CatalogueRows, InputError, atlas_from_json, read_catalogue_rows
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.atlas import (
-    AtlasCertificate,
-    CatalogueCertificate,
-    catalogue,
-    catalogue_table,
-    certified_rows,
-    certified_table,
-    check_of_conclusion,
-    recheck_catalogue,
-    rows_of_curve,
-    write_atlas_certificate,
-)
-from orbitproof.verify.atlas.catalogue import orbits_of, write_catalogue_certificate
+from orbitproof.verify.atlas import catalogue, catalogue_table, certified_rows, certified_table, rows_of_curve
+from orbitproof.verify.atlas.catalogue import orbits_of
 from orbitproof.verify.atlas.catalogue_table import rounded_up
-from orbitproof.verify.certificate import Level, Recheck
+from orbitproof.verify.certificate import Certificate, Level, Recheck, recheck, write_certificate
 from orbitproof.verify.curve import ProvedCurve, conclude
 from orbitproof.verify.evidence import Proved, ball_to_json, enclose, exact_value, symmetric
 from orbitproof.verify.orbit import stability_from
@@ -98,11 +87,11 @@ def document() -> Document:
 
 @cache
 def examined() -> Recheck:
-    return check_of_conclusion(catalogue_cases.curve().document)
+    return recheck(catalogue_cases.curve())
 
 
-def check(entry: Mapping[str, Any], curve: AtlasCertificate | None = None) -> Recheck:
-    return recheck_catalogue(entry, curve or catalogue_cases.curve(), examined())
+def check(entry: Mapping[str, Any], curve: Certificate | None = None) -> Recheck:
+    return checked_by(entry, curve or catalogue_cases.curve(), examined())
 
 
 def holds(ball: arb | None, value: float, digits: float = 1e-10) -> bool:
@@ -288,9 +277,9 @@ def test_the_stability_index_is_that_of_multipliers() -> None:
 
 
 def test_rows_of_the_published_catalogue_are_certified() -> None:
-    certificate = CatalogueCertificate(document())
+    certificate = Certificate(document())
     assert not certificate.proved
-    assert repr(certificate) == "<CatalogueCertificate by 'halo-from-the-plane': 4 of 5 rows>"
+    assert repr(certificate) == "<Certificate 'halo-from-the-plane': not proved, 4 of 5 rows>"
     on, off = certificate.rows[: catalogue_cases.ON_THE_ARC], certificate.rows[catalogue_cases.ON_THE_ARC :]
     assert [row.orbit is not None for row in on] == [True] * 4
     assert [row.mirrored for row in on] == [False, False, True, False]
@@ -318,10 +307,10 @@ def test_a_row_farther_away_than_asked_for_is_not_certified() -> None:
     )
     moved = replace(rows(), rows=(given, shifted))
     for within, lacks in ((Fraction(1, 10**6), [None, None]), (Fraction(1, 10**8), [None, "nearness"])):
-        found = CatalogueCertificate(certified_rows(catalogue_cases.curve(), moved, within))
+        found = Certificate(certified_rows(catalogue_cases.curve(), moved, within))
         assert [row.lacks for row in found.rows] == lacks
         assert found.proved is (lacks == [None, None])
-    first, second = CatalogueCertificate(certified_rows(catalogue_cases.curve(), moved)).rows
+    first, second = Certificate(certified_rows(catalogue_cases.curve(), moved)).rows
     assert second.differences is not None
     # Along the curve it is compared with a neighbour: the difference shows in the coordinates together.
     assert arb("1e-9") < second.differences.point.upper() < arb("1.1e-7")
@@ -343,8 +332,8 @@ def test_rows_beside_the_plane_are_certified_by_orbits_in_it_as_far_as_they_are_
         for z in (Fraction(0), Fraction(1, 10**7), Fraction(1, 10**5))
     )
     found = certified_rows(curve, CatalogueRows(known.atlas.parameters["mu"], lines, "Earth-Moon", "DRO"))
-    assert recheck_catalogue(found, curve, check_of_conclusion(curve.document)).stands
-    plane, near, far = CatalogueCertificate(found).rows
+    assert checked_by(found, curve, recheck(curve)).stands
+    plane, near, far = Certificate(found).rows
     assert plane.differences is not None
     assert near.differences is not None
     assert plane.differences.point.upper() < arb("1e-12") < arb("0.99e-7") < near.differences.point.upper()
@@ -402,7 +391,7 @@ def test_a_curve_that_is_said_not_to_be_proved_certifies_nothing() -> None:
 
 
 def test_an_orbit_beside_that_which_was_found_is_stated_as_well() -> None:
-    (first, *_) = CatalogueCertificate(document()).rows
+    (first, *_) = Certificate(document()).rows
     assert first.piece is not None
     assert first.s is not None
     place = OrbitPlace(first.piece, first.s + Fraction(1, 2**30))
@@ -419,16 +408,14 @@ def test_the_certificate_stands_as_far_as_its_curve_was_checked() -> None:
     assert check(document()).stands
     assert check(document()).level is Level.CONCLUSION
     assert check(document()).hypotheses == 5
-    deep = recheck_catalogue(
-        document(), catalogue_cases.curve(), replace(examined(), level=Level.INTEGRATION, precision=99)
-    )
+    deep = checked_by(document(), catalogue_cases.curve(), replace(examined(), level=Level.INTEGRATION, precision=99))
     assert (deep.level, deep.precision, deep.stands) == (Level.INTEGRATION, 99, True)
-    shallow = recheck_catalogue(document(), catalogue_cases.curve(), replace(examined(), level=Level.FORM))
+    shallow = checked_by(document(), catalogue_cases.curve(), replace(examined(), level=Level.FORM))
     assert shallow.level is Level.FORM
-    fallen = recheck_catalogue(document(), catalogue_cases.curve(), replace(examined(), obstacle="it hangs"))
+    fallen = checked_by(document(), catalogue_cases.curve(), replace(examined(), obstacle="it hangs"))
     assert not fallen.stands
     with pytest.raises(ValueError, match="is the check of"):
-        recheck_catalogue(document(), catalogue_cases.curve(), replace(examined(), digest="sha256:" + "0" * 64))
+        checked_by(document(), catalogue_cases.curve(), replace(examined(), digest="sha256:" + "0" * 64))
 
 
 def shifted(ball: dict[str, str]) -> None:
@@ -539,7 +526,7 @@ def test_other_words_are_told_anew() -> None:
 @pytest.mark.slow
 def test_the_command_and_python_say_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     curve, catalogue, output = tmp_path / "curve.json", tmp_path / "halo.json", tmp_path / "rows.json"
-    write_atlas_certificate(curve, catalogue_cases.curve().document)
+    write_certificate(curve, catalogue_cases.curve().document)
     stored = catalogue_cases.STORED["catalogue"]
     catalogue.write_text(json.dumps(stored))
     assert main(["catalogue", str(catalogue), "--curve", str(curve), "-o", str(output), "--quiet"]) == 1
@@ -576,7 +563,7 @@ def test_wrong_options_are_told(capsys: pytest.CaptureFixture[str], words: list[
 def test_a_curve_that_does_not_stand_certifies_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     curve, catalogue = tmp_path / "curve.json", tmp_path / "halo.json"
     changed = forged(catalogue_cases.curve().document, lambda entry: entry["conclusion"].update(joints=[{}]))
-    write_atlas_certificate(curve, changed)
+    write_certificate(curve, changed)
     catalogue.write_text(json.dumps(catalogue_cases.STORED["catalogue"]))
     assert main(["catalogue", str(catalogue), "--curve", str(curve), "--quiet"]) == 2
     assert "does not stand" in capsys.readouterr().err
@@ -602,7 +589,7 @@ def is_sharp_bound(bound: float, offs: list[Any], size: float) -> bool:
 def test_a_table_says_of_each_row_what_is_proved_from_the_numbers_it_has() -> None:
     """Bounds hold of the numbers as doubles and as decimals; the last row is the first orbit itself, to 30 digits."""
     given = tuple(tuple(value + Fraction(7, 10**19) for value in row) for row in rows().rows)
-    orbit = CatalogueCertificate(document()).rows[0].orbit
+    orbit = Certificate(document()).rows[0].orbit
     assert orbit is not None
     assert orbit.stability_index is not None
     numbers = [
@@ -614,7 +601,7 @@ def test_a_table_says_of_each_row_what_is_proved_from_the_numbers_it_has() -> No
     given += (tuple(Fraction(round(exact_value(ball.mid()) * 10**30), 10**30) for ball in numbers),)
     certificate = certified_rows(catalogue_cases.curve(), replace(rows(), rows=given))
     table = certified_table(replace(rows(), rows=given), certificate)
-    certified = CatalogueCertificate(certificate).rows
+    certified = Certificate(certificate).rows
     assert {row.orbit is None for row in certified} == {True, False}
     for index, row in enumerate(certified):
         cells = {name: values[index] for name, values in table.more.items()}
@@ -669,7 +656,7 @@ def test_bounds_in_a_table_are_rounded_up() -> None:
 
 def test_rows_that_hit_the_body_are_told_only_where_that_is_certain() -> None:
     given = rows()
-    least = next(row.orbit.least for row in CatalogueCertificate(document()).rows if row.orbit is not None)
+    least = next(row.orbit.least for row in Certificate(document()).rows if row.orbit is not None)
     assert least is not None
 
     def said(unit: str, radius: str) -> str:
@@ -699,7 +686,7 @@ def test_orbits_of_the_curve_itself_are_a_catalogue_that_it_certifies() -> None:
     made = certified_rows(curve, found, Fraction(1, 10**12))
     assert made["verdict"] == "proved"
     assert len(made["rows"]) == 5
-    certified = CatalogueCertificate(made).rows
+    certified = Certificate(made).rows
     assert all(float(row.differences.period.upper()) < 1e-12 for row in certified if row.differences is not None)
     assert all(float(row.differences.level.upper()) < 1e-12 for row in certified if row.differences is not None)
     stretches = orbits_of(curve).curve.chain.stretches
@@ -735,7 +722,7 @@ def test_rows_of_a_curve_of_several_pieces_are_at_equal_steps_along_all_of_it(mo
 
 def test_a_certified_row_is_an_orbit_that_tools_take(tmp_path: Path) -> None:
     path = tmp_path / "rows.json"
-    write_catalogue_certificate(path, document())
+    write_certificate(path, document())
     row = rows().rows[0]
     found = find_orbit(path, Choice(number=1))
     assert found.unknowns == pytest.approx([float(row[0]), float(row[2]), float(row[4]), float(row[7]) / 2], abs=1e-6)

@@ -17,20 +17,11 @@ from support.periodic_curves import ATLASES, TUBE, levels_atlas, proved, shifted
 
 from orbitproof import verify
 from orbitproof.shared.formats import Covers, InputError, PeriodicAtlas, read_atlas, validate_document, write_atlas
-from orbitproof.verify.atlas import (
-    SCHEMA,
-    atlas_of,
-    check_of_conclusion,
-    conclusion_of,
-    make_atlas_certificate,
-    read_atlas_certificate,
-    results_from_json,
-    write_atlas_certificate,
-)
+from orbitproof.verify.atlas import SCHEMA, atlas_of, conclusion_of, make_atlas_certificate, results_from_json
 from orbitproof.verify.atlas.certificate import results_for
 from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.atlas.interval_proof import prove_task
-from orbitproof.verify.certificate import digest
+from orbitproof.verify.certificate import Certificate, digest, read_certificate, recheck, write_certificate
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.periodic_curve import MultiplierFunctions, PeriodicIntervalResult, conclude_periodic
 from orbitproof.verify.run.branch_command import main
@@ -97,7 +88,7 @@ def test_bad_atlases_are_refused_with_the_field(name: str, tmp_path: Path) -> No
 def test_certificates_stand(name: str) -> None:
     document = certificate(name)
     assert document["verdict"] == "proved"
-    found = check_of_conclusion(document)
+    found = recheck(Certificate(document))
     assert found.stands, found.why
 
 
@@ -130,7 +121,7 @@ def test_periods_that_are_not_stored_are_not_told() -> None:
     again = make_atlas_certificate(atlas, results, conclusion_of(atlas, results, [], lambda entries: [], None))
     assert "period" not in again["conclusion"]
     assert "least periods lie" not in again["statement"]["theorem"]
-    assert not check_of_conclusion(document).stands
+    assert not recheck(Certificate(document)).stands
 
 
 def _results(document: Document) -> list[Document]:
@@ -171,7 +162,7 @@ def test_forged_certificates_do_not_stand(name: str) -> None:
     document = copy.deepcopy(certificate("turning"))
     FORGED[name](document)
     document["digest"] = digest(document)
-    found = check_of_conclusion(document)
+    found = recheck(Certificate(document))
     assert not found.stands
 
 
@@ -191,8 +182,8 @@ def test_multipliers_that_an_integration_does_not_find_do_not_stand_it() -> None
 
 def test_results_of_another_claim_are_not_used_again(tmp_path: Path) -> None:
     path = tmp_path / "certificate.json"
-    write_atlas_certificate(path, certificate("turning"))
-    stored = read_atlas_certificate(path)
+    write_certificate(path, certificate("turning"))
+    stored = read_certificate(path, "atlas-certificate")
     atlas = stored.atlas
     assert isinstance(atlas, PeriodicAtlas)
     assert len(results_for(stored, atlas)) == 2
@@ -237,7 +228,7 @@ def test_certificates_of_another_section_do_not_stand_the_integration(
     results = results_from_json(changed, document["results"])
     document = make_atlas_certificate(changed, results, told(conclude_periodic(changed, results)))
     output = tmp_path / "certificate.json"
-    write_atlas_certificate(output, document)
+    write_certificate(output, document)
     assert main(["--recheck", "--integrate", str(output), "--quiet"], prove_task) == 1
     assert "FAILED levels: piece p1" in capsys.readouterr().err
 

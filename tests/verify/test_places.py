@@ -16,13 +16,7 @@ from support.forgeries import atlas_certificate, fabricated, forged, of_parabola
 from support.stored import values
 
 from orbitproof.shared.formats import read_atlas
-from orbitproof.verify.atlas import (
-    AtlasCertificate,
-    check_of_conclusion,
-    make_atlas_certificate,
-    places_on,
-    recheck_place,
-)
+from orbitproof.verify.atlas import make_atlas_certificate, places_on, recheck_place
 from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck, certify, recheck
 from orbitproof.verify.run import CheckLimits
 from orbitproof.verify.run.branch_checks import places_on_apart
@@ -37,26 +31,26 @@ def point() -> Certificate:
 
 
 @pytest.fixture(scope="module")
-def curve() -> AtlasCertificate:
+def curve() -> Certificate:
     """y = beta^2/100 for beta from 1 to 5."""
     atlas, results = of_parabola()
-    return AtlasCertificate(atlas, atlas_certificate(atlas, results))
+    return Certificate(atlas_certificate(atlas, results))
 
 
 @pytest.fixture(scope="module")
-def placed(curve: AtlasCertificate, point: Certificate) -> Certificate:
+def placed(curve: Certificate, point: Certificate) -> Certificate:
     (found,) = places_on(curve, [point])
     assert "lies on the proved curve parabola, piece p000, s" in found.line
     return found.certificate
 
 
-def checked(curve: AtlasCertificate, entry: Certificate, examined: Recheck | None = None) -> Recheck:
+def checked(curve: Certificate, entry: Certificate, examined: Recheck | None = None) -> Recheck:
     """With the place that it carries."""
-    examined = check_of_conclusion(curve.document) if examined is None else examined
+    examined = recheck(curve) if examined is None else examined
     return recheck_place(curve, examined, entry, recheck(entry))
 
 
-def test_a_place_stands_with_the_curve_that_it_rests_on(curve: AtlasCertificate, placed: Certificate) -> None:
+def test_a_place_stands_with_the_curve_that_it_rests_on(curve: Certificate, placed: Certificate) -> None:
     place = placed.to_json()["place"]
     assert place["rests_on"] == {"id": "parabola", "digest": curve.document["digest"]}
     assert (place["piece"], place["mirrored"], place["other_point"]) == ("p000", False, False)
@@ -65,7 +59,7 @@ def test_a_place_stands_with_the_curve_that_it_rests_on(curve: AtlasCertificate,
 
 
 def test_a_curve_whose_results_were_read_can_be_handed_to_another_process(
-    curve: AtlasCertificate, point: Certificate
+    curve: Certificate, point: Certificate
 ) -> None:
     assert len(curve.results) == 3
     again = pickle.loads(pickle.dumps(curve))
@@ -87,7 +81,7 @@ CHANGES: dict[str, tuple[Callable[[dict[str, Any]], Any], str]] = {
 
 @pytest.mark.parametrize(("change", "where"), CHANGES.values(), ids=CHANGES.keys())
 def test_a_forged_place_is_found(
-    change: Callable[[dict[str, Any]], Any], where: str, curve: AtlasCertificate, placed: Certificate
+    change: Callable[[dict[str, Any]], Any], where: str, curve: Certificate, placed: Certificate
 ) -> None:
     place = placed.to_json()["place"]
     change(place)
@@ -97,7 +91,7 @@ def test_a_forged_place_is_found(
     assert where != "place" or "rests on the curve" in found.findings[0].message
 
 
-def test_other_words_of_a_place_are_a_forgery_or_told_anew(curve: AtlasCertificate, placed: Certificate) -> None:
+def test_other_words_of_a_place_are_a_forgery_or_told_anew(curve: Certificate, placed: Certificate) -> None:
     other = {**placed.to_json()["place"], "statement": "The orbit lies on every curve."}
     found = checked(curve, placed.with_place(other))
     assert "these sources, which word what it proves otherwise" in found.why
@@ -112,12 +106,12 @@ def test_other_words_of_a_place_are_a_forgery_or_told_anew(curve: AtlasCertifica
         assert "every curve" not in json.dumps(found.rendered)
 
 
-def test_a_curve_that_does_not_stand_places_nothing(curve: AtlasCertificate, placed: Certificate) -> None:
+def test_a_curve_that_does_not_stand_places_nothing(curve: Certificate, placed: Certificate) -> None:
     falls = Recheck("parabola", "proved", 1, (Finding("digest", "does not fit the content"),))
     found = checked(curve, placed, falls)
     assert not found.stands
     assert "does not stand" in found.findings[0].message
-    other = AtlasCertificate(curve.atlas, forged(curve.document, lambda d: d["conclusion"]["joints"].pop()))
+    other = Certificate(forged(curve.document, lambda d: d["conclusion"]["joints"].pop()))
     (place,) = places_on(other, [placed])
     assert "place" not in place.certificate.to_json()
     assert "does not stand" in place.line
@@ -126,16 +120,14 @@ def test_a_curve_that_does_not_stand_places_nothing(curve: AtlasCertificate, pla
 def test_no_orbit_is_placed_on_a_surface(placed: Certificate) -> None:
     atlas = read_atlas(DATA / "surface.json")
     results = values(json.loads((DATA / "surface-results.json").read_text()))
-    surface = AtlasCertificate(atlas, make_atlas_certificate(atlas, results, None))
+    surface = Certificate(make_atlas_certificate(atlas, results, None))
     (found,) = places_on(surface, [placed])
     assert "place" not in found.certificate.to_json()
     assert "that is no curve of symmetric orbits" in found.line
 
 
-def test_a_place_is_checked_with_the_check_of_its_curve_and_no_further(
-    curve: AtlasCertificate, placed: Certificate
-) -> None:
-    examined, check = check_of_conclusion(curve.document), recheck(placed)
+def test_a_place_is_checked_with_the_check_of_its_curve_and_no_further(curve: Certificate, placed: Certificate) -> None:
+    examined, check = recheck(curve), recheck(placed)
     with pytest.raises(ValueError, match="not of the curve"):
         recheck_place(curve, replace(examined, digest="sha256:" + 64 * "0"), placed, check)
     deeper = replace(check, level=Level.INTEGRATION)

@@ -37,19 +37,21 @@ from orbitproof.shared.claims.web import BRANCHES, ENDS, PASSES, Meeting, Web, W
 from orbitproof.shared.formats import InputError, read_atlas, read_web, web_from_json
 from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.atlas import (
-    AtlasCertificate,
-    Key,
-    Resting,
-    certified_web,
-    check_of_conclusion,
-    read_web_certificate,
-    recheck_web,
-    resting,
-    write_web_certificate,
-)
+from orbitproof.verify.atlas import certified_web, resting
 from orbitproof.verify.atlas import web as of_webs
-from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck, certify, recheck
+from orbitproof.verify.certificate import (
+    Certificate,
+    Finding,
+    Given,
+    Key,
+    Level,
+    Limits,
+    Recheck,
+    certify,
+    read_certificate,
+    recheck,
+    write_certificate,
+)
 from orbitproof.verify.curve import CertifiedPoint
 from orbitproof.verify.curve import conclude as conclude_of_points
 from orbitproof.verify.curve.bifurcations_on_it import place_bifurcation
@@ -425,13 +427,13 @@ VERTEX: Key = ("vertex", "near")
 
 
 @cache
-def documents() -> tuple[Web, tuple[Resting, ...], dict[Key, Recheck]]:
+def documents() -> tuple[Web, tuple[Certificate, ...], dict[Key, Recheck]]:
     point = fabricated(certify(known("fs3"), Limits(max_precision=256)), ("2", "4e-2"), "near")
     atlas, results = of_parabola()
-    curve = AtlasCertificate(atlas, atlas_certificate(atlas, results))
+    curve = Certificate(atlas_certificate(atlas, results))
     claim = web({"parabola": {"near": PASSES}})
     certificates = resting(claim, [point, curve])
-    return claim, certificates, {ARC: check_of_conclusion(curve.document), VERTEX: recheck(point)}
+    return claim, certificates, {ARC: recheck(curve), VERTEX: recheck(point)}
 
 
 @cache
@@ -442,7 +444,7 @@ def document() -> dict[str, Any]:
 
 def checked(entry: Mapping[str, Any]) -> Recheck:
     _, certificates, checks = documents()
-    return recheck_web(entry, certificates, checks)
+    return recheck(Certificate(entry), given=Given(certificates, checks))
 
 
 def test_the_certificate_of_a_web_stands_as_far_as_those_that_it_rests_on() -> None:
@@ -451,24 +453,24 @@ def test_the_certificate_of_a_web_stands_as_far_as_those_that_it_rests_on() -> N
     assert (found.stands, found.level, found.verdict) == (True, Level.CONCLUSION, "proved")
     assert found.rendered is None
     lower = {name: replace(check, level=Level.FORM) for name, check in checks.items()}
-    assert recheck_web(document(), certificates, lower).level is Level.FORM
+    assert recheck(Certificate(document()), given=Given(certificates, lower)).level is Level.FORM
     other = forged(document(), FORGED["another digest"])
-    assert "rests on sha256:000" in recheck_web(other, certificates, lower).findings[0].message
+    assert "rests on sha256:000" in recheck(Certificate(other), given=Given(certificates, lower)).findings[0].message
     higher = {name: replace(check, level=Level.INTEGRATION, precision=90) for name, check in checks.items()}
-    integrated = recheck_web(document(), certificates, higher)
+    integrated = recheck(Certificate(document()), given=Given(certificates, higher))
     assert (integrated.level, integrated.precision) == (Level.INTEGRATION, 90)
     for bits in ((128, 90), (90, 128)):
         other_bits = {name: replace(check, precision=n) for (name, check), n in zip(higher.items(), bits, strict=True)}
         assert recheck_web(document(), certificates, other_bits).precision == 90
     half = {**higher, VERTEX: checks[VERTEX]}
-    assert recheck_web(document(), certificates, half).level is Level.CONCLUSION
+    assert recheck(Certificate(document()), given=Given(certificates, half)).level is Level.CONCLUSION
 
 
 def test_what_it_rests_on_has_to_stand() -> None:
     claim, certificates, checks = documents()
     for name in checks:
         falls = {**checks, name: replace(checks[name], findings=(Finding("digest", "does not fit"),))}
-        assert not recheck_web(document(), certificates, falls).stands
+        assert not recheck(Certificate(document()), given=Given(certificates, falls)).stands
         fresh = certified_web(claim, certificates, falls)
         assert fresh["verdict"] == "not proved"
         assert "does not stand" in fresh["reason"]["message"]
@@ -476,30 +478,11 @@ def test_what_it_rests_on_has_to_stand() -> None:
         lower = {**checks, name: replace(checks[name], level=Level.FORM)}
         said = certified_web(claim, certificates, lower)["reason"]["message"]
         assert "not checked up to its conclusion" in said
-    point, curve = (next(e for e in certificates if isinstance(e, kind)) for kind in (Certificate, AtlasCertificate))
-    silent = AtlasCertificate(curve.atlas, {**curve.document, "verdict": "not proved"})
+    point, curve = (next(e for e in certificates if e.key[0] == part) for part in ("vertex", "arc"))
+    silent = Certificate({**curve.document, "verdict": "not proved"})
     assert "says 'not proved'" in certified_web(claim, resting(claim, [point, silent]), checks)["reason"]["message"]
     with pytest.raises(ValueError, match="the check of another certificate"):
         certified_web(claim, certificates, {**checks, VERTEX: replace(checks[VERTEX], digest="sha256:" + 64 * "0")})
-
-
-def test_what_was_checked_of_an_arc_is_what_is_told_of_it() -> None:
-    """Checks are about the document: a claim beside it, with other pieces or of other returns, is not believed."""
-    claim, (curve, point), checks = documents()
-    assert isinstance(curve, AtlasCertificate)
-    first, *others = curve.atlas.curve_pieces()
-    changes: tuple[dict[str, Any], ...] = (
-        {"pieces": (replace(first, centre=(first.centre[0] + 1, *first.centre[1:])), *others)},
-        {"claim": replace(curve.atlas.claim, increasing=())},
-        {"claim": replace(curve.atlas.claim, crossings=2)},
-    )
-    for change in changes:
-        other = replace(curve, atlas=replace(curve.atlas, **change))
-        with pytest.raises(InputError, match="is about another atlas"):
-            certified_web(claim, [other, point], checks)
-    # A search may have said more of it.
-    told = replace(curve, atlas=replace(curve.atlas, provenance={"family": "a parabola"}))
-    assert certified_web(claim, [told, point], checks) == document()
 
 
 FORGED: dict[str, Callable[[dict[str, Any]], Any]] = {
@@ -542,11 +525,11 @@ def test_other_words_are_told_anew() -> None:
 
 def test_a_file_that_was_changed_is_not_read(tmp_path: Path) -> None:
     file = tmp_path / "web.json"
-    write_web_certificate(file, document())
-    assert read_web_certificate(file).proved
+    write_certificate(file, document())
+    assert read_certificate(file, "web-certificate").proved
     file.write_text(file.read_text().replace("a web", "my web"))
     with pytest.raises(InputError, match="field digest"):
-        read_web_certificate(file)
+        read_certificate(file, "web-certificate")
 
 
 def test_a_web_that_is_not_proved_claims_nothing() -> None:
@@ -555,9 +538,9 @@ def test_a_web_that_is_not_proved_claims_nothing() -> None:
     fresh = certified_web(wrong, certificates, checks)
     assert (fresh["verdict"], fresh["reason"]["condition"]) == ("not proved", "meetings")
     assert "theorem" not in fresh["statement"]
-    assert recheck_web(fresh, certificates, checks).stands
+    assert recheck(Certificate(fresh), given=Given(certificates, checks)).stands
     said = forged(fresh, lambda d: d.update(verdict="proved", reason=None))
-    assert not recheck_web(said, certificates, checks).stands
+    assert not recheck(Certificate(said), given=Given(certificates, checks)).stands
 
 
 def test_a_certificate_that_is_missing_or_given_twice_or_of_another_kind_is_told() -> None:
@@ -630,7 +613,7 @@ def test_what_is_stored_of_an_arc_is_its_own() -> None:
 def test_the_command_and_python_say_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     claim, (curve, point), _ = documents()
     files = {name: str(tmp_path / f"{name}.json") for name in ("web", "curve", "point", "out", "python")}
-    assert isinstance(curve, AtlasCertificate)
+    assert isinstance(curve, Certificate)
     assert isinstance(point, Certificate)
     verify.write(files["curve"], curve)
     verify.write(files["point"], [point])

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import partial
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 from flint import arb, ctx
@@ -15,23 +13,8 @@ from orbitproof.shared.claims.fields import Id, PieceId, Title, Vector
 from orbitproof.shared.formats import FIELDS, Atlas, CatalogueRows, InputError
 from orbitproof.shared.stored import Rational, rules
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, TITLE, ReversibleSystem, fits, shown
-from orbitproof.verify.atlas.certificate import AtlasCertificate
-from orbitproof.verify.atlas.sealed import (
-    Sealed,
-    climb_with_curve,
-    has_form,
-    in_all_data,
-    read_sealed,
-    rests_on,
-    sealed,
-    write_sealed,
-)
-from orbitproof.verify.certificate import (
-    Examination,
-    Finding,
-    Recheck,
-    digest,
-)
+from orbitproof.verify.atlas.its_curve import curve_given, names_its_curve
+from orbitproof.verify.certificate import Certificate, Examination, Finding, Given, digest, in_all_data, sealed
 from orbitproof.verify.certificate.document import Digest, Software, Verdict
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve import conclude
@@ -138,27 +121,20 @@ class CatalogueDocument:
     stored_rules: ClassVar[Mapping[str, Any]] = {}
 
 
-@dataclass(frozen=True, repr=False)
-class CatalogueCertificate(Sealed):
-    """A certificate of a catalogue's rows. It says what its maker wrote; whether that follows is what checks decide.
-
-    Attributes:
-        document: fits the schema and its digest.
-    """
-
-    document: Mapping[str, Any]
-
-    def __repr__(self) -> str:
-        certified = sum(row.orbit is not None for row in self.rows)
-        return f"<CatalogueCertificate by {self.document['id']!r}: {certified} of {len(self.rows)} rows>"
-
-    @property
-    def rows(self) -> tuple[CertifiedRow, ...]:
-        """In the order of the catalogue."""
-        return from_json(tuple[CertifiedRow, ...], self.document["rows"], "rows")
+def _rows_of(certificate: Certificate) -> tuple[CertifiedRow, ...]:
+    return from_json(tuple[CertifiedRow, ...], certificate.document["rows"], "rows")
 
 
-def certified_rows(curve: AtlasCertificate, catalogue: CatalogueRows, within: Fraction = WITHIN) -> dict[str, Any]:
+SAID: Mapping[str, Callable[[Certificate], Any]] = {"rows": _rows_of, "results": _rows_of}
+"""What the certificate of a catalogue says besides: its rows, in the order of the catalogue."""
+
+
+def certified_of(certificate: Certificate) -> str:
+    """How many rows are certified, in words."""
+    return f"{sum(row.orbit is not None for row in certificate.rows)} of {len(certificate.rows)} rows"
+
+
+def certified_rows(curve: Certificate, catalogue: CatalogueRows, within: Fraction = WITHIN) -> dict[str, Any]:
     """The certificate of a catalogue, as JSON, by a curve that is proved; that its certificate stands is presupposed.
 
     Raises `InputError` if the curve is none of the catalogue's system, or not proved, or the family has no title.
@@ -181,7 +157,7 @@ def check_title(catalogue: CatalogueRows) -> None:
         raise InputError(f"the catalogue's family, {catalogue.title[:60]!r}: is no title; {words}")
 
 
-def orbits_of(curve: AtlasCertificate) -> OrbitsOfCurve:
+def orbits_of(curve: Certificate) -> OrbitsOfCurve:
     """The orbits of a certified curve of the three-body problem, one by one. Raises `InputError` for other curves."""
     atlas = curve.atlas
     if not isinstance(atlas, Atlas) or atlas.system not in SPATIAL_PROBLEMS:
@@ -213,7 +189,7 @@ def _row(orbits: OrbitsOfCurve, row: CertifiedRow, place: OrbitPlace | None, wit
     return replace(row, piece=place.piece, s=place.s, mirrored=place.mirrored, orbit=orbit, differences=from_row)
 
 
-def _document(curve: AtlasCertificate, title: str, within: Fraction, rows: tuple[CertifiedRow, ...]) -> dict[str, Any]:
+def _document(curve: Certificate, title: str, within: Fraction, rows: tuple[CertifiedRow, ...]) -> dict[str, Any]:
     assert isinstance(curve.atlas, Atlas)
     mass, rests_on = curve.atlas.parameters["mu"], CurveCertificate(curve.id, digest(curve.document))
     found = [row.number for row in rows if row.orbit is not None]
@@ -226,25 +202,19 @@ def _document(curve: AtlasCertificate, title: str, within: Fraction, rows: tuple
     return sealed(document, SCHEMA)
 
 
-def recheck_catalogue(document: Mapping[str, Any], curve: AtlasCertificate, examined: Recheck) -> Recheck:
-    """Check the certificate of a catalogue that fits the schema again, as far as that of its curve was checked.
-
-    `examined` is what checking the curve has shown. Raises `ValueError` if it is the check of another certificate.
-    """
-    form, conclusion = partial(_form, document, curve), partial(_conclusion, document, curve)
-    # Nothing here rests on an integration but the curve, which was integrated again.
-    return climb_with_curve(document, curve, examined, form, conclusion, lambda _: iter(()))
-
-
-def _form(document: Mapping[str, Any], curve: AtlasCertificate, _: Examination) -> Iterator[Finding]:
-    yield from has_form(document, SCHEMA)
-    yield from rests_on(document, curve)
+def form(certificate: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
+    """Whether it is about the curve that is given, and its rows are in order."""
+    document = certificate.document
+    yield from names_its_curve(document, curve_given(given))
     numbers = [row["number"] for row in document["rows"]]
     if numbers != list(range(1, len(numbers) + 1)):
         yield Finding("rows", "are not numbered one after the other")
 
 
-def _conclusion(document: Mapping[str, Any], curve: AtlasCertificate, examination: Examination) -> Iterator[Finding]:
+def conclusion(certificate: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
+    """Whether it follows from the curve and the places of the orbits."""
+    document, curve = certificate.document, curve_given(given)
+    given.all_stand()
     read = from_json(CatalogueDocument, {k: v for k, v in document.items() if k not in ("format", "version")}, "")
     orbits = orbits_of(curve)
     again = tuple(_row(orbits, row, _place(row), read.statement.within) for row in read.rows)
@@ -257,11 +227,6 @@ def _place(row: CertifiedRow) -> OrbitPlace | None:
     return None if row.piece is None or row.s is None else OrbitPlace(row.piece, row.s, row.mirrored)
 
 
-def write_catalogue_certificate(path: Path, document: Mapping[str, Any]) -> None:
-    """Write a certificate, whole or not at all. Raises `InputError` if it cannot be written."""
-    write_sealed(path, document, SCHEMA, (("rows",),))
-
-
-def read_catalogue_certificate(path: Path) -> CatalogueCertificate:
-    """Read a certificate. Raises `InputError` if it is none, or was changed after it was written."""
-    return CatalogueCertificate(read_sealed(path, SCHEMA))
+def integration(certificate: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
+    """Nothing here rests on an integration but the curve, which was integrated again."""
+    yield from ()

@@ -14,7 +14,7 @@ from orbitproof.shared.formats import FIELDS, CatalogueRows, CatalogueTable, Inp
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import UNITS, shown
 from orbitproof.verify.atlas.catalogue import CertifiedRow, orbits_of
-from orbitproof.verify.atlas.certificate import AtlasCertificate
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.evidence import enclose, exact_value, is_below
 from orbitproof.verify.orbit_on_curve import PRECISION, OrbitOnCurve, OrbitPlace
@@ -28,7 +28,7 @@ COLUMNS = (
 """Beside the nine of a catalogue."""
 
 
-def rows_of_curve(curve: AtlasCertificate, count: int) -> CatalogueRows:
+def rows_of_curve(curve: Certificate, count: int) -> CatalogueRows:
     """A catalogue of so many orbits of a curve, at equal steps of s along its pieces: the middles of their enclosures.
 
     What is certified of it is what `certified_rows` says. Raises `InputError` for other curves, as `orbits_of` does.

@@ -4,30 +4,27 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from orbitproof.shared.formats import (
+    PERIODIC_CURVES,
     AnyAtlas,
     ArgumentError,
     InputError,
     PeriodicAtlas,
     atlas_from_json,
     atlas_to_json,
-    json_text,
-    read_document,
     validate_document,
-    write_text,
 )
-from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, record, shown
+from orbitproof.shared.systems import BRANCH_SYSTEMS, record
 from orbitproof.shared.wording import counted
 from orbitproof.verify.atlas.document import BranchDocument, BranchStatement, PeriodicCurveStatement, Total
 from orbitproof.verify.atlas.listed import ListedInterval, ListedPoint
 from orbitproof.verify.atlas.results import Result, results_from_json
-from orbitproof.verify.atlas.sealed import Sealed, sealed
-from orbitproof.verify.certificate import Certificate, digest, stated
+from orbitproof.verify.certificate import Certificate, sealed, stated, systems_with
 from orbitproof.verify.certificate.document import Names
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
 from orbitproof.verify.evidence import Reason, differs_here, software
@@ -35,7 +32,6 @@ from orbitproof.verify.stability import StabilityFunctions, StabilityResult
 from orbitproof.verify.words.branches import branch_in_full
 
 SCHEMA = "atlas-certificate"
-T = TypeVar("T")
 
 
 def statement_of(
@@ -120,89 +116,58 @@ def make_atlas_certificate(
     )
 
 
-@dataclass(frozen=True, repr=False)
-class AtlasCertificate(Sealed):
-    """A certificate of a branch: its atlas, and the document.
-
-    It says what its maker wrote; whether that follows is what `recheck` decides.
-
-    Attributes:
-        atlas: the claim.
-        document: fits the schema and its digest.
-    """
-
-    atlas: AnyAtlas
-    document: Mapping[str, Any]
-
-    def __repr__(self) -> str:
-        pieces = counted(len(self.atlas.pieces), "piece")
-        return f"<AtlasCertificate {self.id!r}: {self.verdict}, {pieces}>"
-
-    def __reduce__(self) -> tuple[type[AtlasCertificate], tuple[AnyAtlas, Mapping[str, Any]]]:
-        # Results that were read hold balls, which do not travel.
-        return AtlasCertificate, (self.atlas, self.document)
-
-    @property
-    def id(self) -> str:
-        """The id of the atlas."""
-        return self.atlas.id
-
-    @property
-    def is_whole(self) -> bool:
-        """Whether all bifurcations asked about are on the curve, and a list that was asked for leaves nothing out."""
-        conclusion = self.document["conclusion"] or {}
-        listed = conclusion.get("complete", {})
-        on_curve = all(entry["on_curve"] for entry in conclusion.get("bifurcations", ()))
-        lasting = listed.get("lasting", {})
-        is_open = any(entry.get(name) for entry in (listed, lasting) for name in ("gaps", "undecided"))
-        return on_curve and not is_open
-
-    @property
-    def points(self) -> tuple[ListedPoint, ...]:
-        """The points of the complete list, in order along the curve; empty without one."""
-        return self._listed(tuple[ListedPoint, ...], "points")
-
-    @property
-    def stable(self) -> tuple[ListedInterval, ...]:
-        """Between which orbits of a curve its orbits are linearly stable, by the complete list; empty without one."""
-        return self._listed(tuple[ListedInterval, ...], "stable")
-
-    def _listed(self, kind: type[T], name: str) -> T:
-        entries = (self.document["conclusion"] or {}).get("complete", {}).get(name, [])
-        try:
-            return from_json(kind, entries, name)
-        except (LookupError, TypeError, ValueError) as error:
-            raise InputError(f"certificate {self.id!r}: {name} of the list: {error}") from None
-
-    @cached_property
-    def results(self) -> tuple[Result, ...]:
-        """What was found on the intervals, in order along the curve.
-
-        Raises `InputError` if it cannot be read, or `atlas` is not that of the document, which is what checks look at.
-        """
-        own, stated = atlas_to_json(self.atlas, provenance=False), self.document["statement"]["atlas"]
-        system = self.atlas.system
-        systems = {**({system.name: system} if isinstance(system, ReversibleSystem) else {}), **BRANCH_SYSTEMS}
-        if own != stated and own != atlas_to_json(
-            atlas_from_json(stated, "statement.atlas", systems), provenance=False
-        ):
-            raise InputError(f"the certificate {shown(self.id)}: is about another atlas; give that of its document")
-        return results_from_json(self.atlas, self.document["results"])
+def atlas_of(document: Mapping[str, Any]) -> AnyAtlas:
+    """The claim of a certificate. Raises `InputError`, `ValueError` or `CannotBeCheckedError` if there is none."""
+    stated, where = document["statement"]["atlas"], "statement.atlas"
+    validate_document(stated, "atlas", where)
+    if stated["claim"]["kind"] in PERIODIC_CURVES:
+        return atlas_from_json(stated, where)
+    return atlas_from_json(stated, where, systems_with(BRANCH_SYSTEMS, document["statement"], stated))
 
 
-def read_atlas_certificate(path: Path) -> AtlasCertificate:
-    """Read a certificate. Raises `InputError` if it is not one, or was changed after it was written."""
-    document = read_document(path, SCHEMA)
-    if document["digest"] != digest(document):
-        raise ArgumentError(
-            "{0}: field digest: does not fit the content, which was changed; write it again with {fresh=True:--fresh}",
-            path,
-        )
+def is_whole(certificate: Certificate) -> bool:
+    """Whether all bifurcations asked about are on the curve, and a list that was asked for leaves nothing out."""
+    conclusion = certificate.document["conclusion"] or {}
+    listed = conclusion.get("complete", {})
+    on_curve = all(entry["on_curve"] for entry in conclusion.get("bifurcations", ()))
+    lasting = listed.get("lasting", {})
+    is_open = any(entry.get(name) for entry in (listed, lasting) for name in ("gaps", "undecided"))
+    return on_curve and not is_open
+
+
+def _listed(kind: Any, name: str, certificate: Certificate) -> Any:
+    """What the complete list of a curve has, in order along it; empty without one."""
+    entries = (certificate.document["conclusion"] or {}).get("complete", {}).get(name, [])
+    try:
+        return from_json(kind, entries, name)
+    except (LookupError, TypeError, ValueError) as error:
+        raise InputError(f"certificate {certificate.id!r}: {name} of the list: {error}") from None
+
+
+SAID: Mapping[str, Callable[[Certificate], Any]] = {
+    "atlas": lambda certificate: atlas_of(certificate.document),
+    "is_whole": is_whole,
+    "points": partial(_listed, tuple[ListedPoint, ...], "points"),
+    "stable": partial(_listed, tuple[ListedInterval, ...], "stable"),
+    "results": lambda certificate: results_from_json(certificate.atlas, certificate.document["results"]),
+}
+"""What a certificate of a branch says besides: its claim, whether nothing is left out, of its list the resonances and
+between which orbits all are linearly stable, and what was found on the intervals, in order along the curve."""
+
+ONE_A_LINE = (("statement", "atlas", "pieces"), ("results",), ("rests_on",))
+
+
+def pieces_of(certificate: Certificate) -> str:
+    """How many there are, in words."""
+    return counted(len(certificate.document["statement"]["atlas"]["pieces"]), "piece")
+
+
+def well_formed(document: Mapping[str, Any], path: Path) -> None:
+    """Raises `InputError` if the document of a file has no atlas, or results of other pieces."""
     stated = document["statement"]["atlas"]
     where = f"{path}: field statement.atlas"
     validate_document(stated, "atlas", where)
-    atlas = atlas_from_json(stated, where)
-    known = {piece.id for piece in atlas.pieces}
+    known = {piece.id for piece in atlas_from_json(stated, where).pieces}
     for index, result in enumerate(document["results"]):
         if result["piece"] not in known:
             raise ArgumentError(
@@ -210,10 +175,9 @@ def read_atlas_certificate(path: Path) -> AtlasCertificate:
                 path,
                 index,
             )
-    return AtlasCertificate(atlas, document)
 
 
-def results_for(certificate: AtlasCertificate, atlas: AnyAtlas) -> list[Result]:
+def results_for(certificate: Certificate, atlas: AnyAtlas) -> list[Result]:
     """The stored results that are about an atlas: of this software, of the same claim, of pieces that are unchanged."""
     before = certificate.atlas
     same_system = before.system == atlas.system and before.parameters == atlas.parameters
@@ -254,17 +218,3 @@ class Lines:
     def unknown(self, results: Sequence[Any]) -> list[Any]:
         """Those that were not written yet."""
         return [result for result in results if id(result) not in self._known]
-
-
-_ONE_A_LINE = (("statement", "atlas", "pieces"), ("results",), ("rests_on",))
-
-
-def write_atlas_certificate(path: Path, certificate: Mapping[str, Any], lines: Lines | None = None) -> None:
-    """Write a certificate, whole or not at all. Raises `InputError` if it cannot be written.
-
-    `lines` are those of a run that writes its file for every interval.
-    """
-    lines = Lines() if lines is None else lines
-    fresh = lines.unknown(certificate["results"])
-    validate_document({**certificate, "results": fresh}, SCHEMA, f"{SCHEMA} to be written")
-    write_text(path, json_text(certificate, _ONE_A_LINE, lines) + "\n")

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import partial
-from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 from flint import arb
@@ -15,30 +13,24 @@ from orbitproof.shared.claims.fields import Id, PieceId, Title
 from orbitproof.shared.formats import Atlas, InputError
 from orbitproof.shared.stored import rules
 from orbitproof.shared.systems import shown
-from orbitproof.verify.atlas.certificate import AtlasCertificate
+from orbitproof.shared.wording import counted
 from orbitproof.verify.atlas.conclusion import follow
 from orbitproof.verify.atlas.conclusion_as_json import shortened
-from orbitproof.verify.atlas.sealed import (
-    Sealed,
-    climb_with_curve,
-    has_form,
-    in_all_data,
-    read_sealed,
-    rests_on,
-    sealed,
-    write_sealed,
-)
+from orbitproof.verify.atlas.its_curve import curve_given, names_its_curve
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,
     CannotBeCheckedError,
+    Certificate,
     Examination,
     Finding,
-    Recheck,
+    Given,
     confirmed,
     digest,
+    in_all_data,
     numbers,
     other_hypotheses,
     overlap,
+    sealed,
     unknown_reason,
 )
 from orbitproof.verify.certificate.document import Digest, Software, Verdict
@@ -141,29 +133,22 @@ class IndexDocument:
     stored_rules: ClassVar[Mapping[str, Any]] = {}
 
 
-@dataclass(frozen=True, repr=False)
-class IndexCertificate(Sealed):
-    """The certificate of the index along a curve. It says what its maker wrote; whether that follows checks decide.
+def _counted_orbits(certificate: Certificate) -> tuple[IndexedOrbit, ...]:
+    return from_json(tuple[IndexedOrbit, ...], certificate.document["orbits"], "orbits")
 
-    Attributes:
-        document: fits the schema and its digest.
-    """
 
-    document: Mapping[str, Any]
+SAID: Mapping[str, Callable[[Certificate], Any]] = {
+    "orbits": _counted_orbits,
+    "small": lambda certificate: tuple(certificate.document.get("small", ())),
+    "results": lambda certificate: certificate.orbits,
+}
+"""What a certificate of an index says besides: the orbits at which it was counted, with their intervals, in order along
+the curve; and that of small orbits of a curve that reaches a libration point, of planar ones in the plane, across."""
 
-    def __repr__(self) -> str:
-        found = ", ".join(str(orbit.index) for orbit in self.orbits)
-        return f"<IndexCertificate {self.id!r}: {self.verdict}{f', {found}' if found else ''}>"
 
-    @property
-    def orbits(self) -> tuple[IndexedOrbit, ...]:
-        """The orbits at which the index was counted, with their intervals, in order along the curve."""
-        return from_json(tuple[IndexedOrbit, ...], self.document["orbits"], "orbits")
-
-    @property
-    def small(self) -> tuple[int, ...]:
-        """The index of small orbits of a curve that reaches a libration point; of planar ones in the plane, across."""
-        return tuple(self.document.get("small", ()))
+def extent_of(certificate: Certificate) -> str:
+    """Of how many orbits it is, in words."""
+    return f"index of {counted(len(certificate.orbits), 'orbit')}"
 
 
 @dataclass(frozen=True)
@@ -179,7 +164,7 @@ class _Known:
         return () if self.found is None else intervals_with_orbits(self.atlas, self.curve, self.found)
 
 
-def indexed_atlas(certificate: AtlasCertificate, source: str = "") -> Atlas:
+def indexed_atlas(certificate: Certificate, source: str = "") -> Atlas:
     """What a certificate claims of a curve whose orbits have an index here; `source` names it in errors.
 
     Raises `InputError` for others, and for one that says "not proved".
@@ -197,7 +182,7 @@ def indexed_atlas(certificate: AtlasCertificate, source: str = "") -> Atlas:
     return atlas
 
 
-def _known(certificate: AtlasCertificate) -> _Known:
+def _known(certificate: Certificate) -> _Known:
     """Raises `InputError` for curves whose orbits have no index here, or that are not proved."""
     atlas = indexed_atlas(certificate)
     conclusion = conclude(atlas, certificate.results, follow=follow)
@@ -211,7 +196,7 @@ def _known(certificate: AtlasCertificate) -> _Known:
     return _Known(atlas, conclusion.outcome.results, found)
 
 
-def certified_index(certificate: AtlasCertificate, progress: Callable[[float], None] | None = None) -> dict[str, Any]:
+def certified_index(certificate: Certificate, progress: Callable[[float], None] | None = None) -> dict[str, Any]:
     """The certificate of the index along a curve, as JSON; that the curve's certificate stands is presupposed.
 
     `progress` is called with the share of the orbits that were followed. Raises `InputError` for other curves.
@@ -252,7 +237,7 @@ def _counted(known: _Known, interval: Interval | None) -> CountedOrbit | str:
 
 
 def _document(
-    certificate: AtlasCertificate, known: _Known, orbits: Sequence[CountedOrbit], problem: str = ""
+    certificate: Certificate, known: _Known, orbits: Sequence[CountedOrbit], problem: str = ""
 ) -> dict[str, Any]:
     outcome = conclude_index(known.atlas, known.curve, known.found, orbits, problem)
     reason = None if isinstance(outcome, Proved) else outcome.reason
@@ -288,19 +273,10 @@ def _listed(known: _Known, bound: Bound) -> ListedPlace:
     return replace(place, interval=(shortened(bound.lower, -1), shortened(bound.upper, 1)))
 
 
-def checked_index(document: Mapping[str, Any], curve: AtlasCertificate, examined: Recheck) -> Recheck:
-    """Check the certificate of an index that fits the schema again, as far as that of its curve was checked.
-
-    `examined` is what checking the curve has shown. Raises `ValueError` if it is the check of another certificate.
-    """
-    form = partial(_form, document, curve)
-    conclusion, integration = partial(_conclusion, document, curve), partial(_integration, document, curve)
-    return climb_with_curve(document, curve, examined, form, conclusion, integration)
-
-
-def _form(document: Mapping[str, Any], curve: AtlasCertificate, examination: Examination) -> Iterator[Finding]:
-    yield from has_form(document, SCHEMA)
-    yield from rests_on(document, curve)
+def form(certificate: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
+    """Whether it is about the curve that is given."""
+    document, curve = certificate.document, curve_given(given)
+    yield from names_its_curve(document, curve)
     if document["id"] != curve.id:
         yield Finding("id", f"is {shown(document['id'])}; the curve is {shown(curve.id)}")
     if document["verdict"] != "proved":
@@ -311,7 +287,10 @@ def _form(document: Mapping[str, Any], curve: AtlasCertificate, examination: Exa
 _HYPOTHESES = ("curve", "counts", "parity", "neighbours", "libration-point")
 
 
-def _conclusion(document: Mapping[str, Any], curve: AtlasCertificate, examination: Examination) -> Iterator[Finding]:
+def conclusion(certificate: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
+    """Whether it follows from the curve and from the half turns that were counted."""
+    document, curve = certificate.document, curve_given(given)
+    given.all_stand()
     if document["verdict"] != "proved":
         return
     known = _known(curve)
@@ -327,8 +306,9 @@ def _stored(document: Mapping[str, Any]) -> tuple[CountedOrbit, ...]:
     return tuple(CountedOrbit(orbit.piece, orbit.s, orbit.turns) for orbit in orbits)
 
 
-def _integration(document: Mapping[str, Any], curve: AtlasCertificate, _: Examination) -> Iterator[Finding]:
+def integration(certificate: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
     """The curve was integrated again; the orbits are followed again."""
+    document, curve = certificate.document, curve_given(given)
     if document["verdict"] != "proved":
         return
     known = _known(curve)
@@ -368,13 +348,3 @@ def _unconfirmed(start: Start, orbit: CountedOrbit, place: str) -> Iterator[Find
     if not remaining:
         raise CannotBeCheckedError(f"{place}: {why}")
     yield from remaining
-
-
-def write_index_certificate(path: Path, document: Mapping[str, Any]) -> None:
-    """Write a certificate, whole or not at all. Raises `InputError` if it cannot be written."""
-    write_sealed(path, document, SCHEMA, (("orbits",),))
-
-
-def read_index_certificate(path: Path) -> IndexCertificate:
-    """Read a certificate. Raises `InputError` if it is none, or was changed after it was written."""
-    return IndexCertificate(read_sealed(path, SCHEMA))

@@ -1,21 +1,22 @@
-"""The kinds of claims about branches, curves and surfaces: a table of what certificates need of each."""
+"""What is asked of a kind of theorem about branches, curves and surfaces, besides what is asked of any."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, cast
 
-from orbitproof.shared.claims import CLAIMS, PERIODIC_CURVES, SURFACE, AnyAtlas
+from orbitproof.shared.claims import AnyAtlas
 from orbitproof.verify.atlas.results import Settings
-from orbitproof.verify.curve import CurveTheorem, PieceLimits
+from orbitproof.verify.certificate.kind import Kind
+from orbitproof.verify.certificate.kinds import kind_named
+from orbitproof.verify.curve import PieceLimits
 from orbitproof.verify.evidence import Theorem
-from orbitproof.verify.periodic_curve import PeriodicCurveTheorem, PeriodicLimits, conclude_periodic
-from orbitproof.verify.surface import SurfaceLimits, SurfaceTheorem, conclude_surface
+from orbitproof.verify.surface import SurfaceLimits
 
 
-@dataclass(frozen=True)
-class BranchKind:
+@dataclass(frozen=True, kw_only=True)
+class BranchKind(Kind):
     """One kind of claim.
 
     Attributes:
@@ -40,16 +41,6 @@ class BranchKind:
         return asdict(self.limits(**given))
 
 
-CURVES = BranchKind(CurveTheorem, PieceLimits, "a curve of symmetric orbits")
-SURFACES = BranchKind(SurfaceTheorem, SurfaceLimits, "a surface", conclude_surface)
-PERIODIC = BranchKind(PeriodicCurveTheorem, PeriodicLimits, "orbits without symmetry", conclude_periodic)
-
-KINDS: Mapping[str, BranchKind] = {
-    **dict.fromkeys(CLAIMS, CURVES), SURFACE: SURFACES, **dict.fromkeys(PERIODIC_CURVES, PERIODIC)
-}  # fmt: skip
-"""By the kinds of claims as atlases say them."""
-
-
 def kind_of(atlas: AnyAtlas) -> BranchKind:
     """The kind of an atlas."""
-    return KINDS[atlas.claim.kind]
+    return cast(BranchKind, kind_named(atlas.claim.kind))

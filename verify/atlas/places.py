@@ -8,11 +8,9 @@ from typing import Any
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import shown
-from orbitproof.verify.atlas.certificate import AtlasCertificate
 from orbitproof.verify.atlas.certified import certified_point
 from orbitproof.verify.atlas.conclusion import follow, partner
 from orbitproof.verify.atlas.kinds import kind_of
-from orbitproof.verify.atlas.recheck import Means, recheck_atlas
 from orbitproof.verify.certificate import (
     REWORDED,
     Certificate,
@@ -44,26 +42,17 @@ class Placed:
     line: str
 
 
-def places_on(curve: AtlasCertificate, orbits: Sequence[Certificate]) -> list[Placed]:
+def places_on(curve: Certificate, orbits: Sequence[Certificate]) -> list[Placed]:
     """Each certified orbit with the piece of the curve on which it lies, and its s; or with the reason why not shown.
 
     The certificate of the curve is checked up to its conclusion first, and so is each orbit's.
     """
-    examined = check_of_conclusion(curve.document) if kind_of(curve.atlas).holds_points else None
+    examined = recheck(curve) if kind_of(curve.atlas).holds_points else None
     return [Placed(entry.with_place(place), line) for entry, place, line in _placed(curve, examined, orbits)]
 
 
-def check_of_conclusion(document: Mapping[str, Any], given: Sequence[Certificate] = ()) -> Recheck:
-    """Whether the certificate of a curve or surface stands, up to its conclusion; `given` as in `recheck_atlas`."""
-    return recheck_atlas(document, given, False, Means(_checked))
-
-
-def _checked(entries: Sequence[Certificate], integrate: bool) -> Sequence[Recheck]:
-    return [recheck(entry, integrate) for entry in entries]
-
-
 def recheck_place(
-    curve: AtlasCertificate | None, examined: Recheck | None, certificate: Certificate, check: Recheck
+    curve: Certificate | None, examined: Recheck | None, certificate: Certificate, check: Recheck
 ) -> Recheck:
     """What checking a certificate again has shown, with the place that it carries.
 
@@ -91,7 +80,7 @@ def recheck_place(
 
 
 def _differences(
-    curve: AtlasCertificate, examined: Recheck | None, entry: Certificate, stored: Mapping[str, Any]
+    curve: Certificate, examined: Recheck | None, entry: Certificate, stored: Mapping[str, Any]
 ) -> Iterator[tuple[Finding, Mapping[str, Any] | None]]:
     """What is wrong with a stored place, each with the place that is found, if one is."""
     given = _rests_on(curve)
@@ -108,7 +97,7 @@ def _differences(
 
 
 def _placed(
-    curve: AtlasCertificate, examined: Recheck | None, orbits: Sequence[Certificate]
+    curve: Certificate, examined: Recheck | None, orbits: Sequence[Certificate]
 ) -> Iterator[tuple[Certificate, dict[str, Any] | None, str]]:
     """Each orbit with its place as JSON, if it is shown, and a line about it."""
     name = shown(curve.document["id"])
@@ -135,7 +124,7 @@ def _placed(
         yield orbit, _to_json(curve, entry), line
 
 
-def _to_json(curve: AtlasCertificate, entry: Bifurcation) -> dict[str, Any]:
+def _to_json(curve: Certificate, entry: Bifurcation) -> dict[str, Any]:
     place, rests_on = entry.place, _rests_on(curve)
     assert place is not None
     assert isinstance(curve.atlas, Atlas)
@@ -149,5 +138,5 @@ def _to_json(curve: AtlasCertificate, entry: Bifurcation) -> dict[str, Any]:
     }
 
 
-def _rests_on(curve: AtlasCertificate) -> dict[str, Any]:
+def _rests_on(curve: Certificate) -> dict[str, Any]:
     return {"id": curve.document["id"], "digest": curve.document["digest"]}

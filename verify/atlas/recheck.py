@@ -12,23 +12,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 from flint import arb
 
-from orbitproof.shared.formats import (
-    PERIODIC_CURVES,
-    AnyAtlas,
-    AnyPiece,
-    InputError,
-    PeriodicAtlas,
-    atlas_from_json,
-    validate_document,
-)
+from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError, PeriodicAtlas
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, shown
-from orbitproof.verify.atlas.certificate import SCHEMA, make_atlas_certificate
+from orbitproof.verify.atlas.certificate import atlas_of, make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import Watch, conclusion_of
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.results import Result, Settings, condition_of, covers, results_from_json
@@ -40,19 +31,18 @@ from orbitproof.verify.certificate import (
     Certificate,
     Examination,
     Finding,
+    Given,
     NothingToCheckError,
     Recheck,
-    climb,
     confirmed,
     decimals,
-    differences,
-    digest_findings,
+    in_all_data,
     named_as,
     other_hypotheses,
     other_software,
     overlap,
+    recheck,
     repeated,
-    systems_with,
     taken_names,
     unknown_reason,
 )
@@ -141,15 +131,12 @@ class Means:
         return conclusion_of(atlas, results, rests_on, checked, order, self.watch, combinations)
 
 
-def recheck_atlas(document: Document, given: Sequence[Certificate], integrate: bool, means: Means) -> Recheck:
-    """Check the certificate of an atlas that fits the schema again.
-
-    `given` are certificates of bifurcations from elsewhere, which have to be those that the file carries.
-    """
-    steps = [partial(_form, document), partial(_conclusion, document, given, means)]
-    if integrate:
-        steps.append(partial(_integration, document, means))
-    return climb(document, steps)
+def _means(given: Given) -> Means:
+    """Those that are given, or what does one after the other here."""
+    means: Means = (
+        Means(lambda entries, far: [recheck(e, far) for e in entries]) if given.means is None else given.means
+    )
+    return means
 
 
 def order_of(document: Document) -> int | None:
@@ -168,18 +155,9 @@ def lists_combinations(document: Document) -> bool:
     return "combinations" in ((document["conclusion"] or {}).get("complete") or {})
 
 
-def atlas_of(document: Document) -> AnyAtlas:
-    """The claim of a certificate. Raises `InputError`, `ValueError` or `CannotBeCheckedError` if there is none."""
-    stated, where = document["statement"]["atlas"], "statement.atlas"
-    validate_document(stated, "atlas", where)
-    if stated["claim"]["kind"] in PERIODIC_CURVES:
-        return atlas_from_json(stated, where)
-    return atlas_from_json(stated, where, systems_with(BRANCH_SYSTEMS, document["statement"], stated))
-
-
-def _form(document: Document, examination: Examination) -> Iterator[Finding]:
-    yield from digest_findings(document)
-    validate_document(document, SCHEMA, "the certificate")
+def form(certificate: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
+    """What its claim, its results and the certificates that it carries are."""
+    document = certificate.document
     atlas = atlas_of(document)
     yield from taken_names(atlas.system, document["software"])
     symmetric = {piece.id for piece in atlas.pieces if piece.kind == "symmetric"}
@@ -198,18 +176,18 @@ def _form(document: Document, examination: Examination) -> Iterator[Finding]:
         settings = (getattr(result.computation, name) for name in ("precision", "order", "width", "top", "steps"))
         if not all(value is None or 0 <= value <= _LARGEST for value in settings):
             yield Finding(f"results[{index}].computation", "the settings of the integrator are not possible")
-    conclusion = document["conclusion"]
-    if conclusion is None:
+    concluded = document["conclusion"]
+    if concluded is None:
         yield Finding("conclusion", "the run was not finished, so there is none; run the same command again")
         return
     carried = _rests_on(document)
     for name in repeated(carried):
         yield Finding("rests_on", f"{name!r} appears twice: nothing says which of them the theorem is about")
-    names, listed = [entry.id for entry in carried], [entry["id"] for entry in conclusion["bifurcations"]]
+    names, listed = [entry.id for entry in carried], [entry["id"] for entry in concluded["bifurcations"]]
     if listed != names:
         names, listed = list(map(shown, names)), list(map(shown, listed))
         yield Finding("rests_on", f"carries {', '.join(names) or 'nothing'}; listed: {', '.join(listed)}")
-    found = [hypothesis["name"] for hypothesis in conclusion["hypotheses"]]
+    found = [hypothesis["name"] for hypothesis in concluded["hypotheses"]]
     expected = kind_of(atlas).theorem(atlas).hypotheses
     if document["verdict"] == "proved":
         yield from other_hypotheses(found, expected, document)
@@ -218,14 +196,14 @@ def _form(document: Document, examination: Examination) -> Iterator[Finding]:
         examination.notes += (UNCHECKED_REASON,)
 
 
-def _conclusion(
-    document: Document, given: Sequence[Certificate], means: Means, examination: Examination
-) -> Iterator[Finding]:
+def conclusion(certificate: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
+    """Whether it follows from its results; certificates that are given have to be those that it carries."""
+    document, means = certificate.document, _means(given)
     atlas = atlas_of(document)
     if atlas.system.name not in BRANCH_SYSTEMS:
         examination.notes += (f"{atlas.system.name}: {UNKNOWN}",)
     bifurcations = _rests_on(document)
-    yield from _other_certificates(document, given)
+    yield from _other_certificates(document, given.certificates)
     yield from decimals(document["results"], "results")
     results = results_from_json(atlas, document["results"])
     pieces = {piece.id: piece for piece in atlas.surface_pieces()}
@@ -233,17 +211,13 @@ def _conclusion(
         for number, part in enumerate(result.parts if isinstance(result, SurfaceResult) else ()):
             place = f"results[{index}].parts[{number}]"
             yield from (Finding(place, text) for text in unshown(pieces[result.piece], part))
-    conclusion = means.conclude(atlas, results, bifurcations, order_of(document), lists_combinations(document))
-    examination.hypotheses = len(conclusion["hypotheses"])
+    concluded = means.conclude(atlas, results, bifurcations, order_of(document), lists_combinations(document))
+    examination.hypotheses = len(concluded["hypotheses"])
     # What is stored is what was read: its order is compared, and not how its numbers are written.
     stored = dict(zip(map(id, results), document["results"], strict=True))
-    again = make_atlas_certificate(atlas, results, conclusion, bifurcations, lambda result: stored[id(result)])
+    again = make_atlas_certificate(atlas, results, concluded, bifurcations, lambda result: stored[id(result)])
     again["statement"] = named_as(document["statement"], again["statement"])
-    # What made the file may differ.
-    apart = ("software", "digest")
-    old, new = ({key: value for key, value in entry.items() if key not in apart} for entry in (document, again))
-    kept = {key: document[key] for key in apart}
-    data = list(examination.in_data(differences(old, new, ""), {**again, **kept}))
+    data = list(in_all_data(document, again, examination))
     yield from data
     if data:
         yield from other_software(document)
@@ -267,7 +241,9 @@ def _other_certificates(document: Document, given: Sequence[Certificate]) -> Ite
             )
 
 
-def _integration(document: Document, means: Means, examination: Examination) -> Iterator[Finding]:
+def integration(certificate: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
+    """Whether its intervals and the certificates that it carries are proved again, within what is stored."""
+    document, means = certificate.document, _means(given)
     assert means.prove is not None
     atlas = atlas_of(document)
     if not any(result.is_proved for result in results_from_json(atlas, document["results"])):
@@ -302,9 +278,9 @@ def _integration(document: Document, means: Means, examination: Examination) -> 
         raise CannotBeCheckedError(f"{name}: {reason.message}; {reason.remedy}" if reason else name)
     if document["verdict"] != "proved":
         return
-    conclusion = means.conclude(atlas, list(results.values()), [], order_of(document), lists_combinations(document))
-    if conclusion["verdict"] != "proved":
-        yield Finding("integration", f"the theorem is not proved again: {conclusion['reason']['message']}")
+    concluded = means.conclude(atlas, list(results.values()), [], order_of(document), lists_combinations(document))
+    if concluded["verdict"] != "proved":
+        yield Finding("integration", f"the theorem is not proved again: {concluded['reason']['message']}")
     on_curve = {entry["id"] for entry in document["conclusion"]["bifurcations"] if entry["on_curve"]}
     bifurcations = [entry for entry in _rests_on(document) if entry.id in on_curve]
     checks = means.check(bifurcations, True)

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, get_args
 
 from orbitproof.shared.claims.web import LIBRATION_POINTS, Web
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.printing import printable
 from orbitproof.shared.systems import shown
-from orbitproof.verify.atlas.certificate import AtlasCertificate
-from orbitproof.verify.atlas.index import IndexCertificate
-from orbitproof.verify.certificate import Certificate
+from orbitproof.verify.certificate import Certificate, Key
 
-Resting = AtlasCertificate | Certificate | IndexCertificate
-"""A certificate of an arc, of a vertex, or of the index along an arc."""
 Part = Literal["arc", "vertex", "index"]
-Key = tuple[Part, str]
-"""What a certificate is for a web, and its id; that of an index has the id of its curve."""
+"""What a certificate is for a web."""
+_PARTS = get_args(Part)
 
 
 class RestingError(InputError):
@@ -37,13 +33,6 @@ class RestingError(InputError):
         return printable(f"the certificate {called(key)}: {why}")
 
 
-def key_of(entry: Resting) -> Key:
-    """What a certificate can be for a web, by its kind alone."""
-    if isinstance(entry, AtlasCertificate):
-        return "arc", entry.id
-    return "index" if isinstance(entry, IndexCertificate) else "vertex", entry.id
-
-
 def keys_of(web: Web) -> tuple[Key, ...]:
     """What a web rests on, in its order: arcs, vertices, indices."""
     arcs = {arc.id for arc in web.arcs}
@@ -56,31 +45,27 @@ def called(key: Key) -> str:
     return f"of the index of {shown(key[1])}" if key[0] == "index" else shown(key[1])
 
 
-def digest_of(entry: Resting) -> str:
-    """The digest that a certificate has; empty if it has none."""
-    document = entry.to_json() if isinstance(entry, Certificate) else entry.document
-    return str(document.get("digest", ""))
-
-
-def claiming_indices(web: Web, given: Sequence[Resting]) -> Web:
+def claiming_indices(web: Web, given: Sequence[Certificate]) -> Web:
     """The claim of a web that asks for the index of each arc of which a certificate of that is given, too."""
-    there = {entry.id for entry in given if isinstance(entry, IndexCertificate)}
+    there = {name for part, name in (entry.key for entry in given) if part == "index"}
     return replace(web, arcs=tuple(replace(arc, index=arc.index or arc.id in there) for arc in web.arcs))
 
 
-def resting(web: Web, given: Sequence[Resting]) -> tuple[Resting, ...]:
+def resting(web: Web, given: Sequence[Certificate]) -> tuple[Certificate, ...]:
     """The certificates that a web needs, in its order. Raises `InputError` if one is not there, or twice."""
     wanted = keys_of(web)
-    found: dict[Key, Resting] = {}
+    found: dict[Key, Certificate] = {}
     for entry in given:
-        key = key_of(entry)
+        key = entry.key
+        if key[0] not in _PARTS:
+            continue
         if entry.id in LIBRATION_POINTS:
             raise RestingError(key, "has the name of a libration point; give it another id")
         if key in found:
             raise RestingError(key, "appears twice; give each once")
         if key in wanted:
             # Where it lies on a curve is found again.
-            found[key] = entry.without_place() if isinstance(entry, Certificate) else entry
+            found[key] = entry.without_place()
         elif key[0] != "index" and entry.id in web.certificates:
             is_one, of = ("a curve", "a vertex") if key[0] == "arc" else ("one orbit", "an arc")
             raise RestingError(key, f"is about {is_one}; the web claims that it is {of}")

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, cast
 
 from flint import arb
 
@@ -14,24 +12,24 @@ from orbitproof.shared.claims.fields import Crossings, Id, Identifier, PieceId, 
 from orbitproof.shared.claims.web import How, Web, WebArc
 from orbitproof.shared.formats import Atlas, web_from_json
 from orbitproof.shared.stored import rules
-from orbitproof.verify.atlas.certificate import AtlasCertificate
+from orbitproof.shared.wording import counted
 from orbitproof.verify.atlas.certified import certified_point
 from orbitproof.verify.atlas.conclusion import follow, partner
-from orbitproof.verify.atlas.index import IndexCertificate
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.listed import ListedInterval
-from orbitproof.verify.atlas.rests_on import Key, Part, Resting, RestingError, called, digest_of, key_of, keys_of
-from orbitproof.verify.atlas.sealed import Sealed, has_form, in_all_data, read_sealed, sealed, write_sealed
+from orbitproof.verify.atlas.rests_on import Part, RestingError, keys_of
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,
-    CannotBeCheckedError,
     Certificate,
     Examination,
     Finding,
+    Given,
+    Key,
     Level,
     Recheck,
-    climb,
+    in_all_data,
     other_hypotheses,
+    sealed,
     unknown_reason,
 )
 from orbitproof.verify.certificate.document import Digest, Software, Verdict
@@ -172,36 +170,24 @@ class WebDocument:
     stored_rules: ClassVar[Mapping[str, Any]] = {}
 
 
-@dataclass(frozen=True, repr=False)
-class WebCertificate(Sealed):
-    """The certificate of a web. It says what its maker wrote; whether that follows is what checks decide.
-
-    Attributes:
-        document: fits the schema and its digest.
-    """
-
-    document: Mapping[str, Any]
-
-    def __repr__(self) -> str:
-        return f"<WebCertificate {self.id!r}: {self.verdict}, {len(self.document['arcs'])} arcs>"
-
-    @property
-    def claim(self) -> Web:
-        """What was claimed."""
-        return web_from_json(self.document["statement"]["claim"], f"certificate {self.id!r}: statement.claim")
-
-    @property
-    def arcs(self) -> tuple[StoredArc, ...]:
-        """What it says of the arcs, in the order of the claim."""
-        return from_json(tuple[StoredArc, ...], self.document["arcs"], "arcs")
-
-    @property
-    def vertices(self) -> tuple[StoredVertex, ...]:
-        """What it says of the vertices."""
-        return from_json(tuple[StoredVertex, ...], self.document["vertices"], "vertices")
+SAID: Mapping[str, Callable[[Certificate], Any]] = {
+    "claim": lambda certificate: web_from_json(
+        certificate.document["statement"]["claim"], f"certificate {certificate.id!r}: statement.claim"
+    ),
+    "arcs": lambda certificate: from_json(tuple[StoredArc, ...], certificate.document["arcs"], "arcs"),
+    "vertices": lambda certificate: from_json(tuple[StoredVertex, ...], certificate.document["vertices"], "vertices"),
+    "results": lambda certificate: certificate.arcs,
+}
+"""What the certificate of a web says besides: its claim, its arcs in the order of that, its vertices."""
 
 
-def certified_web(web: Web, certificates: Sequence[Resting], checks: Mapping[Key, Recheck]) -> dict[str, Any]:
+def extent_of(certificate: Certificate) -> str:
+    """How large it is, in words."""
+    arcs, vertices = (len(certificate.document[name]) for name in ("arcs", "vertices"))
+    return f"{counted(arcs, 'arc')}, {vertices} {'vertex' if vertices == 1 else 'vertices'}"
+
+
+def certified_web(web: Web, certificates: Sequence[Certificate], checks: Mapping[Key, Recheck]) -> dict[str, Any]:
     """The certificate of a web, as JSON.
 
     Args:
@@ -209,18 +195,16 @@ def certified_web(web: Web, certificates: Sequence[Resting], checks: Mapping[Key
         checks: of each, up to the conclusion or further. Raises `ValueError` if one is that of another.
     """
     for entry in certificates:
-        check = checks[key_of(entry)]
-        if check.stands_without_place and check.digest != digest_of(entry):
-            raise ValueError(f"checks: {entry.id!r}: is the check of another certificate")
-    arcs = {entry.id: entry for entry in certificates if isinstance(entry, AtlasCertificate)}
-    vertices = {entry.id: entry for entry in certificates if isinstance(entry, Certificate)}
-    indices = {entry.id: entry for entry in certificates if isinstance(entry, IndexCertificate)}
+        Given(checks=checks).check_of(entry)
+    arcs, vertices, indices = (
+        {entry.id: entry for entry in certificates if entry.key[0] == part} for part in ("arc", "vertex", "index")
+    )
     points = [
         replace(_arc(arcs[arc.id], arc, vertices, checks), indices=_indices(arcs[arc.id], indices.get(arc.id), checks))
         for arc in web.arcs
     ]
     outcome = conclude_web(web, points)
-    rests_on = tuple(RestsOn(entry.id, key_of(entry)[0], digest_of(entry)) for entry in certificates)
+    rests_on = tuple(RestsOn(entry.id, cast(Part, entry.key[0]), entry.digest) for entry in certificates)
     claim, reason = WebStatement(claim=web), None if isinstance(outcome, Proved) else outcome.reason
     known: dict[str, Any] = {}
     if isinstance(outcome, Proved):
@@ -246,9 +230,9 @@ def certified_web(web: Web, certificates: Sequence[Resting], checks: Mapping[Key
 _NOT_CHECKED = "it was not checked up to its conclusion"
 
 
-def _problem(certificate: AtlasCertificate | IndexCertificate, checks: Mapping[Key, Recheck], called: str) -> str:
+def _problem(certificate: Certificate, checks: Mapping[Key, Recheck], called: str) -> str:
     """Why a certificate counts for nothing; empty if it says that it is proved, and stands at its conclusion."""
-    check = checks[key_of(certificate)]
+    check = checks[certificate.key]
     if not certificate.proved:
         return f"{called} says {certificate.verdict!r}"
     if not check.stands or check.level < Level.CONCLUSION:
@@ -257,18 +241,18 @@ def _problem(certificate: AtlasCertificate | IndexCertificate, checks: Mapping[K
 
 
 def _arc(
-    certificate: AtlasCertificate, claimed: WebArc, vertices: Mapping[str, Certificate], checks: Mapping[Key, Recheck]
+    certificate: Certificate, claimed: WebArc, vertices: Mapping[str, Certificate], checks: Mapping[Key, Recheck]
 ) -> Arc:
     """What a certificate proves of a curve, and where on it the vertices lie that it is claimed to meet."""
     atlas = certificate.atlas
     if not isinstance(atlas, Atlas) or not kind_of(atlas).holds_points:
-        raise RestingError(key_of(certificate), "is about no curve of symmetric orbits; leave it out")
+        raise RestingError(certificate.key, "is about no curve of symmetric orbits; leave it out")
     if problem := _problem(certificate, checks, "the certificate"):
         return Arc(atlas, None, problem)
     wanted = [vertices[meeting.vertex] for meeting in claimed.meets if meeting.vertex in vertices]
 
     def examine(entry: Certificate) -> Recheck:
-        check = checks[key_of(entry)]
+        check = checks[entry.key]
         return check if check.level >= Level.CONCLUSION else replace(check, obstacle=check.obstacle or _NOT_CHECKED)
 
     points = [certified_point(atlas, entry, examine) for entry in wanted]
@@ -278,25 +262,23 @@ def _arc(
     return Arc(atlas, conclusion.outcome.results, "", {entry.id: entry for entry in conclusion.bifurcations})
 
 
-def _indices(
-    curve: AtlasCertificate, certificate: IndexCertificate | None, checks: Mapping[Key, Recheck]
-) -> Indices | None:
+def _indices(curve: Certificate, certificate: Certificate | None, checks: Mapping[Key, Recheck]) -> Indices | None:
     """What a certificate proves of the index along the curve of an arc, or why it counts for nothing (section 33.6)."""
     if certificate is None:
         return None
     problem = _problem(certificate, checks, "the certificate of its index")
-    if certificate.document["rests_on"] != {"id": curve.id, "digest": digest_of(curve)}:
+    if certificate.document["rests_on"] != {"id": curve.id, "digest": curve.digest}:
         problem = problem or "the certificate of its index rests on another certificate of a curve"
     if problem:
-        return Indices(digest_of(certificate), problem=problem)
+        return Indices(certificate.digest, problem=problem)
     orbits = tuple(
         IndexOnArc(tuple(turns.index for turns in orbit.turns), orbit.piece, orbit.s, orbit.begin, orbit.end)
         for orbit in certificate.orbits
     )
-    return Indices(digest_of(certificate), orbits, certificate.small)
+    return Indices(certificate.digest, orbits, certificate.small)
 
 
-def _stored_arc(known: KnownArc, web: ProvedWeb, certificate: AtlasCertificate) -> StoredArc:
+def _stored_arc(known: KnownArc, web: ProvedWeb, certificate: Certificate) -> StoredArc:
     atlas = known.arc.atlas
     listed = (certificate.document["conclusion"] or {}).get("complete")
     return StoredArc(
@@ -327,33 +309,17 @@ def _stored_meeting(entry: Incidence) -> StoredMeeting:
     return StoredMeeting(entry.vertex, entry.how, place.piece, place.s, place.mirrored, place.other_point)
 
 
-def recheck_web(document: Mapping[str, Any], certificates: Sequence[Resting], checks: Mapping[Key, Recheck]) -> Recheck:
-    """Check the certificate of a web that fits the schema again, as far as those that it rests on were checked.
-
-    `certificates`, `checks` as in `certified_web`.
-    """
-    own = [checks[key_of(entry)] for entry in certificates]
-    levels, stands = [check.level for check in own], all(check.stands_without_place for check in own)
-    steps = [partial(_form, document, certificates)]
-    if min(levels) >= Level.CONCLUSION or not stands:
-        steps.append(partial(_conclusion, document, certificates, checks))
-    if min(levels) is Level.INTEGRATION:
-        steps.append(partial(_integration, checks))
-    return climb(document, steps)
-
-
-def _form(document: Mapping[str, Any], certificates: Sequence[Resting], examination: Examination) -> Iterator[Finding]:
-    yield from has_form(document, SCHEMA)
+def form(certificate: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
+    """Whether it names the certificates that it needs, which are those that are given."""
+    document, certificates = certificate.document, given.certificates
     web = web_from_json(document["statement"]["claim"], "statement.claim")
     if [(entry["kind"], entry["id"]) for entry in document["rests_on"]] != list(keys_of(web)):
         yield Finding("rests_on", "does not name the certificates that the claim needs, in its order")
         return
     for stored, entry in zip(document["rests_on"], certificates, strict=True):
-        if stored["digest"] != digest_of(entry):
-            has = digest_of(entry) or "one without digest"
-            yield Finding(
-                "rests_on", f"the certificate {called(key_of(entry))}: rests on {stored['digest']}; given is {has}"
-            )
+        if stored["digest"] != entry.digest:
+            has = entry.digest or "one without digest"
+            yield Finding("rests_on", f"the certificate {entry.called}: rests on {stored['digest']}; given is {has}")
     expected = WebTheorem(web).hypotheses
     if document["verdict"] == "proved":
         yield from other_hypotheses([each["name"] for each in document["hypotheses"]], expected, document)
@@ -362,33 +328,17 @@ def _form(document: Mapping[str, Any], certificates: Sequence[Resting], examinat
         examination.notes += (UNCHECKED_REASON,)
 
 
-def _conclusion(
-    document: Mapping[str, Any],
-    certificates: Sequence[Resting],
-    checks: Mapping[Key, Recheck],
-    examination: Examination,
-) -> Iterator[Finding]:
-    for entry in certificates:
-        check = checks[key_of(entry)]
-        if document["verdict"] == "proved" and not check.stands_without_place:
-            raise CannotBeCheckedError(f"the certificate {called(key_of(entry))} does not stand: {check.why}")
+def conclusion(certificate: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
+    """Whether it follows from these."""
+    document = certificate.document
+    if document["verdict"] == "proved":
+        given.all_stand()
     web = web_from_json(document["statement"]["claim"], "statement.claim")
-    fresh = certified_web(web, certificates, checks)
+    fresh = certified_web(web, given.certificates, given.checks)
     examination.hypotheses = len(fresh["hypotheses"])
     yield from in_all_data(document, fresh, examination)
 
 
-def _integration(checks: Mapping[Key, Recheck], examination: Examination) -> Iterator[Finding]:
+def integration(certificate: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
     """Nothing here rests on an integration but the certificates, which were integrated again."""
-    examination.precision = min(check.precision for check in checks.values())
     yield from ()
-
-
-def write_web_certificate(path: Path, document: Mapping[str, Any]) -> None:
-    """Write a certificate, whole or not at all. Raises `InputError` if it cannot be written."""
-    write_sealed(path, document, SCHEMA, (("arcs",), ("rests_on",)))
-
-
-def read_web_certificate(path: Path) -> WebCertificate:
-    """Read a certificate. Raises `InputError` if it is none, or was changed after it was written."""
-    return WebCertificate(read_sealed(path, SCHEMA))

@@ -6,13 +6,23 @@ from orbitproof.verify.certificate.certificate import (
     digest,
     is_proof_of,
     make_certificate,
-    read_certificates,
     repeated,
-    write_certificates,
+    schema_of,
+    sealed,
 )
 from orbitproof.verify.certificate.certifying import Integrator, certify, not_proved
 from orbitproof.verify.certificate.document import Computation
 from orbitproof.verify.certificate.earlier import taken_names
+from orbitproof.verify.certificate.files import (
+    ROWS,
+    SCHEMAS,
+    read_any,
+    read_certificate,
+    read_certificates,
+    write_certificate,
+    write_certificates,
+)
+from orbitproof.verify.certificate.kind import Given, Key, Kind
 from orbitproof.verify.certificate.kinds import contradictions, numbers, tables_from_json, tables_to_json
 from orbitproof.verify.certificate.levels import (
     MEANINGS,
@@ -27,6 +37,7 @@ from orbitproof.verify.certificate.levels import (
     confirmed,
     decimals,
     differences,
+    in_all_data,
     not_checked,
     other_hypotheses,
     other_software,

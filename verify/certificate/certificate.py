@@ -5,12 +5,10 @@ from __future__ import annotations
 import hashlib
 import json
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from html import escape
-from pathlib import Path
-from textwrap import indent
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
@@ -18,22 +16,25 @@ from flint import arb
 
 from orbitproof.shared.claims import ORBIT_KINDS, PERIODIC
 from orbitproof.shared.formats import (
-    ArgumentError,
     BoxClaim,
     Candidate,
     claim_from_json,
-    read_document,
     validate_document,
-    write_text,
 )
+from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate.document import AnyStatement, Computation
 from orbitproof.verify.certificate.entry import Entry
+from orbitproof.verify.certificate.kind import Key
 from orbitproof.verify.certificate.kinds import (
+    INDEX,
+    MODULES,
     Found,
     Results,
+    box_kind,
     kind_named,
     kind_of,
     level_form,
+    name_of,
     results_from_json,
     tables_to_json,
     theorem_of,
@@ -62,66 +63,165 @@ _SYMBOLS = {"Jacobi constant": "C"}
 
 @dataclass(frozen=True, repr=False)
 class Certificate:
-    """What was claimed about one candidate, every hypothesis with its enclosures, and the verdict.
+    """What was claimed, every hypothesis with its enclosures, and the verdict: of a theorem of any kind.
 
     A value: it does not change, and two are equal if their JSON is. It says what its maker wrote, its verdict and its
-    words included; whether that follows from the enclosures that it carries is what `recheck` decides. All balls are in
-    nondimensional units.
+    words included; whether that follows from what it carries is what `recheck` decides. All balls are in nondimensional
+    units. What some kinds say besides stands in `Kind.more`: `atlas`, `points` and `stable` of a curve, `orbits` of an
+    index, `arcs` and `vertices` of a web, `rows` of a catalogue.
 
     Attributes:
-        id: the candidate's.
-        kind, k: what was claimed: one of `shared.formats.KINDS` or `ORBIT_KINDS`, and the multiplicity.
-        verdict: "proved" or "not proved", which never means "shown to be false".
-        theorem: what its maker says is proved, in the maker's words; `None` if nothing is. Nothing checks them: of a
-            certificate from elsewhere only the words of the `Recheck` may be believed, which is in `rendered` the
-            certificate in words that follow from its data, if its own are others.
-        parameter_name: the bifurcation parameter, a family parameter or a first integral; for an orbit "period"; `None`
-            if nothing is proved.
-        parameter: the ball that contains its value; `None` if nothing is proved.
-        point: balls that contain the coordinates on Fix(R) of the bifurcation point, or of the point where the orbit
-            starts, by name; empty if not proved.
-        side: "above", "below" or "both": parameter values at which the new orbits exist; `None` if not proved, or for
-            an orbit.
-        normal_form: enclosures of the coefficients of the bifurcation function, by name; empty if not proved.
-        results: all that is proved, as the chapter of its kind has it; `None` if nothing is.
-        hypotheses: those that were looked at, in order, with their enclosures; their statements are the maker's words.
-        reason: why it is not proved, in words of the run that made it; `None` if it is.
-        computation: how the verdict was found.
-        software: names and versions of what made the certificate.
+        document: as JSON, which fits its schema; not to be changed.
     """
 
-    id: str = field(compare=False)
-    kind: str = field(compare=False)
-    k: int = field(compare=False)
-    verdict: Literal["proved", "not proved"] = field(compare=False)
-    theorem: str | None = field(compare=False)
-    parameter_name: str | None = field(compare=False)
-    parameter: arb | None = field(compare=False)
-    point: Mapping[str, arb] = field(compare=False)
-    side: Literal["above", "below", "both"] | None = field(compare=False)
-    normal_form: Mapping[str, arb] = field(compare=False)
-    hypotheses: tuple[Hypothesis, ...] = field(compare=False)
-    reason: Reason | None = field(compare=False)
-    computation: Computation = field(compare=False)
-    software: Mapping[str, str] = field(compare=False)
-    results: Results | None = field(compare=False)
-    _text: str
+    document: Mapping[str, Any]
 
     @classmethod
     def from_json(cls, entry: Mapping[str, Any], source: str = "certificate") -> Certificate:
         """The certificate of a JSON object as `to_json` gives it.
 
-        Raises `InputError` that begins with `source` if it does not fit the definition ``certificate`` of
-        shared/schemas/certificates.schema.json, or a ball in it is none.
+        Raises `InputError` that begins with `source` if it does not fit its schema, or a ball in it is none: of rows
+        the definition ``certificate`` of shared/schemas/certificates.schema.json.
         """
-        validate_document(_document([entry]), "certificates", source)
-        text = json.dumps(entry, allow_nan=False)
-        return cls(**_fields(json.loads(text), source), _text=text)
+        if "format" in entry:
+            validate_document(entry, schema_of(entry), source)
+        else:
+            validate_document(rows_document([entry]), "certificates", source)
+        found = cls(json.loads(json.dumps(entry, allow_nan=False)))
+        found.__dict__["_said"] = found._read(source)
+        return found
+
+    def _read(self, source: str) -> Mapping[str, Any]:
+        return _fields(self.document, source) if self.kind in MODULES else _NOTHING
+
+    @cached_property
+    def _said(self) -> Mapping[str, Any]:
+        return self._read(f"certificate {self.id!r}")
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "document" or name.startswith("_"):
+            raise AttributeError(name)
+        more = kind_named(self.kind).more
+        if name not in more:
+            raise AttributeError(f"a certificate of the kind {self.kind!r} has no {name!r}", name=name, obj=self)
+        return self.__dict__.setdefault(name, more[name](self))
+
+    def __dir__(self) -> Iterable[str]:
+        return [*super().__dir__(), *kind_named(self.kind).more]
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    @property
+    def id(self) -> str:
+        """The id of the claim, or of the curve that it is about."""
+        return str(self.document["id"])
+
+    @cached_property
+    def kind(self) -> str:
+        """What was claimed: of a box one of `shared.formats.KINDS` or `ORBIT_KINDS`, of a branch as its atlas says."""
+        return name_of(self.document)
+
+    @property
+    def k(self) -> int:
+        """The multiplicity."""
+        return int(self._said["k"])
+
+    @property
+    def verdict(self) -> Literal["proved", "not proved"]:
+        """ "proved" or "not proved", which never means "shown to be false"."""
+        return "proved" if self.document["verdict"] == "proved" else "not proved"
 
     @property
     def proved(self) -> bool:
         """Whether the verdict is "proved"."""
         return self.verdict == "proved"
+
+    @property
+    def theorem(self) -> str | None:
+        """What its maker says is proved, in the maker's words; `None` if nothing is.
+
+        Nothing checks them: of a certificate from elsewhere only the words of the `Recheck` may be believed, which is
+        in `rendered` the certificate in words that follow from its data, if its own are others.
+        """
+        theorem: str | None = self.document["statement"].get("theorem")
+        return theorem
+
+    @property
+    def reason(self) -> Reason | None:
+        """Why it is not proved, in words of the run that made it; `None` if it is, or the document has none."""
+        return from_json(Reason | None, self.document.get("reason"), "reason")  # type: ignore[arg-type]
+
+    @cached_property
+    def hypotheses(self) -> tuple[Hypothesis, ...]:
+        """Those that were looked at, in order, with their enclosures; their statements are the maker's words."""
+        concluded = self.document if "hypotheses" in self.document else self.document.get("conclusion") or {}
+        return from_json(tuple[Hypothesis, ...], concluded.get("hypotheses", []), "hypotheses")
+
+    @property
+    def results(self) -> Results:
+        """All that is proved, as the chapter of its kind has it; `None` if nothing is. Of a branch what was found on
+        the intervals of its pieces, in order.
+        """
+        return self._said["results"] if "results" in self._said else self.__getattr__("results")
+
+    @property
+    def parameter_name(self) -> str | None:
+        """The bifurcation parameter, a family parameter or a first integral; for an orbit "period"."""
+        name: str | None = self._said["parameter_name"]
+        return name
+
+    @property
+    def parameter(self) -> arb | None:
+        """The ball that contains its value; `None` if nothing is proved, as of the name."""
+        parameter: arb | None = self._said["parameter"]
+        return parameter
+
+    @property
+    def point(self) -> Mapping[str, arb]:
+        """Balls that contain the coordinates on Fix(R) of the bifurcation point, or of the point where the orbit
+        starts, by name; empty if not proved.
+        """
+        point: Mapping[str, arb] = self._said["point"]
+        return point
+
+    @property
+    def side(self) -> Literal["above", "below", "both"] | None:
+        """The parameter values at which the new orbits exist; `None` if not proved, or for an orbit."""
+        side: Literal["above", "below", "both"] | None = self._said["side"]
+        return side
+
+    @property
+    def normal_form(self) -> Mapping[str, arb]:
+        """Enclosures of the coefficients of the bifurcation function, by name; empty if not proved."""
+        coefficients: Mapping[str, arb] = self._said["normal_form"]
+        return coefficients
+
+    @property
+    def computation(self) -> Computation:
+        """How the verdict of a row was found."""
+        computation: Computation = self._said["computation"]
+        return computation
+
+    @property
+    def software(self) -> Mapping[str, str]:
+        """Names and versions of what made the certificate."""
+        return MappingProxyType(self.document.get("software", {}))
+
+    @property
+    def digest(self) -> str:
+        """Its own, that closes the document; empty if it has none."""
+        return str(self.document.get("digest", ""))
+
+    @property
+    def key(self) -> Key:
+        """What it can be for certificates that rest on it, and its id."""
+        return kind_named(self.kind).part, self.id
+
+    @property
+    def called(self) -> str:
+        """It in a sentence."""
+        return f"of the index of {shown(self.id)}" if self.kind == INDEX else shown(self.id)
 
     @property
     def orbit(self) -> OrbitResults | None:
@@ -138,21 +238,17 @@ class Certificate:
     @property
     def statement(self) -> dict[str, Any]:
         """The claim in full, as in the JSON: candidate, vector field, first integral, symmetries, section."""
-        claim: dict[str, Any] = json.loads(self._statement)
+        claim: dict[str, Any] = json.loads(json.dumps(self.document["statement"]))
         return claim
-
-    @cached_property
-    def _statement(self) -> str:
-        return json.dumps(self.to_json()["statement"])
 
     @property
     def candidate(self) -> BoxClaim:
-        """What was claimed. Raises `InputError` if that is no well-formed claim about a system known here."""
+        """What was claimed of a box. Raises `InputError` if that is no well-formed claim about a system known here."""
         return claim_from_json(self.statement["candidate"], f"certificate {self.id!r}: statement.candidate")
 
     def to_json(self) -> dict[str, Any]:
-        """The JSON object, with the tables of enclosures and the digest: what a certificates file holds."""
-        entry: dict[str, Any] = json.loads(self._text)
+        """The JSON object, with the tables of enclosures and the digest: what a file holds."""
+        entry: dict[str, Any] = json.loads(json.dumps(self.document, allow_nan=False))
         return entry
 
     def with_place(self, place: Mapping[str, Any] | None) -> Certificate:
@@ -163,8 +259,7 @@ class Certificate:
 
     def without_place(self) -> Certificate:
         """This certificate without its place on a curve; one that was changed after it was written stays what it is."""
-        entry = self.to_json()
-        return self.with_place(None) if "place" in entry and entry.get("digest") == digest(entry) else self
+        return self.with_place(None) if "place" in self.document and self.digest == digest(self.document) else self
 
     def __str__(self) -> str:
         claim = self.claimed
@@ -173,10 +268,12 @@ class Certificate:
         return ", ".join(part for part in (claim, "proved", self.side, self._shown_parameter()) if part)
 
     def __repr__(self) -> str:
-        return f"<Certificate {self.id!r}: {self.verdict}>"
+        extent = kind_named(self.kind).extent(self)
+        return f"<Certificate {self.id!r}: {self.verdict}{f', {extent}' if extent else ''}>"
 
-    def __reduce__(self) -> tuple[Callable[..., Certificate], tuple[dict[str, Any]]]:
-        return Certificate.from_json, (self.to_json(),)
+    def __reduce__(self) -> tuple[type[Certificate], tuple[Mapping[str, Any]]]:
+        # What was read holds balls, which do not travel.
+        return Certificate, (self.document,)
 
     def _repr_html_(self) -> str:
         """The table that a notebook shows."""
@@ -202,7 +299,7 @@ class Certificate:
         if self.side is None:
             return ""
         side = "on both sides" if self.side == "both" else self.side
-        return f"{kind_named(self.kind).on_side(self.kind)} {side}"
+        return f"{box_kind(self.kind).on_side(self.kind)} {side}"
 
     def _shown_parameter(self) -> str:
         if self.parameter is None or self.parameter_name is None:
@@ -212,25 +309,25 @@ class Certificate:
 
 
 def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
-    """The attributes of a certificate from its JSON, which fits the schema. Raises `InputError`."""
+    """What the certificate of a row says, from its JSON, which fits the schema. Raises `InputError`."""
     stored = from_json(Entry, entry, source)
-    candidate, kind = stored.statement.claim, kind_named(stored.statement.claim["kind"])
+    candidate, kind = stored.statement.claim, box_kind(stored.statement.claim["kind"])
     results = None if stored.results is None else results_from_json(kind, stored.results, source)
-    same = ("id", "verdict", "hypotheses", "reason", "computation", "software")
     found = {
-        "kind": candidate["kind"],
-        "k": candidate.get("k", 1),
-        "theorem": stored.statement.theorem,
-        "results": results,
-        **{name: getattr(stored, name) for name in same},
         **_NOTHING,
+        "k": candidate.get("k", 1),
+        "results": results,
+        "computation": stored.computation,
         **({} if results is None else {"point": results.point, **kind.attributes(results)}),
     }
     return {name: MappingProxyType(value) if isinstance(value, dict) else value for name, value in found.items()}
 
 
-_NOTHING: Mapping[str, Any] = {"point": {}, "parameter_name": None, "parameter": None, "side": None, "normal_form": {}}
-"""What a certificate says of what is not proved."""
+_NOTHING: Mapping[str, Any] = {
+    "k": 1, "point": MappingProxyType({}), "parameter_name": None, "parameter": None, "side": None,
+    "normal_form": MappingProxyType({}),
+}  # fmt: skip
+"""What a certificate says of what is not proved, or has none of these."""
 
 
 def make_certificate(
@@ -294,19 +391,6 @@ def is_proof_of(certificate: Certificate, candidate: BoxClaim) -> bool:
     )
 
 
-def read_certificates(path: Path) -> dict[str, Certificate]:
-    """The certificates of a file by candidate id. Raises `InputError` for anything else."""
-    document = read_document(path, "certificates")
-    entries = [
-        Certificate.from_json(entry, f"{path}: field certificates[{index}]")
-        for index, entry in enumerate(document["certificates"])
-    ]
-    words = "{0}: field certificates: id {1!r} appears twice; write the file again with {fresh=True:--fresh}"
-    for name in repeated(entries):
-        raise ArgumentError(words, path, name)
-    return {entry.id: entry for entry in entries}
-
-
 class _Identified(Protocol):
     @property
     def id(self) -> str: ...
@@ -318,14 +402,7 @@ def repeated(entries: Iterable[_Identified]) -> list[str]:
     return [name for name, count in counts.items() if count > 1]
 
 
-def write_certificates(path: Path, certificates: Iterable[Certificate]) -> None:
-    """Write a certificates file, whole or not at all. Raises `InputError` if it cannot be written."""
-    head = json.dumps(_document([]), indent=1).removesuffix("[]\n}")
-    entries = ",\n".join(_indented(certificate) for certificate in certificates)
-    write_text(path, f"{head}[\n{entries}\n ]\n}}\n" if entries else f"{head}[]\n}}\n")
-
-
-def _document(entries: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def rows_document(entries: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     return {
         "format": "orbitproof-certificates",
         "version": 1,
@@ -334,7 +411,12 @@ def _document(entries: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     }
 
 
-@lru_cache(maxsize=4096)
-def _indented(certificate: Certificate) -> str:
-    """As it stands in a file; kept, because a run writes its file again for every row."""
-    return indent(json.dumps(certificate.to_json(), indent=1, allow_nan=False), "  ")
+def schema_of(document: Mapping[str, Any]) -> str:
+    """The format of a document that is one certificate, which it says."""
+    return str(document["format"]).removeprefix("orbitproof-")
+
+
+def sealed(document: Any, schema: str, lists: Sequence[str] = ()) -> dict[str, Any]:
+    """A value as a document with its format and digest; `lists` stand in it even where they are empty."""
+    made = {"format": f"orbitproof-{schema}", "version": 1, **{name: [] for name in lists}, **to_json(document)}
+    return {**made, "digest": digest(made)}

@@ -1,29 +1,102 @@
-"""What each kind of claim about a box offers to certificates: statement, theorem, enclosures, proof, results."""
+"""What each kind of theorem offers to certificates: how they are checked again and what they say; of boxes all more."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from flint import arb
 
 from orbitproof.verify.certificate.document import AnyStatement
+from orbitproof.verify.certificate.levels import CannotBeCheckedError, Examination, Finding, Recheck
 from orbitproof.verify.evidence import Checklist, Outcome, Reason, Theorem
 from orbitproof.verify.poincare import IntegratorSettings
+
+if TYPE_CHECKING:
+    from orbitproof.verify.certificate.certificate import Certificate
 
 Claim = TypeVar("Claim")
 Found = TypeVar("Found")
 Results = TypeVar("Results")
 Progress = Callable[[float], None]
 
+Key = tuple[str, str]
+"""What a certificate can be for those that rest on it, and its id: that of an index has the id of its curve."""
 
-@dataclass(frozen=True, kw_only=True)
-class Kind(Generic[Claim, Found, Results]):
-    """One kind of claim; each is a module of `verify.theorems`, and `kinds` finds it.
+
+@dataclass(frozen=True)
+class Given:
+    """What a check is given beside the certificate.
 
     Attributes:
-        names: of the claims, as candidates say them.
+        certificates: those that it rests on; of a branch, certificates of bifurcations that it has to carry.
+        checks: what checking those that it rests on has shown.
+        means: how what takes time is done, where the kind has a choice; `None` for what is usual.
+        progress: is called with the share that is done.
+    """
+
+    certificates: Sequence[Certificate] = ()
+    checks: Mapping[Key, Recheck] = field(default_factory=dict)
+    means: Any = None
+    progress: Progress | None = None
+
+    def check_of(self, entry: Certificate) -> Recheck:
+        """What checking one that it rests on has shown. Raises `ValueError` for the check of another certificate."""
+        check = self.checks[entry.key]
+        if check.stands_without_place and check.digest != entry.digest:
+            raise ValueError(f"checks: {entry.id!r}: is the check of another certificate")
+        return check
+
+    def all_stand(self) -> None:
+        """Raises `CannotBeCheckedError` if one that it rests on does not stand."""
+        for entry in self.certificates:
+            if not (check := self.check_of(entry)).stands_without_place:
+                raise CannotBeCheckedError(f"the certificate {entry.called} does not stand: {check.why}")
+
+
+Step = Callable[["Certificate", Given, Examination], Iterable[Finding]]
+"""One level of a check (section 13)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kind:
+    """One kind of theorem; each is a module of `verify.theorems`, and `kinds` finds it.
+
+    Attributes:
+        names: of the claims.
+        schema: the format of its documents.
+        part: what its certificates can be for those that rest on them.
+        levels: form, conclusion and integration; `None` for those of boxes.
+        rests_on: among certificates that are given, those that one needs, in its order. Raises `InputError` if one is
+            not there.
+        more: what a certificate says besides, by name.
+        said: the claim in a word or two, from k and the kind.
+        titles: what a theorem is about as a heading, by the name of its claim, with places for `k` and `symmetry`.
+        extent: how much it is about, in words.
+        well_formed: raises `InputError` if the document of a file is none of the kind although it fits its schema.
+        one_a_line: the keys that lead to lists whose entries have a line each in a file.
+    """
+
+    names: tuple[str, ...]
+    schema: str
+    part: str
+    said: Callable[[int, str], str]
+    titles: Mapping[str, str] = field(default_factory=dict)
+    levels: tuple[Step, Step, Step] | None = None
+    rests_on: Callable[[Certificate, Sequence[Certificate]], tuple[Certificate, ...]] = lambda entry, given: ()
+    more: Mapping[str, Callable[[Certificate], Any]] = field(default_factory=dict)
+    extent: Callable[[Certificate], str] = lambda entry: ""
+    well_formed: Callable[[Mapping[str, Any], Path], None] = lambda document, path: None
+    one_a_line: tuple[tuple[str, ...], ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoxKind(Kind, Generic[Claim, Found, Results]):
+    """One kind of claim about a box.
+
+    Attributes:
         enclosures: the type of what a proof is evaluated from. How it is written down, read, and compared with that of
             another integration follows from its fields.
         results: the type of what is proved then, in the same way; its `point` is that of the claim, by coordinate.
@@ -37,7 +110,6 @@ class Kind(Generic[Claim, Found, Results]):
         check_exactly: all hypotheses that need no integration; raises `NotEstablishedError` for the first that fails.
         enclose: what its proof is evaluated from. Raises `NotEstablishedError` if there is none, or the claim is false.
         prove: check the claim, given what was enclosed, if anything.
-        said: the claim in a word or two, from k and the kind.
         on_side: what there is on the side of the parameter that is proved, from the kind.
         attributes: what a `Certificate` says of the results beside their point; the rest is as of what is not proved.
         missing: how many digits the results lack, of so many that are wanted.
@@ -46,7 +118,8 @@ class Kind(Generic[Claim, Found, Results]):
         variables: of the tables of derivatives among the enclosures.
     """
 
-    names: tuple[str, ...]
+    schema: str = "certificates"
+    part: str = "vertex"
     enclosures: type[Found]
     results: type[Results]
     statement: Callable[[Claim, Claim | None], AnyStatement]
@@ -57,7 +130,6 @@ class Kind(Generic[Claim, Found, Results]):
     check_exactly: Callable[[Checklist, Claim], None]
     enclose: Callable[[Claim, IntegratorSettings, Progress | None], Found]
     prove: Callable[[Claim, Checklist, Found | None], Outcome[Results]]
-    said: Callable[[int, str], str]
     on_side: Callable[[str], str] = lambda kind: "new orbits"
     attributes: Callable[[Results], dict[str, Any]]
     missing: Callable[[Results, int], int]

@@ -1,4 +1,4 @@
-"""The kinds of claims about a box: a table, and what is done with a claim of any of them.
+"""The kinds of theorems: a table, and what is done with a claim about a box of any of them.
 
 A kind is a module of `verify.theorems`, found by name when the first claim of it is met: no other kind is loaded.
 """
@@ -10,30 +10,33 @@ from dataclasses import fields, is_dataclass, replace
 from functools import cache, reduce
 from importlib import import_module
 from operator import or_
-from typing import Any
+from typing import Any, cast
 
 from flint import acb, arb
 
 from orbitproof.shared.claims import (
+    CLAIMS,
     DOUBLE_RESONANCE,
     INVARIANT_TORI,
     KINDS,
     KREIN_COLLISION,
     ORBIT,
     PERIODIC,
+    PERIODIC_CURVES,
     PERIODIC_DOUBLING,
     PERIODIC_FOLD,
     PERIODIC_PITCHFORK,
     PERIODIC_TORUS,
     REVERSOR_BREAKING,
     STABLE_ORBIT,
+    SURFACE,
     BoxClaim,
     Candidate,
 )
 from orbitproof.shared.codec import has_fields
 from orbitproof.shared.errors import InputError
 from orbitproof.verify.certificate.document import Computation
-from orbitproof.verify.certificate.kind import Kind, Progress
+from orbitproof.verify.certificate.kind import BoxKind, Kind, Progress
 from orbitproof.verify.certificate.levels import Finding, confirmed, overlap
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
 from orbitproof.verify.evidence import Checklist, Outcome, Reason, Theorem
@@ -57,29 +60,54 @@ MODULES: Mapping[str, str] = {
     **dict.fromkeys(_PERIODIC_BIFURCATIONS, "periodic_bifurcation"),
     PERIODIC_TORUS: "periodic_torus",
 }
-"""Modules of `verify.theorems`, by the kinds of claims as candidates say them."""
+"""Modules of `verify.theorems`, by the kinds of claims about a box as candidates say them."""
+
+WEB, INDEX, CATALOGUE = "web", "index", "catalogue"
+FURTHER: Mapping[str, str] = {
+    **dict.fromkeys(CLAIMS, "curve"),
+    SURFACE: "surface",
+    **dict.fromkeys(PERIODIC_CURVES, "periodic_curve"),
+    **{name: name for name in (WEB, INDEX, CATALOGUE)},
+}
+"""The others, by the kinds of claims about branches as atlases say them, or what is joined."""
 
 
 @cache
-def kind_named(name: str) -> Kind[Any, Any, Any]:
-    """The kind of claims that candidates call so. Raises `KeyError` for another name."""
-    kind: Kind[Any, Any, Any] = import_module(f"orbitproof.verify.theorems.{MODULES[name]}").KIND
+def kind_named(name: str) -> Kind:
+    """The kind of theorems that claims or certificates call so. Raises `KeyError` for another name."""
+    module = MODULES[name] if name in MODULES else FURTHER[name]
+    kind: Kind = import_module(f"orbitproof.verify.theorems.{module}").KIND
     return kind
+
+
+def box_kind(name: str) -> BoxKind[Any, Any, Any]:
+    """The kind of claims about a box that candidates call so. Raises `KeyError` for another name."""
+    return cast(BoxKind[Any, Any, Any], kind_named(name if name in MODULES else ""))
+
+
+def name_of(document: Mapping[str, Any]) -> str:
+    """The name of the kind of theorem that a document is about, as far as it says so: a branch is a curve if not."""
+    schema = document.get("format", "orbitproof-").removeprefix("orbitproof-").removesuffix("-certificate")
+    if schema == "atlas":
+        claim = document["statement"]["atlas"].get("claim", {})
+        name = claim.get("kind") if isinstance(claim, Mapping) else None
+        return str(name) if name in FURTHER and name not in (WEB, INDEX, CATALOGUE) else CLAIMS[0]
+    return str(schema or document["statement"]["candidate"]["kind"])
 
 
 def any_enclosures() -> Any:
     """The type of the enclosures of a claim of any kind, if it has some, for the schema."""
-    return reduce(or_, dict.fromkeys(kind_named(name).enclosures for name in MODULES), None)
+    return reduce(or_, dict.fromkeys(box_kind(name).enclosures for name in MODULES), None)
 
 
 def any_results() -> Any:
     """The type of the results of a claim of any kind, if it has some, for the schema."""
-    return reduce(or_, dict.fromkeys(kind_named(name).results for name in MODULES), None)
+    return reduce(or_, dict.fromkeys(box_kind(name).results for name in MODULES), None)
 
 
-def kind_of(candidate: BoxClaim) -> Kind[Any, Any, Any]:
-    """The kind of a claim."""
-    return kind_named(candidate.kind)
+def kind_of(candidate: BoxClaim) -> BoxKind[Any, Any, Any]:
+    """The kind of a claim about a box."""
+    return box_kind(candidate.kind)
 
 
 def theorem_of(candidate: BoxClaim, form: Candidate | None = None) -> Theorem | Reason:
@@ -141,7 +169,7 @@ def tables_from_json(entry: Mapping[str, Any], candidate: BoxClaim, computation:
     return replace(found, **{name: value for name, value in made.items() if value is not None})
 
 
-def results_from_json(kind: Kind[Any, Any, Any], entry: Mapping[str, Any], source: str) -> Results:
+def results_from_json(kind: BoxKind[Any, Any, Any], entry: Mapping[str, Any], source: str) -> Results:
     """What a certificate says is proved of a claim. Raises `InputError` for what is not proved of such a claim."""
     if not has_fields(kind.results, entry):
         raise InputError(f"{source}.results: are not those of such a claim; verify the candidate again")

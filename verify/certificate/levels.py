@@ -293,6 +293,16 @@ def differences(stored: Any, again: Any, place: str, keys: tuple[str, ...] = ())
     yield Finding(place, f"stored is {_shown(stored)}, evaluated again it is {_shown(again)}")
 
 
+_APART = ("software", "digest")
+"""What another run of the same proof may have otherwise."""
+
+
+def in_all_data(document: Mapping[str, Any], fresh: Mapping[str, Any], examination: Examination) -> Iterator[Finding]:
+    """Whether a certificate is what is concluded afresh, in all but the software; words apart, which are told anew."""
+    old, new = ({key: value for key, value in entry.items() if key not in _APART} for entry in (document, fresh))
+    yield from examination.in_data(differences(old, new, ""), {**new, **{key: document[key] for key in _APART}})
+
+
 def is_ball(value: Any) -> bool:
     """Whether a JSON value is a ball; coordinates that a file calls mid and rad have balls as their values."""
     return (

@@ -1,4 +1,4 @@
-"""Certificates of candidates checked again (section 13).
+"""Certificates checked again, of any kind (section 13); and the three levels of those of candidates.
 
 The form: digest, schema, the names of the hypotheses. The conclusion: every hypothesis is evaluated again from the
 stored tables of derivatives, by the functions that made the certificate, and the certificate that results is compared
@@ -17,15 +17,23 @@ import numpy as np
 
 from orbitproof.shared.formats import BoxClaim, Candidate, claim_from_json, validate_document
 from orbitproof.shared.systems import SYSTEMS, shown
-from orbitproof.verify.certificate.certificate import Certificate, digest, make_certificate
+from orbitproof.verify.certificate.certificate import (
+    Certificate,
+    digest,
+    make_certificate,
+    rows_document,
+    schema_of,
+)
 from orbitproof.verify.certificate.document import Computation
 from orbitproof.verify.certificate.earlier import taken_names
+from orbitproof.verify.certificate.kind import Given
 from orbitproof.verify.certificate.kinds import (
     Found,
     Results,
     check_exactly,
     contradictions,
     enclose,
+    kind_named,
     level_form,
     prove,
     tables_from_json,
@@ -35,6 +43,7 @@ from orbitproof.verify.certificate.kinds import (
 from orbitproof.verify.certificate.levels import (
     Examination,
     Finding,
+    Level,
     NothingToCheckError,
     Recheck,
     climb,
@@ -88,17 +97,39 @@ NOT_INTEGRATED = "nothing was integrated again: it stores no {what}"
 
 
 def recheck(
-    certificate: Certificate, integrate: bool = False, progress: Callable[[float], None] | None = None
+    certificate: Certificate,
+    integrate: bool = False,
+    progress: Callable[[float], None] | None = None,
+    given: Given | None = None,
 ) -> Recheck:
-    """Check a certificate again, up to the conclusion; with `integrate`, the last level too.
+    """Check a certificate of any kind again, up to the conclusion; with `integrate`, the last level too.
 
-    An exception of any kind is a finding: what could not be checked does not stand.
+    One that rests on others is checked as far as these were, which `given` says, whatever `integrate` is. An exception
+    of any kind is a finding: what could not be checked does not stand. Raises `ValueError` if a check that is given is
+    that of another certificate.
     """
-    entry = certificate.to_json()
-    steps = [partial(_form, entry), partial(_conclusion, entry)]
-    if integrate:
-        steps.append(partial(_integration, entry, progress))
-    return climb(entry, steps)
+    given = Given(progress=progress) if given is None else given
+    below = [given.check_of(entry) for entry in given.certificates] if given.checks else []
+    if below:
+        fallen = not all(check.stands_without_place for check in below)
+        reached = max(Level.CONCLUSION if fallen else Level.FORM, min(check.level for check in below))
+    else:
+        reached = Level.INTEGRATION if integrate else Level.CONCLUSION
+    return climb(certificate.document, [partial(_level, number, certificate, given) for number in range(reached)])
+
+
+def _level(number: int, certificate: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
+    """One of the levels, from 0 on; a form fits its schema and its digest, whatever the kind."""
+    if number == 0:
+        yield from digest_findings(certificate.document)
+        document = certificate.document
+        is_row = "format" not in document
+        wrapped = {**rows_document([document]), "software": {}} if is_row else document
+        validate_document(wrapped, "certificates" if is_row else schema_of(document), "the certificate")
+    elif number == 2 and given.checks:
+        examination.precision = min(check.precision for check in given.checks.values())
+    levels = kind_named(certificate.kind).levels or (_form, _conclusion, _integration)
+    yield from levels[number](certificate, given, examination)
 
 
 def digest_findings(document: Mapping[str, Any]) -> Iterator[Finding]:
@@ -156,10 +187,8 @@ def _computation(certificate: Entry) -> Computation:
     return from_json(Computation, certificate["computation"], "computation")
 
 
-def _form(certificate: Entry, examination: Examination) -> Iterator[Finding]:
-    yield from digest_findings(certificate)
-    document = {"format": "orbitproof-certificates", "version": 1, "software": {}, "certificates": [certificate]}
-    validate_document(document, "certificates", "the certificate")
+def _form(entry: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
+    certificate = entry.document
     stated = _read(certificate)
     yield from taken_names(stated.candidate.system, certificate["software"])
     theorem = theorem_of(stated.candidate, stated.form)
@@ -179,7 +208,8 @@ def _form(certificate: Entry, examination: Examination) -> Iterator[Finding]:
     yield from other_hypotheses(names, theorem.hypotheses, certificate)
 
 
-def _conclusion(certificate: Entry, examination: Examination) -> Iterator[Finding]:
+def _conclusion(entry: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
+    certificate = entry.document
     stated = _read(certificate)
     again = _derived(certificate, stated)
     examination.hypotheses = len(again["hypotheses"])
@@ -267,13 +297,12 @@ def _verdict_differences(stored: Entry, again: Entry) -> Iterator[Finding]:
         )
 
 
-def _integration(
-    certificate: Entry, progress: Callable[[float], None] | None, examination: Examination
-) -> Iterator[Finding]:
+def _integration(entry: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
     """Whether other integrations contradict nothing that is stored, prove the claim again, and confirm all of it.
 
     Each enclosure has to be confirmed by one of them; what is said of hypotheses and results follows from these.
     """
+    certificate = entry.document
     stated = _read(certificate)
     stored = stated.enclosures
     if stored is None:
@@ -284,7 +313,7 @@ def _integration(
         examination.precision = examination.precision or settings.precision
         try:
             with np.errstate(all="ignore"):
-                fresh = enclose(stated.claim, settings, progress)
+                fresh = enclose(stated.claim, settings, given.progress)
         except IntegrationFailure as error:
             yield Finding(place, error.reason.message)
             return

@@ -6,35 +6,21 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import replace
-from typing import Any
 
 from orbitproof.shared.formats import AnyAtlas
 from orbitproof.shared.systems import shown
-from orbitproof.verify.atlas import (
-    AtlasCertificate,
-    IndexCertificate,
-    Means,
-    Placed,
-    ProvedBefore,
-    Result,
-    Watch,
-    check_of_conclusion,
-    checked_index,
-    kind_of,
-    places_on,
-    recheck_atlas,
-    recheck_place,
-)
+from orbitproof.verify.atlas import Means, Placed, ProvedBefore, Result, Watch, places_on, recheck_place
 from orbitproof.verify.atlas.interval_proof import prove_task
-from orbitproof.verify.atlas.kinds import KINDS
-from orbitproof.verify.certificate import Certificate, Level, Recheck, not_checked
+from orbitproof.verify.atlas.kinds import BranchKind
+from orbitproof.verify.certificate import Certificate, Given, Level, Recheck, not_checked, recheck
+from orbitproof.verify.certificate.kinds import kind_named
 from orbitproof.verify.run import Answer, CheckLimits, Display, Failure, Work, Workplace, apart
 from orbitproof.verify.run.branch_tasks import result_of, task_again
 from orbitproof.verify.run.rows import rechecks
 
 
 def examined(
-    document: Mapping[str, Any],
+    certificate: Certificate,
     given: Sequence[Certificate],
     integrate: bool,
     workplace: Workplace,
@@ -45,7 +31,7 @@ def examined(
     `given` are certificates of bifurcations from elsewhere, which have to be those that the file carries.
     """
     # What follows is done here; it takes what this has taken, and integrations have processes of their own.
-    concluded = conclusion_apart(document, workplace.branch_checks, given)
+    concluded = check_apart(certificate, Given(given), workplace.branch_checks)
     if not (integrate and concluded.stands):
         return concluded
     limit = workplace.branch_checks.with_integration
@@ -64,14 +50,13 @@ def examined(
     means = Means(
         lambda entries, again: checked_side_by_side(entries, again, workplace), prove_again, watching(workplace.quiet)
     )
-    return recheck_atlas(document, given, integrate, means)
+    return recheck(certificate, True, given=Given(given, means=means))
 
 
-def holds_points(document: Mapping[str, Any]) -> bool:
-    """Whether the certificate of a branch is about one on which certified orbits may lie, as far as it says."""
-    claim = document["statement"]["atlas"].get("claim")
-    kind = KINDS.get(str(claim.get("kind"))) if isinstance(claim, dict) else None
-    return kind is None or kind.holds_points
+def holds_points(certificate: Certificate) -> bool:
+    """Whether it is about a branch on which certified orbits may lie, as far as it says."""
+    kind = kind_named(certificate.kind)
+    return isinstance(kind, BranchKind) and kind.holds_points
 
 
 def checked_side_by_side(entries: Sequence[Certificate], integrate: bool, workplace: Workplace) -> Sequence[Recheck]:
@@ -108,23 +93,13 @@ def watching(quiet: bool) -> Watch:
     return shown_while
 
 
-def conclusion_apart(document: Mapping[str, Any], limits: CheckLimits, given: Sequence[Certificate] = ()) -> Recheck:
-    """As `check_of_conclusion`; what is not brought to an end cannot be checked."""
-    name = str(document["id"])
-    result = apart(check_of_conclusion, name, (document, given), limits)
-    return not_checked(name, str(document["verdict"]), result) if isinstance(result, Failure) else result
-
-
-def index_apart(certificate: IndexCertificate, curve: AtlasCertificate, check: Recheck, limits: CheckLimits) -> Recheck:
-    """As `checked_index`, by the check of its curve; what is not brought to an end cannot be checked."""
-    if not check.digest:
-        why = f"the certificate {shown(curve.id)} of the curve does not stand: {check.why}"
-        return Recheck(certificate.id, certificate.verdict, 0, (), obstacle=why)
-    found = apart(checked_index, certificate.id, (certificate.document, curve, check), limits)
+def check_apart(certificate: Certificate, given: Given, limits: CheckLimits) -> Recheck:
+    """A check that does not integrate in a process of its own; what is not brought to an end cannot be checked."""
+    found = apart(recheck, certificate.id, (certificate, False, None, given), limits)
     return not_checked(certificate.id, certificate.verdict, found) if isinstance(found, Failure) else found
 
 
-def places_on_apart(curve: AtlasCertificate, orbits: Sequence[Certificate], limits: CheckLimits) -> list[Placed]:
+def places_on_apart(curve: Certificate, orbits: Sequence[Certificate], limits: CheckLimits) -> list[Placed]:
     """As `places_on`; what is not brought to an end is not shown."""
     name = str(curve.document["id"])
     result = apart(places_on, name, (curve, orbits), limits)
@@ -135,7 +110,7 @@ def places_on_apart(curve: AtlasCertificate, orbits: Sequence[Certificate], limi
 
 
 def place_apart(
-    curve: AtlasCertificate | None,
+    curve: Certificate | None,
     examined: Recheck | None,
     certificate: Certificate,
     check: Recheck,
@@ -152,7 +127,7 @@ def place_apart(
 
 
 def places_checked(
-    curve: AtlasCertificate | None,
+    curve: Certificate | None,
     certificates: Sequence[Certificate],
     checks: Mapping[str, Recheck],
     integrate: bool,
@@ -164,7 +139,7 @@ def places_checked(
         curve: the certificate that the places rest on, which is checked as far as the others; without it they cannot
             be checked.
     """
-    is_curve = curve is not None and kind_of(curve.atlas).holds_points
-    checked = examined(curve.document, (), integrate, workplace) if curve is not None and is_curve else None
+    is_curve = curve is not None and holds_points(curve)
+    checked = examined(curve, (), integrate, workplace) if curve is not None and is_curve else None
     for entry in certificates:
         yield place_apart(curve, checked, entry, checks[entry.id], workplace.row_checks)

@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from orbitproof.shared.answers import answered, tell
-from orbitproof.shared.formats import InputError, read_atlas, read_document, refused, select_ids
+from orbitproof.shared.formats import InputError, read_atlas, refused, select_ids
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.shared.printed_tables import wrapped
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import SCHEMA, kind_of
 from orbitproof.verify.atlas.interval_proof import prove_task
-from orbitproof.verify.certificate import Certificate, read_certificates
+from orbitproof.verify.certificate import Certificate, read_certificate, read_certificates
 from orbitproof.verify.run import LONG_CHECK_SECONDS, ArgumentParser, Work, Workplace, interrupted, whole_number
 from orbitproof.verify.run.branch_checks import examined, holds_points
 from orbitproof.verify.run.branch_tables import branch_as_json, conclusion_text, piece_table
@@ -133,10 +133,10 @@ def _recheck(options: argparse.Namespace, workplace: Workplace, work: Work) -> i
     for name in ("output", "fresh", "complete", "combinations", "lasting"):
         if getattr(options, name):
             raise InputError(f"--{name}: --recheck writes no file; leave it out")
-    document = read_document(options.file, SCHEMA)
-    given = _chosen_bifurcations(options.bifurcations, options.only, holds_points(document))
+    certificate = read_certificate(options.file, SCHEMA, changed=True)
+    given = _chosen_bifurcations(options.bifurcations, options.only, holds_points(certificate))
     try:
-        found = examined(document, given, options.integrate, workplace, work)
+        found = examined(certificate, given, options.integrate, workplace, work)
     except KeyboardInterrupt:
         print("interrupted: nothing is known yet", file=sys.stderr)
         return INTERRUPTED

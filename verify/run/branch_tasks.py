@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from orbitproof.shared.formats import AnyAtlas, AnyPiece, Atlas, InputError, PeriodicAtlas
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import LIFTED
-from orbitproof.verify.atlas import AtlasCertificate, ProvedBefore, Result, Settings, condition_of, kind_of
+from orbitproof.verify.atlas import ProvedBefore, Result, Settings, condition_of, kind_of
 from orbitproof.verify.atlas.certificate import results_for
 from orbitproof.verify.atlas.interval_proof import not_proved, question
 from orbitproof.verify.atlas.results import result_from_json
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import NOT_PROVED, Interval
 from orbitproof.verify.evidence import Reason
 from orbitproof.verify.lasting import LastingResult
@@ -154,7 +155,7 @@ def in_vain(result: Result) -> Result:
 
 
 def reusable(
-    certificate: AtlasCertificate,
+    certificate: Certificate,
     atlas: AnyAtlas,
     attempts: Sequence[Settings],
     stability: bool = False,

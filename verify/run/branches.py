@@ -18,7 +18,6 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import UNLISTED
 from orbitproof.verify.atlas import (
-    AtlasCertificate,
     Lines,
     Result,
     conclusion_of,
@@ -26,11 +25,9 @@ from orbitproof.verify.atlas import (
     covers,
     kind_of,
     make_atlas_certificate,
-    read_atlas_certificate,
-    write_atlas_certificate,
 )
 from orbitproof.verify.atlas.interval_proof import prove_task
-from orbitproof.verify.certificate import Certificate
+from orbitproof.verify.certificate import Certificate, read_certificate, write_certificate
 from orbitproof.verify.curve import SINGULAR, Interval, is_born_at_doubling
 from orbitproof.verify.evidence import exact_interval_text
 from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, exceptions_to_sharpen, is_known_of, twist_open_on
@@ -315,7 +312,7 @@ def started(atlas: AnyAtlas, limits: RunLimits, output: Path | None = None, fres
     if not output.is_file() or fresh:
         return AtlasRun(atlas, limits, (), output)
     try:
-        before = read_atlas_certificate(output)
+        before = read_certificate(output, "atlas-certificate")
     except InputError as error:
         raise ArgumentError("{0}; or replace the file with {fresh=True:--fresh}", error) from None
     if before.atlas.id != atlas.id:
@@ -340,15 +337,13 @@ def prove_pieces(run: AtlasRun, workplace: Workplace, work: Work = prove_task) -
 
     def saved(results: Sequence[Result]) -> None:
         if run.output is not None:
-            write_atlas_certificate(
-                run.output, make_atlas_certificate(run.atlas, results, None, (), lines.entry), lines
-            )
+            write_certificate(run.output, make_atlas_certificate(run.atlas, results, None, (), lines.entry), lines)
 
     with workplace.engine(workplace.timeout) as engine, display.shown():
         run.run(engine, display, saved, work)
 
 
-def conclude_run(run: AtlasRun, bifurcations: Sequence[Certificate], workplace: Workplace) -> AtlasCertificate:
+def conclude_run(run: AtlasRun, bifurcations: Sequence[Certificate], workplace: Workplace) -> Certificate:
     """What the results give together, as a certificate, in the run's file too.
 
     The certificates of bifurcations are checked again first, side by side, and looked for on the curve.
@@ -364,5 +359,5 @@ def conclude_run(run: AtlasRun, bifurcations: Sequence[Certificate], workplace: 
     )
     certificate = make_atlas_certificate(run.atlas, run.results, conclusion, bifurcations)
     if run.output is not None:
-        write_atlas_certificate(run.output, certificate)
-    return AtlasCertificate(run.atlas, certificate)
+        write_certificate(run.output, certificate)
+    return Certificate(certificate)

@@ -23,29 +23,14 @@ from orbitproof.shared.interrupts import run_command
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.printed_tables import wrapped
 from orbitproof.shared.systems import shown
-from orbitproof.verify.atlas import (
-    WITHIN,
-    AtlasCertificate,
-    CatalogueCertificate,
-    certified_rows,
-    certified_table,
-    check_title,
-    read_atlas_certificate,
-    read_catalogue_certificate,
-    recheck_catalogue,
-    rows_of_curve,
-    write_catalogue_certificate,
-)
-from orbitproof.verify.certificate import Recheck, not_checked
+from orbitproof.verify.atlas import WITHIN, certified_rows, certified_table, check_title, rows_of_curve
+from orbitproof.verify.certificate import Certificate, Recheck, read_certificate, write_certificate
 from orbitproof.verify.run import (
     ArgumentParser,
-    Failure,
     Workplace,
-    apart,
     whole_number,
 )
-from orbitproof.verify.run.branch_checks import examined
-from orbitproof.verify.run.proof_command import add_checking_options, by_curve, limits_of, prove_or_check
+from orbitproof.verify.run.proof_command import add_checking_options, by_curve, check_of, prove_or_check
 
 _EXAMPLES = """\
 examples:
@@ -114,7 +99,7 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
             check_writable(path)
     if options.table is not None:
         table_form(options.table)
-    curve = read_atlas_certificate(options.curve)
+    curve = read_certificate(options.curve, "atlas-certificate")
     with about(options.file):
         rows = None if options.rows is not None else read_catalogue_rows(options.file)
         if rows is not None:
@@ -123,7 +108,7 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
         rows = rows_of_curve(curve, options.rows) if rows is None else rows
         certificate = certify_rows(rows, curve, options.within, workplace)
     if options.output is not None:
-        write_catalogue_certificate(options.output, certificate.document)
+        write_certificate(options.output, certificate.document)
     if options.table is not None:
         with about(options.file):
             table = certified_table(rows, certificate.document)
@@ -132,16 +117,14 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
     return 0 if certificate.proved else 1
 
 
-def certify_rows(
-    rows: CatalogueRows, curve: AtlasCertificate, within: Fraction, workplace: Workplace
-) -> CatalogueCertificate:
+def certify_rows(rows: CatalogueRows, curve: Certificate, within: Fraction, workplace: Workplace) -> Certificate:
     """The certificate of rows by a curve, whose certificate is checked up to its conclusion first.
 
     Raises `InputError` if that does not stand, is of no such curve, or the work is not brought to an end.
     """
     tasks = {"rows": 1.0 + len(rows.rows) / 200}
     found = by_curve(curve, certified_rows, (rows, within), workplace, tasks, "the rows were not looked at")
-    return CatalogueCertificate(found)
+    return Certificate(found)
 
 
 def _recheck(options: argparse.Namespace, workplace: Workplace) -> Recheck:
@@ -150,19 +133,10 @@ def _recheck(options: argparse.Namespace, workplace: Workplace) -> Recheck:
             raise InputError(f"--{option}: --recheck writes no file; leave it out")
     if options.file is None:
         raise InputError("FILE: missing; give the certificate of a catalogue")
-    certificate = read_catalogue_certificate(options.file)
-    return check_again(certificate, read_atlas_certificate(options.curve), options.integrate, workplace)
-
-
-def check_again(
-    certificate: CatalogueCertificate, curve: AtlasCertificate, integrate: bool, workplace: Workplace
-) -> Recheck:
-    """The certificate of a catalogue checked again, up to its conclusion, or with `integrate` to the end."""
-    check = examined(curve.document, (), integrate, workplace)
-    found = apart(recheck_catalogue, curve.id, (certificate.document, curve, check), limits_of(workplace))
-    if isinstance(found, Failure):
-        return not_checked(str(certificate.document["id"]), certificate.verdict, found)
-    return found
+    certificate = read_certificate(options.file, "catalogue-certificate")
+    curve = read_certificate(options.curve, "atlas-certificate")
+    with about(options.file):
+        return check_of(certificate, [curve], options.integrate, workplace)
 
 
 def _summary(document: Mapping[str, Any]) -> str:

@@ -9,24 +9,15 @@ from pathlib import Path
 
 from orbitproof.shared.formats import InputError, about, check_writable
 from orbitproof.shared.interrupts import run_command
-from orbitproof.verify.atlas import (
-    AtlasCertificate,
-    IndexCertificate,
-    certified_index,
-    indexed_atlas,
-    read_atlas_certificate,
-    read_index_certificate,
-    write_index_certificate,
-)
-from orbitproof.verify.certificate import Recheck
+from orbitproof.verify.atlas import certified_index, indexed_atlas
+from orbitproof.verify.certificate import Certificate, Recheck, read_certificate, write_certificate
 from orbitproof.verify.run import (
     GIBIBYTE,
     ArgumentParser,
     CheckLimits,
     Workplace,
 )
-from orbitproof.verify.run.branch_checks import examined, index_apart
-from orbitproof.verify.run.proof_command import add_checking_options, by_curve, limits_of, prove_or_check, told
+from orbitproof.verify.run.proof_command import add_checking_options, by_curve, check_of, prove_or_check, told
 
 _EXAMPLES = """\
 examples:
@@ -68,7 +59,7 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
     with about(options.curve):
         certificate = certify_the_index(_indexed_curve(options), workplace)
     if options.output is not None:
-        write_index_certificate(options.output, certificate.document)
+        write_certificate(options.output, certificate.document)
     return told(certificate)
 
 
@@ -76,41 +67,35 @@ def _recheck(options: argparse.Namespace, workplace: Workplace) -> Recheck:
     if options.file is None:
         raise InputError("FILE: missing; give the certificate of an index")
     curve = _indexed_curve(options)
-    return check_index_again(read_index_certificate(options.file), curve, options.integrate, workplace)
+    certificate = read_certificate(options.file, "index-certificate")
+    with about(options.file):
+        return check_of(certificate, [curve], options.integrate, workplace)
 
 
-def _indexed_curve(options: argparse.Namespace) -> AtlasCertificate:
+def _indexed_curve(options: argparse.Namespace) -> Certificate:
     """The certificate of the curve, which is checked before an index is counted only if it can have one."""
-    curve = read_atlas_certificate(options.curve)
+    curve = read_certificate(options.curve, "atlas-certificate")
     indexed_atlas(curve, str(options.curve))
     return curve
 
 
-def check_index_again(
-    certificate: IndexCertificate, curve: AtlasCertificate, integrate: bool, workplace: Workplace
-) -> Recheck:
-    """The certificate of an index checked again, up to its conclusion, or with `integrate` to the end."""
-    check = examined(curve.document, (), integrate, workplace)
-    return index_apart(certificate, curve, check, limits_of(workplace))
-
-
-def certify_the_index(curve: AtlasCertificate, workplace: Workplace) -> IndexCertificate:
+def certify_the_index(curve: Certificate, workplace: Workplace) -> Certificate:
     """The certificate of the index along a curve, whose certificate is checked up to its conclusion first.
 
     Raises `InputError` if that does not stand, is of no such curve, or the work is not brought to an end.
     """
     indexed_atlas(curve)
-    return IndexCertificate(by_curve(curve, certified_index, (), workplace, {"index": 1.0}, "the index was not found"))
+    return Certificate(by_curve(curve, certified_index, (), workplace, {"index": 1.0}, "the index was not found"))
 
 
 def certify_index(
-    curve: AtlasCertificate,
+    curve: Certificate,
     *,
     output: str | Path | None = None,
     timeout: float | None = None,
     memory: float = CheckLimits.memory / GIBIBYTE,
     quiet: bool = False,
-) -> IndexCertificate:
+) -> Certificate:
     """The Conley-Zehnder index of the orbits of a proved curve of the CR3BP, between the points of its list.
 
     Arguments:
@@ -128,7 +113,7 @@ def certify_index(
         check_writable(Path(output))
     certificate = certify_the_index(curve, Workplace(1, None, timeout, int(memory * GIBIBYTE), quiet))
     if output is not None:
-        write_index_certificate(Path(output), certificate.document)
+        write_certificate(Path(output), certificate.document)
     return certificate
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from typing import Any
 
 from orbitproof.shared.answers import answered, tell
@@ -14,9 +15,9 @@ from orbitproof.shared.output import what_is_written
 from orbitproof.shared.printed_tables import wrapped
 from orbitproof.shared.processes import Failure
 from orbitproof.shared.systems import shown
-from orbitproof.verify.atlas import AtlasCertificate, IndexCertificate, WebCertificate
-from orbitproof.verify.certificate import Recheck
+from orbitproof.verify.certificate import Certificate, Recheck
 from orbitproof.verify.run.branch_checks import examined
+from orbitproof.verify.run.checking_again import checked_again
 from orbitproof.verify.run.options import ArgumentParser, positive_seconds, whole_number
 from orbitproof.verify.run.progress import Display
 from orbitproof.verify.run.row_tables import recheck_table, rechecks_as_json
@@ -71,8 +72,15 @@ def _done(
         return INTERRUPTED
 
 
+def check_of(certificate: Certificate, below: Sequence[Certificate], integrate: bool, workplace: Workplace) -> Recheck:
+    """What checking a certificate again shows that rests on others, which are checked as far."""
+    with closing(checked_again([certificate], below, integrate, workplace)) as checks:
+        ((_, check),) = checks
+    return check
+
+
 def by_curve(
-    curve: AtlasCertificate,
+    curve: Certificate,
     work: Callable[..., dict[str, Any]],
     arguments: Sequence[object],
     workplace: Workplace,
@@ -91,7 +99,7 @@ def by_curve(
     (name,) = tasks
     display = Display({"curve": 1.0, **tasks}, workplace.quiet)
     with display.shown():
-        check = examined(curve.document, (), False, workplace)
+        check = examined(curve, (), False, workplace)
         if not check.stands:
             raise InputError(f"the certificate {shown(curve.id)} of the curve does not stand: {check.why}")
         display.finish("curve", "stands")
@@ -102,7 +110,7 @@ def by_curve(
     return found
 
 
-def told(certificate: IndexCertificate | WebCertificate) -> int:
+def told(certificate: Certificate) -> int:
     """Print what is proved, or why it is not; returns the exit code."""
     reason = certificate.reason
     result = {name: certificate.document.get(name) for name in ("id", "verdict", "reason")}

@@ -8,21 +8,17 @@ from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING
 
 from orbitproof.shared.answers import answered, tell
 from orbitproof.shared.formats import ORBIT_KINDS, InputError, read_claims, refused, select_ids
 from orbitproof.shared.printed_tables import wrapped
 from orbitproof.shared.systems import shown
-from orbitproof.verify.certificate import LEVELS, Limits, Recheck, read_certificates
+from orbitproof.verify.certificate import LEVELS, Certificate, Limits, Recheck, read_certificate, read_certificates
 from orbitproof.verify.evidence import GREATEST_PRECISION, LEAST_PRECISION
 from orbitproof.verify.run import CHECK_SECONDS, ArgumentParser, Workplace, interrupted, whole_number
 from orbitproof.verify.run.checking_again import checked_again
 from orbitproof.verify.run.row_tables import recheck_table, rechecks_as_json, verdict_text, verdicts_as_json
 from orbitproof.verify.run.rows import RowRun
-
-if TYPE_CHECKING:
-    from orbitproof.verify.atlas import AtlasCertificate
 
 _DESCRIPTION = """\
 Prove bifurcations of symmetric periodic orbits, and single orbits: rigorous verification of candidate boxes.
@@ -154,9 +150,10 @@ def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
     done: dict[str, Recheck] = {}
     ended = False
     try:
-        with closing(checked_again(selected, curve, options.integrate, workplace)) as found:
-            for result in found:
-                done[result.id] = result
+        below = [] if curve is None else [curve]
+        with closing(checked_again(selected, below, options.integrate, workplace)) as found:
+            for entry, result in found:
+                done[entry.id] = result
     except KeyboardInterrupt:
         ended = True
     names = [entry.id for entry in selected]
@@ -170,11 +167,6 @@ def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
     return 1 if failed else 0
 
 
-def _curve(options: argparse.Namespace) -> AtlasCertificate | None:
+def _curve(options: argparse.Namespace) -> Certificate | None:
     """The certificate of the curve on which orbits are said to lie, if one is given. Raises `InputError`."""
-    if options.curve is None:
-        return None
-    # Only now: curves take a moment to load.
-    from orbitproof.verify.atlas import read_atlas_certificate
-
-    return read_atlas_certificate(options.curve)
+    return None if options.curve is None else read_certificate(options.curve, "atlas-certificate")

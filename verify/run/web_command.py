@@ -5,40 +5,17 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 
 from orbitproof.shared.claims.web import Web
-from orbitproof.shared.formats import InputError, about, check_writable, read_web, stated_format
+from orbitproof.shared.formats import InputError, about, check_writable, read_web
 from orbitproof.shared.interrupts import run_command
-from orbitproof.verify.atlas import (
-    AtlasCertificate,
-    IndexCertificate,
-    Key,
-    Resting,
-    RestingError,
-    WebCertificate,
-    certified_web,
-    claiming_indices,
-    key_of,
-    read_atlas_certificate,
-    read_index_certificate,
-    read_web_certificate,
-    recheck_web,
-    resting,
-    write_web_certificate,
-)
-from orbitproof.verify.certificate import Recheck, not_checked, read_certificates
-from orbitproof.verify.run import (
-    ArgumentParser,
-    Display,
-    Failure,
-    Workplace,
-    apart,
-)
-from orbitproof.verify.run.branch_checks import index_apart
-from orbitproof.verify.run.checking_again import checked_again
-from orbitproof.verify.run.proof_command import add_checking_options, limits_of, prove_or_check, told
+from orbitproof.verify.atlas import RestingError, certified_web, claiming_indices, resting
+from orbitproof.verify.certificate import Certificate, Recheck, read_any, read_certificate, write_certificate
+from orbitproof.verify.run import ArgumentParser, Failure, Workplace, apart
+from orbitproof.verify.run.checking_again import Known, checks_of_parts
+from orbitproof.verify.run.proof_command import add_checking_options, check_of, limits_of, prove_or_check, told
 
 _EXAMPLES = """\
 examples:
@@ -83,96 +60,49 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
         entries = [entry for _, entry in given]
         certificate = certify_the_web(claiming_indices(web, entries) if options.indices else web, entries, workplace)
     if options.output is not None:
-        write_web_certificate(options.output, certificate.document)
+        write_certificate(options.output, certificate.document)
     return told(certificate)
 
 
 def _recheck(options: argparse.Namespace, workplace: Workplace) -> Recheck:
     if options.indices:
         raise InputError("--indices: is about a web that is not proved yet; --recheck takes the claim as it was made")
-    certificate, given = read_web_certificate(options.file), _read(options.certificates)
+    certificate, given = read_certificate(options.file, "web-certificate"), _read(options.certificates)
     with _about(options, given):
-        return check_web_again(certificate, [entry for _, entry in given], options.integrate, workplace)
+        return check_of(certificate, [entry for _, entry in given], options.integrate, workplace)
 
 
-def _read(paths: Sequence[Path]) -> list[tuple[Path, Resting]]:
+def _read(paths: Sequence[Path]) -> list[tuple[Path, Certificate]]:
     """The certificates in files of all kinds, each with its file."""
-    found: list[tuple[Path, Resting]] = []
-    for path in paths:
-        stated = stated_format(path, "give the path of a file with certificates")
-        if stated == "atlas-certificate":
-            found.append((path, read_atlas_certificate(path)))
-        elif stated == "index-certificate":
-            found.append((path, read_index_certificate(path)))
-        else:
-            found += [(path, entry) for entry in read_certificates(path).values()]
-    return found
+    return [(path, entry) for path in paths for entry in read_any(path)]
 
 
 @contextmanager
-def _about(options: argparse.Namespace, given: Sequence[tuple[Path, Resting]]) -> Iterator[None]:
+def _about(options: argparse.Namespace, given: Sequence[tuple[Path, Certificate]]) -> Iterator[None]:
     """While the body runs, what is wrong with a certificate names its file, and what is wrong with the web that."""
     with about(options.file):
         try:
             yield
         except RestingError as error:
             # Of two of one name the later one is one too many.
-            with about({key_of(entry): path for path, entry in given}[error.key]):
+            with about({entry.key: path for path, entry in given}[error.key]):
                 raise
 
 
-def certify_the_web(web: Web, given: Sequence[Resting], workplace: Workplace) -> WebCertificate:
+def certify_the_web(web: Web, given: Sequence[Certificate], workplace: Workplace) -> Certificate:
     """The certificate of a web by certificates that are checked up to their conclusions first.
 
     Raises `InputError` if one that the web names is not given, or the work is not brought to an end.
     """
-    certificates = resting(web, given)
-    checks = _checks(certificates, False, workplace)
+    certificates, known = resting(web, given), Known()
+    for _ in checks_of_parts(certificates, certificates, False, workplace, known):
+        pass
+    checks = {entry.key: known[entry] for entry in certificates}
     found = apart(certified_web, web.id, (web, certificates, checks), limits_of(workplace))
     if isinstance(found, Failure):
         error = InputError(f"the web was not put together: {found.message}")
         raise found.error if isinstance(found.error, InputError) else error
-    return WebCertificate(found)
-
-
-def check_web_again(
-    certificate: WebCertificate, given: Sequence[Resting], integrate: bool, workplace: Workplace
-) -> Recheck:
-    """The certificate of a web checked again, up to its conclusion, or with `integrate` to the end.
-
-    Raises `InputError` if a certificate that the web names is not given.
-    """
-    certificates = resting(certificate.claim, given)
-    checks = _checks(certificates, integrate, workplace)
-    found = apart(recheck_web, certificate.id, (certificate.document, certificates, checks), limits_of(workplace))
-    if isinstance(found, Failure):
-        return not_checked(certificate.id, certificate.verdict, found)
-    return found
-
-
-def _checks(certificates: Sequence[Resting], integrate: bool, workplace: Workplace) -> dict[Key, Recheck]:
-    curves = {entry.id: entry for entry in certificates if isinstance(entry, AtlasCertificate)}
-    indices = [entry for entry in certificates if isinstance(entry, IndexCertificate)]
-    others = [entry for entry in certificates if not isinstance(entry, IndexCertificate)]
-    keys = {entry.id: key_of(entry) for entry in others}
-    display = Display({_called(key_of(entry)): 1.0 for entry in certificates}, workplace.quiet)
-    found: dict[Key, Recheck] = {}
-
-    def finished(key: Key, check: Recheck) -> None:
-        found[key] = check
-        display.finish(_called(key), "stands" if check.stands else "does not stand")
-
-    quiet = Workplace(workplace.jobs, None, workplace.timeout, workplace.memory, True)
-    with display.shown(), closing(checked_again(others, None, integrate, quiet)) as checks:
-        for check in checks:
-            finished(keys[check.id], check)
-        for entry in indices:
-            finished(key_of(entry), index_apart(entry, curves[entry.id], found["arc", entry.id], limits_of(workplace)))
-    return found
-
-
-def _called(key: Key) -> str:
-    return f"index of {key[1]}" if key[0] == "index" else key[1]
+    return Certificate(found)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from orbitproof.verify import bifurcation
 from orbitproof.verify.attempt import counsel
 from orbitproof.verify.attempt.precision import first_precision, missing_of_parameter, steps_of_centre
 from orbitproof.verify.bifurcation import BifurcationResults
-from orbitproof.verify.certificate.kind import Kind, Progress
+from orbitproof.verify.certificate.kind import BoxKind, Progress
 from orbitproof.verify.certificate.stated_system import with_symmetry
 from orbitproof.verify.evidence import Checklist, Outcome
 from orbitproof.verify.oracle import ORACLE
@@ -47,7 +47,7 @@ def _prove(candidate: Candidate, checklist: Checklist, found: Enclosures | None)
     return bifurcation.prove(candidate, checklist, *tables, counsel)
 
 
-KIND = Kind(
+KIND = BoxKind(
     names=KINDS,
     enclosures=Enclosures,
     results=BifurcationResults,
@@ -59,6 +59,12 @@ KIND = Kind(
     check_exactly=bifurcation.check_exactly,
     enclose=_enclose,
     prove=_prove,
+    titles={
+        "symmetry_breaking": "Symmetry breaking",
+        "fold": "Fold",
+        "period_tupling": "Period {k}-tupling",
+        "touch_and_go": "Touch-and-go of order {k}",
+    },
     said=_said,
     on_side=lambda kind: "two orbits" if kind == FOLD else "new orbits",
     attributes=lambda found: {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from orbitproof.shared.claims import DOUBLE_RESONANCE, Candidate
 from orbitproof.verify.attempt.precision import missing_of_parameter, resonance_precision
-from orbitproof.verify.certificate.kind import Kind, Progress
+from orbitproof.verify.certificate.kind import BoxKind, Progress
 from orbitproof.verify.certificate.stated_system import with_symmetry
 from orbitproof.verify.double_resonance import (
     ResonanceEnclosures,
@@ -24,7 +24,7 @@ def _enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progr
     return enclose_resonance(candidate, settings, ORACLE, progress)
 
 
-KIND = Kind(
+KIND = BoxKind(
     names=(DOUBLE_RESONANCE,),
     enclosures=ResonanceEnclosures,
     results=ResonanceResults,
@@ -34,6 +34,7 @@ KIND = Kind(
     check_exactly=check_resonance_exactly,
     enclose=_enclose,
     prove=prove_resonance,
+    titles={"double_resonance": "Two resonances that meet"},
     said=lambda k, kind: f"double resonance (k = {k})",
     on_side=lambda kind: "two resonances",
     attributes=lambda found: {

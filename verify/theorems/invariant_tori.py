@@ -7,7 +7,7 @@ from functools import partial
 from orbitproof.shared.claims import INVARIANT_TORI, Candidate
 from orbitproof.verify.attempt.precision import first_precision, missing_of_orbit
 from orbitproof.verify.bifurcation import check_exactly
-from orbitproof.verify.certificate.kind import Kind, Progress
+from orbitproof.verify.certificate.kind import BoxKind, Progress
 from orbitproof.verify.certificate.stated_system import with_symmetry
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import IntegratorSettings
@@ -20,7 +20,7 @@ def _enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progr
     return enclose_tori(candidate, settings, ORACLE, progress)
 
 
-KIND = Kind(
+KIND = BoxKind(
     names=(INVARIANT_TORI,),
     enclosures=ToriEnclosures,
     results=ToriResults,
@@ -30,6 +30,7 @@ KIND = Kind(
     check_exactly=check_exactly,
     enclose=_enclose,
     prove=prove_tori,
+    titles={"invariant_tori": "Invariant tori near a symmetric periodic orbit"},
     said=lambda k, kind: "tori",
     attributes=lambda found: {"parameter_name": "period", "parameter": found.period},
     missing=missing_of_orbit,

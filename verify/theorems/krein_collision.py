@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from orbitproof.shared.claims import KREIN_COLLISION, Candidate
 from orbitproof.verify.attempt.precision import breaking_precision, missing_of_parameter
-from orbitproof.verify.certificate.kind import Kind, Progress
+from orbitproof.verify.certificate.kind import BoxKind, Progress
 from orbitproof.verify.certificate.stated_system import with_symmetry
 from orbitproof.verify.krein import (
     KreinResults,
@@ -24,7 +24,7 @@ def _enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progr
     return enclose_krein(candidate, settings, ORACLE, progress)
 
 
-KIND = Kind(
+KIND = BoxKind(
     names=(KREIN_COLLISION,),
     enclosures=BreakingEnclosures,
     results=KreinResults,
@@ -34,6 +34,7 @@ KIND = Kind(
     check_exactly=check_krein_exactly,
     enclose=_enclose,
     prove=prove_krein,
+    titles={"krein_collision": "A Krein collision of multipliers"},
     said=lambda k, kind: "Krein collision",
     on_side=lambda kind: "linearly stable",
     attributes=lambda found: {

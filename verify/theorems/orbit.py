@@ -7,7 +7,7 @@ from functools import partial
 from orbitproof.shared.claims import ORBIT, Candidate
 from orbitproof.verify.attempt.precision import first_precision, missing_of_orbit
 from orbitproof.verify.bifurcation import check_exactly
-from orbitproof.verify.certificate.kind import Kind, Progress
+from orbitproof.verify.certificate.kind import BoxKind, Progress
 from orbitproof.verify.certificate.stated_system import with_symmetry
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults, OrbitTheorem, enclose_orbit, prove_orbit
@@ -20,7 +20,7 @@ def _enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progr
     return enclose_orbit(candidate, settings, ORACLE, progress)
 
 
-KIND = Kind(
+KIND = BoxKind(
     names=(ORBIT,),
     enclosures=OrbitEnclosures,
     results=OrbitResults,
@@ -30,6 +30,7 @@ KIND = Kind(
     check_exactly=check_exactly,
     enclose=_enclose,
     prove=prove_orbit,
+    titles={"orbit": "One symmetric periodic orbit"},
     said=lambda k, kind: kind,
     attributes=lambda found: {"parameter_name": "period", "parameter": found.period},
     missing=missing_of_orbit,

@@ -9,7 +9,7 @@ from orbitproof.shared.claims import (
     PeriodicBifurcation,
 )
 from orbitproof.verify.attempt.precision import missing_of_either, periodic_precision
-from orbitproof.verify.certificate.kind import Kind, Progress
+from orbitproof.verify.certificate.kind import BoxKind, Progress
 from orbitproof.verify.certificate.stated_system import without_symmetry
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic_bifurcation import (
@@ -35,7 +35,7 @@ def _enclose(
     return enclose_periodic_bifurcation(claim, settings, ORACLE, progress)
 
 
-KIND = Kind(
+KIND = BoxKind(
     names=tuple(_SAID),
     enclosures=BifurcationEnclosures,
     results=PeriodicBifurcationResults,
@@ -45,6 +45,11 @@ KIND = Kind(
     check_exactly=check_bifurcation_exactly,
     enclose=_enclose,
     prove=prove_periodic_bifurcation,
+    titles={
+        "periodic-fold": "A fold of periodic orbits",
+        "periodic-doubling": "A period doubling of periodic orbits",
+        "periodic-pitchfork": "A symmetry breaking of periodic orbits",
+    },
     said=lambda k, kind: f"{_SAID[kind]} of periodic orbits",
     on_side=lambda kind: "two orbits" if kind == PERIODIC_FOLD else "new orbits",
     attributes=lambda found: {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from orbitproof.shared.claims import PERIODIC, PeriodicOrbit
 from orbitproof.verify.attempt.precision import missing_of_period, periodic_precision
-from orbitproof.verify.certificate.kind import Kind, Progress
+from orbitproof.verify.certificate.kind import BoxKind, Progress
 from orbitproof.verify.certificate.stated_system import without_symmetry
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic import (
@@ -25,7 +25,7 @@ def _enclose(claim: PeriodicOrbit, settings: IntegratorSettings, progress: Progr
     return enclose_periodic(claim, settings, ORACLE, progress)
 
 
-KIND = Kind(
+KIND = BoxKind(
     names=(PERIODIC,),
     enclosures=PeriodicEnclosures,
     results=PeriodicResults,
@@ -35,6 +35,7 @@ KIND = Kind(
     check_exactly=check_periodic_exactly,
     enclose=_enclose,
     prove=prove_periodic,
+    titles={"periodic": "One periodic orbit"},
     said=lambda k, kind: "periodic orbit",
     attributes=lambda found: {"parameter_name": "period", "parameter": found.period},
     missing=missing_of_period,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from orbitproof.shared.claims import PERIODIC_TORUS, PeriodicBifurcation
 from orbitproof.verify.attempt.precision import missing_of_either, periodic_precision
-from orbitproof.verify.certificate.kind import Kind, Progress
+from orbitproof.verify.certificate.kind import BoxKind, Progress
 from orbitproof.verify.certificate.stated_system import without_symmetry
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic_bifurcation import (
@@ -28,7 +28,7 @@ def _enclose(
     return enclose_periodic_bifurcation(claim, settings, ORACLE, progress)
 
 
-KIND = Kind(
+KIND = BoxKind(
     names=(PERIODIC_TORUS,),
     enclosures=BifurcationEnclosures,
     results=TorusResults,
@@ -38,6 +38,7 @@ KIND = Kind(
     check_exactly=check_torus_exactly,
     enclose=_enclose,
     prove=prove_torus,
+    titles={"periodic-torus": "A torus bifurcation of periodic orbits"},
     said=lambda k, kind: "torus at a periodic orbit",
     on_side=lambda kind: "the torus",
     attributes=lambda found: {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from orbitproof.shared.claims import REVERSOR_BREAKING, Candidate
 from orbitproof.verify.attempt.precision import breaking_precision, missing_of_parameter
-from orbitproof.verify.certificate.kind import Kind, Progress
+from orbitproof.verify.certificate.kind import BoxKind, Progress
 from orbitproof.verify.certificate.stated_system import with_symmetry
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import IntegratorSettings
@@ -25,7 +25,7 @@ def _enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progr
     return enclose_breaking(candidate, settings, ORACLE, progress)
 
 
-KIND = Kind(
+KIND = BoxKind(
     names=(REVERSOR_BREAKING,),
     enclosures=BreakingEnclosures,
     results=BreakingResults,
@@ -35,6 +35,7 @@ KIND = Kind(
     check_exactly=check_breaking_exactly,
     enclose=_enclose,
     prove=prove_breaking,
+    titles={"reversor_breaking": "A birth of periodic orbits that R does not map to themselves"},
     said=lambda k, kind: "loss of R",
     attributes=lambda found: {
         "parameter_name": found.parameter_name,

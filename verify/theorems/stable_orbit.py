@@ -6,7 +6,7 @@ from functools import partial
 
 from orbitproof.shared.claims import STABLE_ORBIT, Candidate
 from orbitproof.verify.attempt.precision import first_precision, missing_of_orbit
-from orbitproof.verify.certificate.kind import Kind, Progress
+from orbitproof.verify.certificate.kind import BoxKind, Progress
 from orbitproof.verify.certificate.stated_system import with_symmetry
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import IntegratorSettings
@@ -26,7 +26,7 @@ def _enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progr
     return enclose_stable_orbit(candidate, settings, ORACLE, progress)
 
 
-KIND = Kind(
+KIND = BoxKind(
     names=(STABLE_ORBIT,),
     enclosures=StableOrbitEnclosures,
     results=StableOrbitResults,
@@ -36,6 +36,7 @@ KIND = Kind(
     check_exactly=check_stable_orbit_exactly,
     enclose=_enclose,
     prove=prove_stable_orbit,
+    titles={"stable_orbit": "A symmetric periodic orbit that is stable for ever"},
     said=lambda k, kind: "stable orbit",
     attributes=lambda found: {"parameter_name": "period", "parameter": found.period},
     missing=missing_of_orbit,
