@@ -461,7 +461,7 @@ def test_the_certificate_of_a_web_stands_as_far_as_those_that_it_rests_on() -> N
     assert (integrated.level, integrated.precision) == (Level.INTEGRATION, 90)
     for bits in ((128, 90), (90, 128)):
         other_bits = {name: replace(check, precision=n) for (name, check), n in zip(higher.items(), bits, strict=True)}
-        assert recheck_web(document(), certificates, other_bits).precision == 90
+        assert recheck(Certificate(document()), given=Given(certificates, other_bits)).precision == 90
     half = {**higher, VERTEX: checks[VERTEX]}
     assert recheck(Certificate(document()), given=Given(certificates, half)).level is Level.CONCLUSION
 
