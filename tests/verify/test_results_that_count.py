@@ -12,7 +12,6 @@ from support.chain_cases import circle, parabola, symmetric_loop
 from support.forgeries import atlas_certificate
 
 from orbitproof.shared.claims import Claim, Covers
-from orbitproof.verify.atlas import AtlasCertificate
 from orbitproof.verify.atlas.certificate import results_for
 from orbitproof.verify.atlas.recheck import _contradictions, _interval_findings
 from orbitproof.verify.curve import Computation, IntervalResult
@@ -22,13 +21,14 @@ from orbitproof.verify.lasting import LastingResult, TwistFunctions, unconfirmed
 from orbitproof.verify.lasting.reversibility import reversibility
 from orbitproof.verify.periodic_curve import MultiplierFunctions, PeriodicIntervalResult, unconfirmed_multipliers
 from orbitproof.verify.surface import ProvedPart, SurfaceResult
+from orbitproof.verify.certificate import Certificate
 
 UNKNOWN = NotKnown(Reason("multipliers", "not enclosed", ""))
 
 
-def certificate_of(case: Any) -> AtlasCertificate:
+def certificate_of(case: Any) -> Certificate:
     atlas, results = case
-    return AtlasCertificate(atlas, atlas_certificate(atlas, results))
+    return Certificate(atlas_certificate(atlas, results))
 
 
 CASES = {
@@ -75,9 +75,9 @@ def test_results_count_for_the_system_the_parameters_and_the_claim_that_they_wer
     software = stored.document["software"]
     for key in set(software) - {"program"}:
         made = {**stored.document, "software": {**software, key: "another"}}
-        assert results_for(AtlasCertificate(atlas, made), atlas) == []
+        assert results_for(Certificate(made), atlas) == []
     reworded = {**stored.document, "software": {**software, "program": "another"}}
-    assert len(results_for(AtlasCertificate(atlas, reworded), atlas)) == count
+    assert len(results_for(Certificate(reworded), atlas)) == count
 
 
 def function(value: float, error: float) -> StoredFunction:
