@@ -26,7 +26,7 @@ from orbitproof.figures.style import close, use_style
 from orbitproof.shared.claims import Atlas, Claim, SurfacePiece
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, HILL_VARIED
 from orbitproof.verify.atlas import make_atlas_certificate
-from orbitproof.verify.atlas.conclusion import told
+from orbitproof.verify.atlas.curve_conclusion import told
 from orbitproof.verify.certificate import Certificate, write_certificate
 
 ANGLE = 0.7

@@ -27,7 +27,7 @@ from orbitproof.figures.pictures.certified_branches import Along
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared import parse_exact
 from orbitproof.verify.atlas import make_atlas_certificate
-from orbitproof.verify.atlas.conclusion import told
+from orbitproof.verify.atlas.curve_conclusion import told
 from orbitproof.verify.certificate import Certificate, write_certificate
 from orbitproof.verify.curve import conclude
 

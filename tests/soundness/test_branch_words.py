@@ -13,7 +13,7 @@ from support.chain_cases import certificate, circle_point, concluded, symmetric_
 from support.forgeries import DATA, conclusion_of, read
 from test_forged_certificates import of_parabola
 
-from orbitproof.verify.atlas.conclusion import told
+from orbitproof.verify.atlas.curve_conclusion import told
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = "\n".join(page.read_text("utf-8") for page in sorted((DOCS / "theorems").glob("*.md")))

@@ -9,8 +9,8 @@ from support.stored import values
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.atlas.certified import Examine, certified_point
-from orbitproof.verify.atlas.conclusion import partner as other_point
-from orbitproof.verify.atlas.conclusion import told
+from orbitproof.verify.atlas.curve_conclusion import partner as partner_here
+from orbitproof.verify.atlas.curve_conclusion import told
 from orbitproof.verify.certificate import Certificate, recheck
 from orbitproof.verify.curve import Conclusion, Partner, ProvedCurve
 from orbitproof.verify.curve import conclude as conclude_of_points
@@ -23,7 +23,7 @@ def conclude(
     results: Sequence[Mapping[str, Any]],
     certificates: Sequence[Certificate] = (),
     examine: Examine = recheck,
-    partner: Partner = other_point,
+    partner: Partner = partner_here,
 ) -> Conclusion[ProvedCurve]:
     """See `curve.conclude`."""
     points = [certified_point(atlas, entry, examine) for entry in certificates]

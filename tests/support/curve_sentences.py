@@ -72,7 +72,9 @@ from orbitproof.verify.web import Arc, Incidence, IndexOnArc, Indices, KnownArc,
 from orbitproof.verify.words.branches import branch_in_full, conclusion_in_words
 from orbitproof.verify.words.catalogue import catalogue_in_words
 from orbitproof.verify.words.index import index_in_words
+from orbitproof.verify.words.periodic_curve import periodic_curve_in_full, periodic_curve_in_words
 from orbitproof.verify.words.place import place_in_words
+from orbitproof.verify.words.surface import surface_in_words
 from orbitproof.verify.words.web import web_in_words
 
 DATA = Path(__file__).parents[1] / "data"
@@ -119,6 +121,10 @@ def _proved(theorem: Any, known: Any) -> Any:
 
 def concluded(theorem: Any, known: Any, bifurcations: tuple[Bifurcation, ...] = ()) -> str:
     """The statement of a conclusion."""
+    if isinstance(theorem, SurfaceTheorem):
+        return surface_in_words(theorem, known)
+    if isinstance(theorem, PeriodicCurveTheorem):
+        return periodic_curve_in_words(theorem, known)
     if not isinstance(theorem, ListTheorem):
         return conclusion_in_words(Conclusion(_proved(theorem, known), bifurcations))
     curve = Conclusion(_proved(theorem.curve, known.curve), bifurcations)
@@ -542,7 +548,7 @@ HOSTILE = define_system(
 def _periodic(atlas: PeriodicAtlas, **changes: Any) -> str:
     ends = {"start": points(atlas.coordinates, 11), "end": points(atlas.coordinates, 21)}
     known = ProvedPeriodicCurve(NO_CHAIN, ends, **{"period": ball(9), **changes})
-    return branch_in_full(atlas, concluded(PeriodicCurveTheorem(atlas), known))
+    return periodic_curve_in_full(atlas, concluded(PeriodicCurveTheorem(atlas), known))
 
 
 # Indices, catalogues, webs

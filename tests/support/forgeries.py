@@ -21,7 +21,7 @@ from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.numbers import format_dyadic
 from orbitproof.verify.atlas import Means, ProvedBefore, make_atlas_certificate
-from orbitproof.verify.atlas.conclusion import told
+from orbitproof.verify.atlas.curve_conclusion import told
 from orbitproof.verify.certificate import (
     Certificate,
     Computation,
@@ -36,6 +36,7 @@ from orbitproof.verify.certificate import (
 from orbitproof.verify.certificate.kinds import unconfirmed
 from orbitproof.verify.run.branch_tasks import task_again
 from orbitproof.verify.surface import conclude_surface
+from orbitproof.verify.theorems.surface import told as surface_told
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -95,7 +96,7 @@ def noticed(check: Recheck) -> bool:
 def conclusion_of(atlas: Atlas, results: Sequence[Mapping[str, Any]], rests_on: Sequence[Certificate]) -> Document:
     """What results give together, as JSON."""
     if atlas.is_surface:
-        return told(conclude_surface(atlas, values(results)))
+        return surface_told(conclude_surface(atlas, values(results)))
     return told(conclude(atlas, results, rests_on))
 
 

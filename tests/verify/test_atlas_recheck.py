@@ -29,6 +29,7 @@ from orbitproof.verify.certificate import (
 )
 from orbitproof.verify.evidence import Reason
 from orbitproof.verify.run.branch_tasks import task_again
+from orbitproof.verify.theorems.surface import KIND
 
 
 def document() -> dict[str, Any]:
@@ -119,8 +120,8 @@ def test_sides_that_differ_contradict_each_other() -> None:
     result = document()["results"][1]
     part = {"interval": ["-0x1", "0x1"], "point": [], "hypotheses": {}}
     above, below = ({**result, "parts": [{**part, "side": side}]} for side in ("above", "below"))
-    assert not list(_contradictions(value_of(above), value_of(above)))
-    assert [finding.place for finding in _contradictions(value_of(above), value_of(below))] == [
+    assert not list(_contradictions(value_of(above), value_of(above), KIND))
+    assert [finding.place for finding in _contradictions(value_of(above), value_of(below), KIND)] == [
         "piece p001, s in [-0x1, 0x1], part [-0x1, 0x1], side"
     ]
 

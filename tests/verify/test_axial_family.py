@@ -19,7 +19,7 @@ from support.stored import values
 from orbitproof.shared.claims.web import Meeting, Web, WebArc
 from orbitproof.shared.formats import Atlas, BirthPiece, InputError, atlas_from_json, atlas_to_json, read_atlas
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, LIFTED
-from orbitproof.verify.atlas.conclusion import follow, partner
+from orbitproof.verify.atlas.curve_conclusion import follow, partner
 from orbitproof.verify.claim import check_symmetries
 from orbitproof.verify.curve import (
     CertifiedPoint,

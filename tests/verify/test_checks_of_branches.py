@@ -27,6 +27,7 @@ from orbitproof.verify.atlas import Means, ProvedBefore, make_atlas_certificate,
 from orbitproof.verify.atlas import recheck as chapter
 from orbitproof.verify.atlas.certificate import results_for
 from orbitproof.verify.atlas.conclusion_as_json import _outward, shortened
+from orbitproof.verify.atlas.kinds import BranchKind
 from orbitproof.verify.atlas.places import _to_json as place_to_json
 from orbitproof.verify.atlas.recheck import _contradictions, _interval_findings
 from orbitproof.verify.certificate import (
@@ -46,6 +47,8 @@ from orbitproof.verify.functions import StoredFunction
 from orbitproof.verify.run.branch_tasks import reusable, task_again
 from orbitproof.verify.stability import StabilityFunctions, StabilityResult
 from orbitproof.verify.surface import ProvedPart, SurfaceResult
+from orbitproof.verify.theorems.curve import KIND as CURVES
+from orbitproof.verify.theorems.surface import KIND as SURFACES
 
 DATA = Path(__file__).parents[1] / "data"
 Prove = Callable[[Atlas, Sequence[ProvedBefore], Callable[[str, Any], str]], None]
@@ -189,8 +192,12 @@ def test_a_theorem_that_the_new_results_do_not_prove_is_found(document: Any, mon
 # One interval
 
 
+def kind_of(result: IntervalResult) -> BranchKind:
+    return SURFACES if isinstance(result, SurfaceResult) else CURVES
+
+
 def said(stored: IntervalResult, fresh: IntervalResult) -> list[str]:
-    return [f"{finding.place}: {finding.message}" for finding in _interval_findings(stored, fresh)]
+    return [f"{finding.place}: {finding.message}" for finding in _interval_findings(stored, fresh, kind_of(stored))]
 
 
 def test_bounds_across_the_curve_are_as_many() -> None:
@@ -204,9 +211,9 @@ def test_bounds_across_the_curve_are_as_many() -> None:
 
 def test_half_periods_that_differ_contradict_each_other() -> None:
     result = value_of(of_parabola()[1][0])
-    (finding,) = _contradictions(result, replace(result, time=arb(9, 0.25)))
+    (finding,) = _contradictions(result, replace(result, time=arb(9, 0.25)), kind_of(result))
     assert finding.place.endswith("half period")
-    assert not list(_contradictions(result, result))
+    assert not list(_contradictions(result, result, kind_of(result)))
 
 
 def test_functions_are_those_of_the_stored_interval_and_confirmed() -> None:
@@ -254,7 +261,7 @@ def test_each_part_is_proved_again_on_all_of_it(number: int) -> None:
 
 @pytest.mark.parametrize("number", range(3))
 def test_the_sides_of_all_parts_agree(number: int) -> None:
-    (finding,) = _contradictions(surface(), with_part(number, side="above"))
+    (finding,) = _contradictions(surface(), with_part(number, side="above"), SURFACES)
     assert finding.place.endswith("side")
 
 

@@ -19,12 +19,12 @@ from orbitproof import verify
 from orbitproof.shared.formats import Covers, InputError, PeriodicAtlas, read_atlas, validate_document, write_atlas
 from orbitproof.verify.atlas import SCHEMA, atlas_of, conclusion_of, make_atlas_certificate, results_from_json
 from orbitproof.verify.atlas.certificate import results_for
-from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate, digest, read_certificate, recheck, write_certificate
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.periodic_curve import MultiplierFunctions, PeriodicIntervalResult, conclude_periodic
 from orbitproof.verify.run.branch_command import main
+from orbitproof.verify.theorems.periodic_curve import told
 
 Document = dict[str, Any]
 

@@ -15,9 +15,9 @@ from support.periodic_curves import LEVELS, ROUND, closed_atlas
 from orbitproof.shared.formats import Covers, InputError, PeriodicAtlas, define_system, read_atlas, write_atlas
 from orbitproof.shared.systems import ParameterRange, describe
 from orbitproof.verify.atlas import make_atlas_certificate
-from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.periodic_curve import conclude_periodic
+from orbitproof.verify.theorems.periodic_curve import told
 
 F = Fraction
 FALLING = (-1.1, -0.75, -0.45)

@@ -24,7 +24,6 @@ from orbitproof.shared import format_exact
 from orbitproof.shared.claims import SURFACE, Atlas, Claim, Covers, SurfacePiece, evaluate
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.systems import HILL
-from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.curve import Conclusion
 from orbitproof.verify.evidence import Evidence, NotProved, Proved, ball_from_json, ball_to_json, enclose, hull
 from orbitproof.verify.oracle import ORACLE
@@ -39,6 +38,7 @@ from orbitproof.verify.surface import (
 from orbitproof.verify.surface.gluing import Sheet
 from orbitproof.verify.surface.piece import candidate_at
 from orbitproof.verify.surface.proved_surface import _require_adapted, heights
+from orbitproof.verify.theorems.surface import told
 from orbitproof.verify.words.branches import conclusion_in_words
 from orbitproof.verify.words.surface import _digits
 

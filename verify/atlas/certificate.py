@@ -13,6 +13,7 @@ from orbitproof.shared.formats import (
     PERIODIC_CURVES,
     AnyAtlas,
     ArgumentError,
+    Atlas,
     InputError,
     PeriodicAtlas,
     atlas_from_json,
@@ -21,29 +22,23 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import BRANCH_SYSTEMS, record
 from orbitproof.shared.wording import counted
-from orbitproof.verify.atlas.document import BranchDocument, BranchStatement, PeriodicCurveStatement, Total
+from orbitproof.verify.atlas.document import BranchDocument, BranchStatement, Total
+from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.listed import ListedInterval, ListedPoint
 from orbitproof.verify.atlas.results import Result, results_from_json
 from orbitproof.verify.certificate import Certificate, sealed, stated, systems_with
-from orbitproof.verify.certificate.document import Names
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
 from orbitproof.verify.evidence import Reason, differs_here, software
-from orbitproof.verify.stability import StabilityFunctions, StabilityResult
-from orbitproof.verify.words.branches import branch_in_full
 
 SCHEMA = "atlas-certificate"
 
 
-def statement_of(
-    atlas: AnyAtlas, with_distance: bool = False, with_variations: bool = False
-) -> BranchStatement | PeriodicCurveStatement:
+def statement_of(atlas: Atlas, with_distance: bool = False, with_variations: bool = False) -> BranchStatement:
     """The claim in full, but for the theorem: the atlas without provenance, and the system that it is about.
 
     `with_distance`, `with_variations`: with the distance that the system names, and the stiffness out of the plane of
     motion, if there are any.
     """
-    if isinstance(atlas, PeriodicAtlas):
-        return _without_symmetry(atlas)
     system, symmetry = atlas.system, atlas.claim.symmetry
     across = system.stiffness_across_program if with_variations else None
     return BranchStatement(
@@ -54,17 +49,6 @@ def statement_of(
         },
         stiffness_across=None if across is None else across.text(),
         **stated(system, symmetry, with_distance),
-    )
-
-
-def _without_symmetry(atlas: PeriodicAtlas) -> PeriodicCurveStatement:
-    system = atlas.system
-    integral = system.first_integral_program if atlas.claim.uses_integral else None
-    return PeriodicCurveStatement(
-        claim=atlas_to_json(atlas, provenance=False),
-        vector_field=system.program.text(),
-        first_integral=None if integral is None else integral.text(),
-        names=Names(system=system.title, first_integral=None if integral is None else system.first_integral_name),
     )
 
 
@@ -86,16 +70,12 @@ def make_atlas_certificate(
     """
     place = {piece.id: number for number, piece in enumerate(atlas.pieces)}
     ordered = sorted(results, key=lambda result: (place[result.piece], result.interval))
-    stability = [result.stability for result in results if isinstance(result, StabilityResult)]
-    known = [functions for functions in stability if isinstance(functions, StabilityFunctions)]
-    with_distance, with_variations = (
-        any(getattr(functions, name) is not None for functions in known) for name in ("distance", "out_of_plane")
-    )
-    statement = statement_of(atlas, with_distance, with_variations)
+    kind = kind_of(atlas)
+    statement = kind.statement(atlas, results)
     found = conclusion or {"verdict": "not proved", "reason": to_json(_UNFINISHED)}
     if found["verdict"] == "proved":
         theorem = found["statement"]
-        statement = replace(statement, theorem=theorem, in_full=branch_in_full(atlas, theorem))
+        statement = replace(statement, theorem=theorem, in_full=kind.in_full(atlas, theorem))
     return sealed(
         BranchDocument(
             id=atlas.id,

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from flint import arb
-
 from orbitproof.shared.numbers import format_exact
+from orbitproof.verify.atlas.whole_as_json import named_balls, whole_to_json
 from orbitproof.verify.certificate.stored_balls import to_json
-from orbitproof.verify.curve import Bifurcation, Conclusion, ProvedCurve, Stretch
+from orbitproof.verify.curve import Conclusion, ProvedCurve
 from orbitproof.verify.distances import Ranges
-from orbitproof.verify.evidence import Proved, balls_to_json, hypothesis_to_json, outcome_to_json
+from orbitproof.verify.evidence import Proved, hypothesis_to_json, outcome_to_json
 from orbitproof.verify.lasting import ExceptionalOrbit, LastingInterval, ProvedLasting, Reversibility
-from orbitproof.verify.periodic_curve import ProvedPeriodicCurve
 from orbitproof.verify.stability import (
     Bound,
     CompleteList,
@@ -27,76 +24,25 @@ from orbitproof.verify.stability import (
     StableInterval,
     name_of,
 )
-from orbitproof.verify.surface import ProvedSurface
-from orbitproof.verify.words.branches import BranchConclusion
 
 Json = dict[str, Any]
 
 
-def conclusion_to_json(conclusion: BranchConclusion, statement: str) -> Json:
-    """The JSON object of a conclusion; `statement` is its theorem in words."""
+def conclusion_to_json(conclusion: Conclusion[ProvedCurve] | ListConclusion, statement: str) -> Json:
+    """The JSON object of what is concluded of a curve; `statement` is its theorem in words."""
     if isinstance(conclusion, ListConclusion):
         listed = conclusion.outcome.results if isinstance(conclusion.outcome, Proved) else None
         complete = _EMPTY | {"order": conclusion.order} if listed is None else _list(listed)
-        return {**_whole(conclusion.curve, statement), **outcome_to_json(conclusion.outcome), "complete": complete}
-    return _whole(conclusion, statement)
+        return {**_curve(conclusion.curve, statement), **outcome_to_json(conclusion.outcome), "complete": complete}
+    return _curve(conclusion, statement)
+
+
+def _curve(conclusion: Conclusion[ProvedCurve], statement: str) -> Json:
+    chain = conclusion.outcome.results.chain if isinstance(conclusion.outcome, Proved) else None
+    return whole_to_json(conclusion, statement, chain)
 
 
 _EMPTY: Json = {name: [] for name in ("hypotheses", "points", "stable", "undecided", "gaps", "extrema", "open_extrema")}
-
-
-def _whole(
-    conclusion: Conclusion[ProvedCurve] | Conclusion[ProvedSurface] | Conclusion[ProvedPeriodicCurve], statement: str
-) -> Json:
-    stretches: tuple[Stretch, ...] = ()
-    joints: list[Json] = []
-    ends: Json = {}
-    more: Json = {}
-    if isinstance(conclusion.outcome, Proved):
-        whole = conclusion.outcome.results
-        stretches = () if isinstance(whole, ProvedSurface) else whole.chain.stretches
-        joints = [
-            to_json(joint) for joint in (whole.joints if isinstance(whole, ProvedSurface) else whole.chain.joints)
-        ]
-        ends = {end: balls_to_json(balls) for end, balls in whole.ends.items()}
-        if isinstance(whole, ProvedPeriodicCurve):
-            known = {"period": to_json(whole.period)} if whole.period.is_finite() else {}
-            counted = [to_json(part) for part in whole.multipliers]
-            more = {
-                **known, "turns": [to_json(turn) for turn in whole.turns],
-                **({"multipliers": counted} if counted else {}),
-            }  # fmt: skip
-    return {
-        **outcome_to_json(conclusion.outcome),
-        "statement": statement,
-        "stretches": [
-            {"piece": each.tube.piece.id, "enters": format_exact(each.enters), "leaves": format_exact(each.leaves)}
-            for each in stretches
-        ],
-        "joints": joints,
-        "ends": ends,
-        **more,
-        "bifurcations": [_bifurcation(entry) for entry in conclusion.bifurcations],
-    }
-
-
-def _bifurcation(entry: Bifurcation) -> Json:
-    place = entry.place
-    return {
-        "id": entry.id,
-        "kind": entry.kind,
-        "k": entry.k,
-        "on_curve": place is not None,
-        "piece": None if place is None else place.piece,
-        "s": None if place is None else to_json(place.s),
-        "mirrored": place is not None and place.mirrored,
-        "other_point": place is not None and place.other_point,
-        "is_foreign": entry.is_foreign,
-        "reason": entry.reason,
-        "point": _balls(entry.point),
-        "parameter_name": entry.parameter_name,
-        "parameter": None if entry.parameter is None else to_json(entry.parameter),
-    }
 
 
 def _list(known: ProvedList) -> Json:
@@ -135,7 +81,7 @@ def _lasting(known: ProvedLasting) -> Json:
 
 def _reversibility(shown: Reversibility) -> Json:
     balls = {"known_part": shown.known_part, **({} if shown.bound is None else {"bound": shown.bound})}
-    return {"intervals": shown.intervals, "sharp": shown.sharp, **_balls(balls)}
+    return {"intervals": shown.intervals, "sharp": shown.sharp, **named_balls(balls)}
 
 
 def _exception(entry: ExceptionalOrbit) -> Json:
@@ -163,15 +109,15 @@ def _entries(found: CompleteList, stable: tuple[StableInterval, ...], unknown: t
 
 
 def _point(point: Point) -> Json:
-    balls = _balls({"s": point.s, "level": point.level, "half_period": point.half_period})
+    balls = named_balls({"s": point.s, "level": point.level, "half_period": point.half_period})
     names = {"piece": point.piece, "k": point.k, "j": point.j, "kind": name_of(point.kind)}
-    return {**names, **balls, "point": _balls(point.point), "certificates": list(point.certificates)}
+    return {**names, **balls, "point": named_balls(point.point), "certificates": list(point.certificates)}
 
 
 def _extremum(entry: Extremum) -> Json:
     balls = {"value": entry.value, "s": entry.s, "level": entry.level, "half_period": entry.half_period}
     known = {"certificates": list(entry.certificates)} if entry.certificates else {}
-    return {"piece": entry.piece, "in_band": entry.in_band, **_balls(balls), **known}
+    return {"piece": entry.piece, "in_band": entry.in_band, **named_balls(balls), **known}
 
 
 def _gap(gap: Gap) -> Json:
@@ -189,21 +135,17 @@ def _bound(bound: Bound, piece: str) -> Json:
     """With level and half period if it is a point of the list."""
     known = {} if bound.ranges is None else _ranges(bound.ranges)
     if bound.point is not None:
-        known |= _balls({"level": bound.point.level, "half_period": bound.point.half_period})
+        known |= named_balls({"level": bound.point.level, "half_period": bound.point.half_period})
     interval = _outward(bound.lower, bound.upper)
     return {"what": [name_of(what) for what in bound.what], "piece": piece, "interval": interval, **known}
 
 
 def _ranges(ranges: Ranges) -> Json:
-    entry = _balls({"half_period": ranges.half_period})
+    entry = named_balls({"half_period": ranges.half_period})
     places: Json = {}
     for name, (distance, where) in ranges.distances.items():
         places |= {f"{name}_distance": to_json(distance), f"{name}_distance_at": where.value}
     return {**entry, **places}
-
-
-def _balls(balls: Mapping[str, arb]) -> Json:
-    return {name: to_json(ball) for name, ball in balls.items()}
 
 
 def _outward(start: Fraction, end: Fraction) -> list[str]:

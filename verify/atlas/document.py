@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Annotated, Any, ClassVar
-
-from flint import arb
 
 from orbitproof.shared.claims.fields import Id
 from orbitproof.shared.stored import Unread, rules, stored
@@ -18,10 +17,7 @@ from orbitproof.verify.certificate.document import (
     Verdict,
     by_verdict,
 )
-from orbitproof.verify.evidence import Hypothesis, Reason
-from orbitproof.verify.lasting import LastingResult
-from orbitproof.verify.periodic_curve import CountedPart, PeriodicIntervalResult, Turn
-from orbitproof.verify.surface import SurfaceResult
+from orbitproof.verify.evidence import Reason
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,36 +41,14 @@ class PeriodicCurveStatement(Stated):
     claim: Mapping[str, Any] = stored("atlas")
 
 
-@dataclass(frozen=True)
-class AnyResult(LastingResult, SurfaceResult, PeriodicIntervalResult):
-    """What was found on an interval of a piece, of a curve or of a surface, for the schema."""
+def any_results() -> Any:
+    """The type of the results of a branch of any kind, for the schema."""
+    return import_module("orbitproof.verify.atlas.document_in_full").AnyResults
 
 
-@dataclass(frozen=True)
-class Order:
-    """What is said in any case of a list: the largest k."""
-
-    order: Annotated[int, rules(minimum=1, maximum=99)]
-
-    stored_rules: ClassVar = {"additionalProperties": True}
-
-
-@dataclass(frozen=True, kw_only=True)
-class StoredConclusion:
-    """What the results give together."""
-
-    verdict: Verdict
-    reason: Reason | None
-    hypotheses: tuple[Hypothesis, ...]
-    statement: str
-    stretches: tuple[Mapping[str, Any], ...]
-    joints: tuple[Mapping[str, Any], ...]
-    ends: Mapping[str, Any]
-    bifurcations: tuple[Annotated[Mapping[str, Any], rules(required=("id", "on_curve"))], ...]
-    period: arb | None = None
-    turns: tuple[Turn, ...] = ()
-    multipliers: tuple[CountedPart, ...] = ()
-    complete: Order | None = None
+def any_conclusion() -> Any:
+    """The type of the conclusion of a branch of any kind, for the schema."""
+    return import_module("orbitproof.verify.atlas.document_in_full").AnyConclusion
 
 
 @dataclass(frozen=True)
@@ -107,8 +81,8 @@ class BranchDocument:
     verdict: Verdict
     reason: Annotated[Any, Unread(Reason | None)]
     statement: BranchStatement | PeriodicCurveStatement
-    results: Annotated[Any, Unread(Annotated[tuple[AnyResult, ...], rules(maxItems=1000000)])]
-    conclusion: Annotated[Any, Unread(StoredConclusion | None)]
+    results: Annotated[Any, Unread(any_results)]
+    conclusion: Annotated[Any, Unread(any_conclusion)]
     rests_on: Annotated[
         tuple[Annotated[Mapping[str, Any], rules(required=("id", "digest"))], ...], rules(maxItems=10000)
     ]

@@ -14,8 +14,8 @@ from orbitproof.shared.formats import Atlas, InputError
 from orbitproof.shared.stored import rules
 from orbitproof.shared.systems import shown
 from orbitproof.shared.wording import counted
-from orbitproof.verify.atlas.conclusion import follow
 from orbitproof.verify.atlas.conclusion_as_json import shortened
+from orbitproof.verify.atlas.curve_conclusion import follow
 from orbitproof.verify.atlas.its_curve import curve_given, names_its_curve
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, cast
 
 from orbitproof.shared.claims import AnyAtlas
-from orbitproof.verify.atlas.results import Settings
+from orbitproof.verify.atlas.document import BranchStatement, PeriodicCurveStatement
+from orbitproof.verify.atlas.results import Result, Settings
 from orbitproof.verify.certificate.kind import Kind
 from orbitproof.verify.certificate.kinds import kind_named
-from orbitproof.verify.curve import PieceLimits
+from orbitproof.verify.certificate.levels import Finding
 from orbitproof.verify.evidence import Theorem
-from orbitproof.verify.surface import SurfaceLimits
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,18 +23,31 @@ class BranchKind(Kind):
         theorem: that an atlas claims.
         limits: the type of the settings of the integrator for its pieces.
         about: what it is about, in words.
-        conclude: what results give together; `None` for symmetric curves, on which points are looked for as well.
+        result: the type of what is found on an interval of a piece.
+        statement: the claim in full, but for the theorem, given the results.
+        conclude: what results give together, as `conclusion_of` has it.
+        in_full: the theorem in words so that it stands alone.
+        unshown: of a stored result, what does not follow from what it stores: where in it, and why.
+        contradictions, unconfirmed: of the stored result and a new one of an interval at a place, what cannot both be
+            true, and what the new one does not confirm besides.
+        asked: of a stored result, what is to be looked at besides when it is proved again, as of `ProvedBefore`.
+        holds_points: whether certified orbits are looked for on such a branch, and resonances listed.
+        time: what the time that is stored of an interval is called.
     """
 
     theorem: Callable[[Any], Theorem]
-    limits: type[PieceLimits] | type[SurfaceLimits]
+    limits: type[Any]
     about: str
-    conclude: Callable[[Any, Sequence[Any]], Any] | None = None
-
-    @property
-    def holds_points(self) -> bool:
-        """Whether certified orbits are looked for on such a branch, and resonances listed."""
-        return self.conclude is None
+    result: Callable[[Any], type[Result]]
+    statement: Callable[[Any, Sequence[Result]], BranchStatement | PeriodicCurveStatement]
+    conclude: Callable[..., dict[str, Any]]
+    in_full: Callable[[Any, str], str]
+    unshown: Callable[[Any, Any], Iterator[tuple[str, str]]] = lambda atlas, result: iter(())
+    contradictions: Callable[[Any, Any, str], Iterator[Finding]] = lambda stored, fresh, place: iter(())
+    unconfirmed: Callable[[Any, Any, str], Iterator[Finding]] = lambda stored, fresh, place: iter(())
+    asked: Callable[[Any], Mapping[str, Any]] = lambda result: {}
+    holds_points: bool = False
+    time: str = "half period"
 
     def settings(self, **given: int) -> Settings:
         """Settings of the integrator, those that are not given as it suits. Raises `ValueError` out of range."""

@@ -9,7 +9,7 @@ from typing import Any
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.certified import certified_point
-from orbitproof.verify.atlas.conclusion import follow, partner
+from orbitproof.verify.atlas.curve_conclusion import follow, partner
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.certificate import (
     REWORDED,

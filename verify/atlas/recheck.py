@@ -16,12 +16,12 @@ from typing import Any
 
 from flint import arb
 
-from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError, PeriodicAtlas
+from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, shown
 from orbitproof.verify.atlas.certificate import atlas_of, make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import Watch, conclusion_of
-from orbitproof.verify.atlas.kinds import kind_of
+from orbitproof.verify.atlas.kinds import BranchKind, kind_of
 from orbitproof.verify.atlas.results import Result, Settings, condition_of, covers, results_from_json
 from orbitproof.verify.certificate import (
     NOT_INTEGRATED,
@@ -46,12 +46,8 @@ from orbitproof.verify.certificate import (
     taken_names,
     unknown_reason,
 )
-from orbitproof.verify.curve import Interval
-from orbitproof.verify.evidence import NotKnown, as_found, quoted_name
-from orbitproof.verify.lasting import LastingResult, unconfirmed_twist
-from orbitproof.verify.periodic_curve import PeriodicIntervalResult, unconfirmed_multipliers
-from orbitproof.verify.stability import unconfirmed
-from orbitproof.verify.surface import ProvedPart, SurfaceResult, unshown
+from orbitproof.verify.curve.piece_result import Interval
+from orbitproof.verify.evidence import as_found
 
 _MORE = {"precision": 32, "order": 4, "width": 8}
 _MORE_OF_SAME_WIDTH = {"precision": 32, "order": 4}
@@ -63,9 +59,6 @@ those of the same width, then of the same order, and at last as it was: more bit
 
 _ENDED = ("time", "memory", "process")
 """Why a proof was not brought to an end."""
-
-_HALF_PERIOD = "half period"
-"""What the time of a symmetric orbit from one point on Fix(R) to the other is called."""
 
 _LARGEST_ORDER = 99
 _LARGEST = 4096
@@ -82,22 +75,22 @@ class ProvedBefore:
         name: of the interval, in messages.
         piece, interval: what is to be proved.
         settings: of the integrator, others than before.
+        steps: how many the integration took.
+        stated: what the certificate states of a system that is not known here; `None` if it is known.
         stability: whether the stability of its orbits is enclosed as well.
         lasting: whether their twist is.
         parts: of a surface, the parts of the interval that were proved one by one.
-        steps: how many the integration took.
-        stated: what the certificate states of a system that is not known here; `None` if it is known.
     """
 
     name: str
     piece: AnyPiece
     interval: Interval
     settings: Settings
-    stability: bool
-    lasting: bool
-    parts: tuple[Interval, ...]
     steps: int
     stated: Mapping[str, Any] | None
+    stability: bool = False
+    lasting: bool = False
+    parts: tuple[Interval, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -206,11 +199,9 @@ def conclusion(certificate: Certificate, given: Given, examination: Examination)
     yield from _other_certificates(document, given.certificates)
     yield from decimals(document["results"], "results")
     results = results_from_json(atlas, document["results"])
-    pieces = {piece.id: piece for piece in atlas.surface_pieces()}
     for index, result in enumerate(results):
-        for number, part in enumerate(result.parts if isinstance(result, SurfaceResult) else ()):
-            place = f"results[{index}].parts[{number}]"
-            yield from (Finding(place, text) for text in unshown(pieces[result.piece], part))
+        for place, text in kind_of(atlas).unshown(atlas, result):
+            yield Finding(f"results[{index}].{place}", text)
     concluded = means.conclude(atlas, results, bifurcations, order_of(document), lists_combinations(document))
     examination.hypotheses = len(concluded["hypotheses"])
     # What is stored is what was read: its order is compared, and not how its numbers are written.
@@ -251,15 +242,15 @@ def integration(certificate: Certificate, given: Given, examination: Examination
     results: dict[str, Result] = {}
     findings: dict[str, list[Finding]] = {}
     contradictions: list[Finding] = []
-    time = "period" if isinstance(atlas, PeriodicAtlas) else _HALF_PERIOD
+    kind = kind_of(atlas)
     for more in (_MORE, _MORE_OF_SAME_WIDTH, _MORE_BITS, _NO_MORE):
         intervals, before = _intervals(document, atlas, more)
         examination.precision = min((interval.settings["precision"] for interval in intervals), default=0)
 
         def finished(name: str, fresh: Result, before: Mapping[str, Result] = before) -> str:
             fresh = as_found(fresh)
-            contradictions.extend(_contradictions(before[name], fresh, time))
-            results[name], findings[name] = fresh, list(_interval_findings(before[name], fresh, time))
+            contradictions.extend(_contradictions(before[name], fresh, kind))
+            results[name], findings[name] = fresh, list(_interval_findings(before[name], fresh, kind))
             return f"{fresh.verdict} again"
 
         if remaining := [interval for interval in intervals if findings.get(interval.name, True)]:
@@ -302,7 +293,7 @@ def _intervals(
     results = results_from_json(atlas, document["results"])
     for number, result in enumerate(entry for entry in results if entry.is_proved):
         made = {name: value for name, value in vars(result.computation).items() if value is not None}
-        name = f"{number + 1}: {result.piece} {_ends(result.interval)}"
+        name = f"{number + 1}: {result.piece} {ends_of(result.interval)}"
         settings = {name: int(made.get(name, value)) + more.get(name, 0) for name, value in names.items()}
         intervals.append(
             ProvedBefore(
@@ -310,11 +301,9 @@ def _intervals(
                 pieces[result.piece],
                 result.interval,
                 settings,
-                isinstance(result, LastingResult) and result.stability is not None,
-                isinstance(result, LastingResult) and result.twist is not None,
-                tuple(part.interval for part in _parts(result)),
                 max(1, int(made.get("steps", 1))),
                 _stated(document) if is_stated else None,
+                **kind_of(atlas).asked(result),
             )
         )
         before[name] = result
@@ -332,20 +321,16 @@ def _stated(document: Document) -> dict[str, Any]:
     }
 
 
-def _contradictions(stored: Result, fresh: Result, time: str = _HALF_PERIOD) -> Iterator[Finding]:
+def _contradictions(stored: Result, fresh: Result, kind: BranchKind) -> Iterator[Finding]:
     """Where a new proof of an interval and the stored one cannot both be true; no further integration mends that."""
     if not fresh.is_proved:
         return
     place = _place_of(stored)
-    yield from overlap(_time(stored), _time(fresh), f"{place}, {time}")
-    for part in _parts(stored):
-        for entry in (entry for entry in _parts(fresh) if covers([part.interval], entry.interval)):
-            if part.side != entry.side:
-                where = f"{place}, part {_ends(part.interval)}, side"
-                yield Finding(where, f"stored is {part.side!r}, found {entry.side!r}")
+    yield from overlap(_time(stored), _time(fresh), f"{place}, {kind.time}")
+    yield from kind.contradictions(stored, fresh, place)
 
 
-def _interval_findings(stored: Result, fresh: Result, time: str = _HALF_PERIOD) -> Iterator[Finding]:
+def _interval_findings(stored: Result, fresh: Result, kind: BranchKind) -> Iterator[Finding]:
     """What a new proof of an interval does not confirm."""
     place = _place_of(stored)
     if fresh.reason is not None:
@@ -353,7 +338,7 @@ def _interval_findings(stored: Result, fresh: Result, time: str = _HALF_PERIOD) 
         return
     if not covers([fresh.interval], stored.interval):
         yield Finding(place, "is proved on less than that")
-    yield from confirmed(_time(stored), _time(fresh), f"{place}, {time}")
+    yield from confirmed(_time(stored), _time(fresh), f"{place}, {kind.time}")
     for name in ("deviation", "slope_deviation"):
         bounds = getattr(stored, name), getattr(fresh, name)
         if len(bounds[0]) != len(bounds[1]):
@@ -362,55 +347,17 @@ def _interval_findings(stored: Result, fresh: Result, time: str = _HALF_PERIOD) 
             if new > old:
                 sizes = f"stored is {float(old):.6g}, the new integration finds {float(new):.6g}"
                 yield Finding(f"{place}, {name} {j}", sizes)
-    old, new = (result if isinstance(result, LastingResult) else None for result in (stored, fresh))
-    known = old.stability if old else None
-    if known is not None:
-        # Functions of s are written in a variable that runs over the interval: on another one they are others.
-        if not isinstance(known, NotKnown) and fresh.interval != stored.interval:
-            words = f"its functions are of another interval: that is proved on {_ends(fresh.interval)}"
-            yield Finding(f"{place}, stability", words)
-        found = [
-            *unconfirmed(known, new.stability if new else None),
-            *unconfirmed_twist(old.twist if old else None, new.twist if new else None),
-        ]
-        yield from (Finding(f"{place}, stability", text) for text in found)
-    if isinstance(stored, PeriodicIntervalResult):
-        yield from (Finding(place, text) for text in unconfirmed_multipliers(stored, fresh))
-    for part in _parts(stored):
-        inside = [entry for entry in _parts(fresh) if covers([part.interval], entry.interval)]
-        where = f"{place}, part {_ends(part.interval)}"
-        if not covers([entry.interval for entry in inside], part.interval):
-            yield Finding(where, "is not proved again on all of it")
-        for entry in inside:
-            yield from _part_findings(part, entry, where)
-
-
-def _part_findings(stored: ProvedPart, fresh: ProvedPart, place: str) -> Iterator[Finding]:
-    balls = [(f"p_{i}", old, new) for i, (old, new) in enumerate(zip(stored.point, fresh.point, strict=True))]
-    if list(stored.enclosures) != list(fresh.enclosures):
-        yield Finding(place, f"stored hypotheses are {', '.join(map(quoted_name, stored.enclosures))}")
-        return
-    for name, old_balls in stored.enclosures.items():
-        new_balls = fresh.enclosures[name]
-        if set(old_balls) != set(new_balls):
-            yield Finding(f"{place}, {name}", "has other enclosures than the new proof")
-            continue
-        balls += [(f"{name}, {key}", old, new_balls[key]) for key, old in old_balls.items()]
-    for name, old, new in balls:
-        yield from confirmed(old, new, f"{place}, {name}")
+    yield from kind.unconfirmed(stored, fresh, place)
 
 
 def _place_of(result: Result) -> str:
-    return f"piece {result.piece}, s in {_ends(result.interval)}"
+    return f"piece {result.piece}, s in {ends_of(result.interval)}"
 
 
-def _ends(interval: Interval) -> str:
+def ends_of(interval: Interval) -> str:
+    """An interval of s in a message."""
     return f"[{', '.join(map(format_exact, interval))}]"
 
 
 def _time(result: Result) -> arb:
     return arb(float("nan")) if result.time is None else result.time
-
-
-def _parts(result: Result) -> tuple[ProvedPart, ...]:
-    return result.parts if isinstance(result, SurfaceResult) else ()

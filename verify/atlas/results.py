@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from typing import Any
+from typing import Any, cast
 
-from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError, PeriodicAtlas, Piece, SurfacePiece
+from orbitproof.shared.formats import AnyAtlas, InputError
+from orbitproof.verify.certificate.kinds import kind_named
 from orbitproof.verify.certificate.stored_balls import from_json
-from orbitproof.verify.curve import Interval, IntervalResult
-from orbitproof.verify.lasting import LastingResult
-from orbitproof.verify.periodic_curve import PeriodicIntervalResult
-from orbitproof.verify.surface import SurfaceResult
+from orbitproof.verify.curve.piece_result import Interval, IntervalResult
 
 Result = IntervalResult
-"""Of a piece of a curve it is a `LastingResult`, without symmetry a `PeriodicIntervalResult`, of one of a surface a
-`SurfaceResult`."""
+"""Of a branch of some kind it is of a type of its own: `BranchKind.result`."""
 
 Settings = Mapping[str, int]
 """Settings of the integrator by name, as they stand in a result's `Computation`."""
@@ -28,19 +25,13 @@ def results_from_json(atlas: AnyAtlas, entries: Sequence[Mapping[str, Any]]) -> 
     for index, entry in enumerate(entries):
         if entry["piece"] not in pieces:
             raise InputError(f"results[{index}].piece: no such piece in the atlas")
-        is_periodic = isinstance(atlas, PeriodicAtlas)
-        found.append(result_from_json(pieces[entry["piece"]], entry, f"results[{index}]", is_periodic))
+        kind = cast(Any, kind_named(atlas.claim.kind)).result(pieces[entry["piece"]])
+        found.append(result_from_json(kind, entry, f"results[{index}]"))
     return tuple(found)
 
 
-def result_from_json(piece: AnyPiece, entry: Mapping[str, Any], place: str, is_periodic: bool = False) -> Result:
-    """What was found for a piece, `is_periodic`: of orbits without symmetry.
-
-    Raises `InputError` that begins with `place`.
-    """
-    kind: type[Result] = PeriodicIntervalResult if is_periodic else LastingResult
-    if not isinstance(piece, Piece):
-        kind = SurfaceResult if isinstance(piece, SurfacePiece) else IntervalResult
+def result_from_json(kind: type[Result], entry: Mapping[str, Any], place: str) -> Result:
+    """What was found for a piece, of the type of its kind of branch. Raises `InputError` that begins with `place`."""
     for name in sorted(set(entry) - {each.name for each in fields(kind)}):
         raise InputError(f"{place}.{name}: is not found for such a piece; write the file again")
     return from_json(kind, entry, place)

@@ -14,7 +14,7 @@ from orbitproof.shared.formats import Atlas, web_from_json
 from orbitproof.shared.stored import rules
 from orbitproof.shared.wording import counted
 from orbitproof.verify.atlas.certified import certified_point
-from orbitproof.verify.atlas.conclusion import follow, partner
+from orbitproof.verify.atlas.curve_conclusion import follow, partner
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.listed import ListedInterval
 from orbitproof.verify.atlas.rests_on import Part, RestingError, keys_of

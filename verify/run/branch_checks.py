@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from orbitproof.shared.formats import AnyAtlas
 from orbitproof.shared.systems import shown
-from orbitproof.verify.atlas import Means, Placed, ProvedBefore, Result, Watch, places_on, recheck_place
+from orbitproof.verify.atlas import Means, Placed, ProvedBefore, Result, Watch, kind_of, places_on, recheck_place
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.atlas.kinds import BranchKind
 from orbitproof.verify.certificate import Certificate, Given, Level, Recheck, not_checked, recheck
@@ -42,7 +42,10 @@ def examined(
         waiting = deque(task_again(atlas, each, limit) for each in intervals)
 
         def answered(answer: Answer) -> None:
-            display.finish(answer.task.name, finished(answer.task.name, result_of(answer, pieces[answer.task.name])))
+            display.finish(
+                answer.task.name,
+                finished(answer.task.name, result_of(answer, pieces[answer.task.name], kind_of(atlas))),
+            )
 
         with workplace.engine(limit, workplace.memory) as engine, display.shown():
             engine.run(work, lambda: waiting.popleft() if waiting else None, display.advance, answered)

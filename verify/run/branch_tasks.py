@@ -11,6 +11,7 @@ from orbitproof.shared.systems import LIFTED
 from orbitproof.verify.atlas import ProvedBefore, Result, Settings, condition_of, kind_of
 from orbitproof.verify.atlas.certificate import results_for
 from orbitproof.verify.atlas.interval_proof import not_proved, question
+from orbitproof.verify.atlas.kinds import BranchKind
 from orbitproof.verify.atlas.results import result_from_json
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import NOT_PROVED, Interval
@@ -135,12 +136,12 @@ def task_again(atlas: AnyAtlas, before: ProvedBefore, timeout: float | None) -> 
     return Task(before.name, {**asked, **parts, **stated})
 
 
-def result_of(answer: Answer, piece: AnyPiece) -> Result:
-    """The result of a task about a piece, also if its process was lost."""
+def result_of(answer: Answer, piece: AnyPiece, kind: BranchKind) -> Result:
+    """The result of a task about a piece of a branch of this kind, also if its process was lost."""
     if isinstance(answer.result, Failure):
         return not_proved(answer.task.argument, answer.result.kind, answer.result.message, answer.seconds)
     try:
-        found = result_from_json(piece, answer.result, "the answer", "claim" in answer.task.argument)
+        found = result_from_json(kind.result(piece), answer.result, "the answer")
         if found.piece != piece.id:
             raise ValueError(f"it is about {found.piece!r}")
         return found

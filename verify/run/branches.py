@@ -111,7 +111,7 @@ class AtlasRun:
 
         def finished(answer: Answer) -> None:
             name = answer.task.name
-            result = result_of(answer, self._pieces[name])
+            result = result_of(answer, self._pieces[name], kind_of(self.atlas))
             self._add(name, [result])
             saved(self.results)
             self._tell(display, name, result)

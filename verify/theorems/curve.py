@@ -2,11 +2,48 @@
 
 from __future__ import annotations
 
-from orbitproof.shared.claims import CLAIMS, SURFACE
-from orbitproof.verify.atlas.certificate import ONE_A_LINE, SAID, SCHEMA, pieces_of, well_formed
+from collections.abc import Iterator, Sequence
+
+from orbitproof.shared.claims import CLAIMS, SURFACE, Atlas
+from orbitproof.shared.formats import Piece
+from orbitproof.verify.atlas.certificate import ONE_A_LINE, SAID, SCHEMA, pieces_of, statement_of, well_formed
+from orbitproof.verify.atlas.curve_conclusion import conclude_curve
+from orbitproof.verify.atlas.document import BranchStatement
 from orbitproof.verify.atlas.kinds import BranchKind
-from orbitproof.verify.atlas.recheck import conclusion, form, integration
-from orbitproof.verify.curve import CurveTheorem, PieceLimits
+from orbitproof.verify.atlas.recheck import conclusion, ends_of, form, integration
+from orbitproof.verify.atlas.results import Result
+from orbitproof.verify.certificate.levels import Finding
+from orbitproof.verify.curve import CurveTheorem, IntervalResult, PieceLimits
+from orbitproof.verify.evidence import NotKnown
+from orbitproof.verify.lasting import LastingResult, unconfirmed_twist
+from orbitproof.verify.stability import StabilityFunctions, StabilityResult, unconfirmed
+from orbitproof.verify.words.branches import branch_in_full
+
+
+def _statement(atlas: Atlas, results: Sequence[Result]) -> BranchStatement:
+    stability = [result.stability for result in results if isinstance(result, StabilityResult)]
+    known = [functions for functions in stability if isinstance(functions, StabilityFunctions)]
+    with_distance, with_variations = (
+        any(getattr(functions, name) is not None for functions in known) for name in ("distance", "out_of_plane")
+    )
+    return statement_of(atlas, with_distance, with_variations)
+
+
+def _unconfirmed(stored: Result, fresh: Result, place: str) -> Iterator[Finding]:
+    """What is stored of stability and twist on an interval, and a new integration does not confirm."""
+    old, new = (result if isinstance(result, LastingResult) else None for result in (stored, fresh))
+    known = old.stability if old else None
+    if known is not None:
+        # Functions of s are written in a variable that runs over the interval: on another one they are others.
+        if not isinstance(known, NotKnown) and fresh.interval != stored.interval:
+            words = f"its functions are of another interval: that is proved on {ends_of(fresh.interval)}"
+            yield Finding(f"{place}, stability", words)
+        found = [
+            *unconfirmed(known, new.stability if new else None),
+            *unconfirmed_twist(old.twist if old else None, new.twist if new else None),
+        ]
+        yield from (Finding(f"{place}, stability", text) for text in found)
+
 
 KIND = BranchKind(
     names=tuple(name for name in CLAIMS if name != SURFACE),
@@ -27,4 +64,14 @@ KIND = BranchKind(
     theorem=CurveTheorem,
     limits=PieceLimits,
     about="a curve of symmetric orbits",
+    result=lambda piece: LastingResult if isinstance(piece, Piece) else IntervalResult,
+    statement=_statement,
+    conclude=conclude_curve,
+    in_full=branch_in_full,
+    unconfirmed=_unconfirmed,
+    asked=lambda result: {
+        "stability": getattr(result, "stability", None) is not None,
+        "lasting": getattr(result, "twist", None) is not None,
+    },
+    holds_points=True,
 )

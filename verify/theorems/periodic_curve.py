@@ -2,20 +2,67 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from typing import Any
+
 from orbitproof.shared.claims import PERIODIC_CURVES
+from orbitproof.shared.formats import PeriodicAtlas, atlas_to_json
 from orbitproof.verify.atlas.certificate import ONE_A_LINE, SAID, SCHEMA, pieces_of, well_formed
+from orbitproof.verify.atlas.document import PeriodicCurveStatement
 from orbitproof.verify.atlas.kinds import BranchKind
 from orbitproof.verify.atlas.recheck import conclusion, form, integration
-from orbitproof.verify.periodic_curve import PeriodicCurveTheorem, PeriodicLimits, conclude_periodic
+from orbitproof.verify.atlas.whole_as_json import whole_to_json
+from orbitproof.verify.certificate.document import Names
+from orbitproof.verify.certificate.levels import Finding
+from orbitproof.verify.certificate.stored_balls import to_json
+from orbitproof.verify.curve import Conclusion
+from orbitproof.verify.evidence import Proved
+from orbitproof.verify.periodic_curve import (
+    PeriodicCurveTheorem,
+    PeriodicIntervalResult,
+    PeriodicLimits,
+    ProvedPeriodicCurve,
+    conclude_periodic,
+    unconfirmed_multipliers,
+)
+from orbitproof.verify.words.periodic_curve import periodic_curve_in_full, periodic_curve_in_words
+
+
+def _statement(atlas: PeriodicAtlas, results: Sequence[Any]) -> PeriodicCurveStatement:
+    """The claim in full, but for the theorem; the first integral only if it is used."""
+    system = atlas.system
+    integral = system.first_integral_program if atlas.claim.uses_integral else None
+    return PeriodicCurveStatement(
+        claim=atlas_to_json(atlas, provenance=False),
+        vector_field=system.program.text(),
+        first_integral=None if integral is None else integral.text(),
+        names=Names(system=system.title, first_integral=None if integral is None else system.first_integral_name),
+    )
+
+
+def told(found: Conclusion[ProvedPeriodicCurve]) -> dict[str, Any]:
+    """A conclusion as JSON, with its theorem in words."""
+    if not isinstance(found.outcome, Proved):
+        return whole_to_json(found, "", None)
+    assert isinstance(found.outcome.theorem, PeriodicCurveTheorem)
+    known = found.outcome.results
+    more = {
+        **({"period": to_json(known.period)} if known.period.is_finite() else {}),
+        "turns": [to_json(turn) for turn in known.turns],
+        **({"multipliers": [to_json(part) for part in known.multipliers]} if known.multipliers else {}),
+    }
+    return whole_to_json(found, periodic_curve_in_words(found.outcome.theorem, known), known.chain, **more)
+
+
+def _unconfirmed(stored: Any, fresh: Any, place: str) -> Iterator[Finding]:
+    yield from (Finding(place, text) for text in unconfirmed_multipliers(stored, fresh))
+
 
 KIND = BranchKind(
     names=PERIODIC_CURVES,
     schema=SCHEMA,
     part="arc",
-    titles={
-        "periodic-arc": "A curve of periodic orbits",
-        "periodic-loop": "A closed curve of periodic orbits",
-    },
+    titles={"periodic-arc": "A curve of periodic orbits", "periodic-loop": "A closed curve of periodic orbits"},
     said=lambda k, kind: "orbits without symmetry",
     levels=(form, conclusion, integration),
     more=SAID,
@@ -25,5 +72,10 @@ KIND = BranchKind(
     theorem=PeriodicCurveTheorem,
     limits=PeriodicLimits,
     about="orbits without symmetry",
-    conclude=conclude_periodic,
+    result=lambda piece: PeriodicIntervalResult,
+    statement=_statement,
+    conclude=lambda atlas, results, *_: told(conclude_periodic(atlas, results)),
+    in_full=periodic_curve_in_full,
+    unconfirmed=_unconfirmed,
+    time="period",
 )

@@ -1,0 +1,52 @@
+"""What the certificates of branches of all kinds hold of their results, for the schema (section 15)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
+
+from flint import arb
+
+from orbitproof.shared.stored import rules
+from orbitproof.verify.certificate.document import Verdict
+from orbitproof.verify.evidence import Hypothesis, Reason
+from orbitproof.verify.lasting import LastingResult
+from orbitproof.verify.periodic_curve import CountedPart, PeriodicIntervalResult, Turn
+from orbitproof.verify.surface import SurfaceResult
+
+
+@dataclass(frozen=True)
+class AnyResult(LastingResult, SurfaceResult, PeriodicIntervalResult):
+    """What was found on an interval of a piece, of a curve or of a surface, for the schema."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """What is said in any case of a list: the largest k."""
+
+    order: Annotated[int, rules(minimum=1, maximum=99)]
+
+    stored_rules: ClassVar = {"additionalProperties": True}
+
+
+@dataclass(frozen=True, kw_only=True)
+class StoredConclusion:
+    """What the results give together."""
+
+    verdict: Verdict
+    reason: Reason | None
+    hypotheses: tuple[Hypothesis, ...]
+    statement: str
+    stretches: tuple[Mapping[str, Any], ...]
+    joints: tuple[Mapping[str, Any], ...]
+    ends: Mapping[str, Any]
+    bifurcations: tuple[Annotated[Mapping[str, Any], rules(required=("id", "on_curve"))], ...]
+    period: arb | None = None
+    turns: tuple[Turn, ...] = ()
+    multipliers: tuple[CountedPart, ...] = ()
+    complete: Order | None = None
+
+
+AnyResults = Annotated[tuple[AnyResult, ...], rules(maxItems=1000000)]
+AnyConclusion = StoredConclusion | None
