@@ -33,8 +33,8 @@ from orbitproof.shared.systems import (
     ReversibleSystem,
     program_from_text,
 )
-from orbitproof.verify.atlas import atlas_of, conclusion
-from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, certify, recheck
+from orbitproof.verify.atlas import atlas_of, curve_conclusion
+from orbitproof.verify.certificate import Certificate, Given, Level, Limits, Recheck, certify, recheck
 from orbitproof.verify.evidence import ball_from_json, ball_to_json, spared
 
 
@@ -533,9 +533,11 @@ def checked_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """One check of each certificate that an atlas rests on, and one integration to the other point of its orbit."""
     checks: dict[tuple[str, bool], Recheck] = {}
     points: dict[str, Any] = {}
-    enclose = conclusion.partner
+    enclose = curve_conclusion.partner
 
-    def recheck_once(entry: Certificate, integrate: bool = False) -> Recheck:
+    def recheck_once(entry: Certificate, integrate: bool = False, given: Given | None = None) -> Recheck:
+        if given is not None:
+            return recheck(entry, integrate, given=given)
         key = json.dumps(entry.to_json(), sort_keys=True), integrate
         if key not in checks:
             checks[key] = recheck(entry, integrate)
@@ -550,7 +552,7 @@ def checked_once(monkeypatch: pytest.MonkeyPatch) -> None:
         return points[key]
 
     monkeypatch.setattr(forgeries, "recheck", recheck_once)
-    monkeypatch.setattr(conclusion, "partner", enclose_once)
+    monkeypatch.setattr(curve_conclusion, "partner", enclose_once)
 
 
 @pytest.mark.usefixtures("checked_once")
