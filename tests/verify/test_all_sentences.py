@@ -26,8 +26,8 @@ def test_nothing_is_said_of_what_is_not_proved() -> None:
     assert conclusion_in_words(Conclusion(outcome)) == ""
 
 
-def test_a_theorem_of_another_kind_is_about_no_branch() -> None:
+def test_a_theorem_of_another_kind_is_about_no_curve() -> None:
     theorem: Any = SimpleNamespace(hypotheses=("holds",))
     proved: Any = Proved(theorem, theorem, (Hypothesis("holds", "it holds", "1", True),))
-    with pytest.raises(TypeError, match="SimpleNamespace: a theorem about no branch"):
+    with pytest.raises(TypeError, match="SimpleNamespace: a theorem about no curve"):
         conclusion_in_words(Conclusion(proved))

@@ -14,6 +14,7 @@ from support.forgeries import atlas_certificate
 from orbitproof.shared.claims import Claim, Covers
 from orbitproof.verify.atlas.certificate import results_for
 from orbitproof.verify.atlas.recheck import _contradictions, _interval_findings
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import Computation, IntervalResult
 from orbitproof.verify.evidence import NotKnown, Reason
 from orbitproof.verify.functions import StoredFunction
@@ -21,7 +22,8 @@ from orbitproof.verify.lasting import LastingResult, TwistFunctions, unconfirmed
 from orbitproof.verify.lasting.reversibility import reversibility
 from orbitproof.verify.periodic_curve import MultiplierFunctions, PeriodicIntervalResult, unconfirmed_multipliers
 from orbitproof.verify.surface import ProvedPart, SurfaceResult
-from orbitproof.verify.certificate import Certificate
+from orbitproof.verify.theorems.curve import KIND as CURVES
+from orbitproof.verify.theorems.surface import KIND as SURFACES
 
 UNKNOWN = NotKnown(Reason("multipliers", "not enclosed", ""))
 
@@ -144,14 +146,14 @@ def test_every_bound_of_every_coordinate_has_to_be_found_again() -> None:
     sizes = tuple(Fraction(n, 2**20) for n in (3, 4, 5))
     stored, less = interval(sizes, sizes), tuple(size - Fraction(1, 2**40) for size in sizes)
     for fresh in (stored, interval(less, less)):
-        assert not list(_interval_findings(stored, fresh))
+        assert not list(_interval_findings(stored, fresh, CURVES))
     for place in range(3):
         more = tuple(size + Fraction(n == place, 2**60) for n, size in enumerate(sizes))
         for fresh, name in ((interval(more, sizes), "deviation"), (interval(sizes, more), "slope_deviation")):
-            (found,) = _interval_findings(stored, fresh)
+            (found,) = _interval_findings(stored, fresh, CURVES)
             assert found.place.endswith(f", {name} {place + 1}")
     for fresh, name in ((interval(sizes[:2], sizes), "deviation"), (interval(sizes, sizes[:2]), "slope_deviation")):
-        assert any(f"bounds {name}" in found.message for found in _interval_findings(stored, fresh))
+        assert any(f"bounds {name}" in found.message for found in _interval_findings(stored, fresh, CURVES))
 
 
 @pytest.mark.parametrize("sides", [("above", "below"), ("below", "above"), ("above", "above")])
@@ -162,7 +164,7 @@ def test_a_part_contradicts_one_of_its_halves_that_is_on_the_other_side(sides: t
         return SurfaceResult("p", whole, "proved", Computation(1.0), time=arb(3, 0.25), parts=tuple(own))
 
     stored, fresh = surface((-1, 1, "above")), surface((-1, 0, sides[0]), (0, 1, sides[1]))
-    assert len(list(_contradictions(stored, fresh))) == sides.count("below")
+    assert len(list(_contradictions(stored, fresh, SURFACES))) == sides.count("below")
 
 
 @pytest.mark.parametrize(("value", "error", "holds"), [(0, 0, True), (1, 2, True), (1, 0, False), (2, 1, False)])

@@ -39,8 +39,11 @@ from orbitproof.verify.surface.gluing import Sheet
 from orbitproof.verify.surface.piece import candidate_at
 from orbitproof.verify.surface.proved_surface import _require_adapted, heights
 from orbitproof.verify.theorems.surface import told
-from orbitproof.verify.words.branches import conclusion_in_words
 from orbitproof.verify.words.surface import _digits
+
+
+def in_words(conclusion: Any) -> str:
+    return str(told(conclusion)["statement"])
 
 
 @pytest.fixture(scope="module")
@@ -138,7 +141,7 @@ def test_pieces_that_overlap_become_one_surface() -> None:
         for piece, sign in zip(pieces, (-1, 1, -1), strict=True)
     ]
     assert {entry.z for entry in heights(flat_atlas(turned))} == {Fraction(2, 4096)}
-    text = conclusion_in_words(conclusion)
+    text = in_words(conclusion)
     assert "for all mu in [0.001953125, 0.125000000]" in text
     assert "|zeta| <= 0.00048828125" in text
     json.dumps(told(conclusion))
@@ -147,15 +150,15 @@ def test_pieces_that_overlap_become_one_surface() -> None:
 def test_the_statement_says_where_the_orbits_reach_higher() -> None:
     pieces = three()
     pieces[1:] = [replace(piece, radii=(piece.radii[0], ONE / 1000, piece.radii[2])) for piece in pieces[1:]]
-    text = conclusion_in_words(conclude(pieces))
+    text = in_words(conclude(pieces))
     assert "and |zeta| <= 0.00048828125," in text
     assert "Over h in [0.248046875, 0.501953125] all this holds up to |zeta| <= 0.002." in text
 
 
 def test_the_parameter_stays_in_the_range_of_the_system_and_ends_are_exact() -> None:
     pieces = three()
-    assert "At the first h of the pieces, 0.125, the" in conclusion_in_words(conclude(pieces))
-    assert "not part of the theorem" in conclusion_in_words(conclude(pieces))
+    assert "At the first h of the pieces, 0.125, the" in in_words(conclude(pieces))
+    assert "not part of the theorem" in in_words(conclude(pieces))
     edges = [(Fraction(1, 2), Fraction(3, 4)), (Fraction(5, 8), ONE), (Fraction(7, 8), Fraction(9, 8))]
     beyond = [flat_piece(k, *edge) for k, edge in enumerate(edges)]
     claim = flat_atlas(beyond, "0.5", "0.9").claim
@@ -169,9 +172,7 @@ def test_ranges_of_parameters_are_rounded_inward() -> None:
     start, end = Fraction(1, 8) + Fraction(1, 2**50), Fraction(1, 2) - Fraction(1, 2**50)
     atlas = flat_atlas([flat_piece(1, start, end)])
     atlas = replace(atlas, claim=replace(atlas.claim, covers=None))
-    statement = conclusion_in_words(
-        conclude_surface(atlas, values([result_of(piece) for piece in atlas.surface_pieces()]))
-    )
+    statement = in_words(conclude_surface(atlas, values([result_of(piece) for piece in atlas.surface_pieces()])))
     assert "of h in [0.125000000001, 0.499999999999]" in statement
 
 
@@ -268,7 +269,7 @@ def test_a_surface_with_a_flaw_is_refused(name: str) -> None:
     change(pieces, results)
     conclusion = conclude(pieces, results)
     assert isinstance(conclusion.outcome, NotProved)
-    assert not conclusion_in_words(conclusion)
+    assert not in_words(conclusion)
     assert conclusion.outcome.reason.condition == condition
 
 
@@ -338,7 +339,7 @@ def test_at_the_joint_of_two_parts_a_point_may_be_that_of_either() -> None:
 def test_half_periods_are_those_of_all_pieces() -> None:
     pieces = three()
     results = [{**result_of(p), "time": ball_to_json(arb(k, 0.1))} for k, p in enumerate(pieces, start=1)]
-    statement = conclusion_in_words(conclude(pieces, results))
+    statement = in_words(conclude(pieces, results))
     found = re.search(r"All half periods lie in \[(\S+), (\S+)\]\.", statement)
     assert found is not None
     assert 0.85 < float(found[1]) <= 0.9
@@ -467,8 +468,8 @@ def test_the_theorem_for_l1_and_all_masses(tmp_path: Path) -> None:
     results = [entry_of(prove_surface_piece(HILL, piece, WHOLE, ORACLE)) for piece in atlas.surface_pieces()]
     conclusion = conclude_surface(atlas, values(results))
     assert isinstance(conclusion.outcome, Proved), conclusion.outcome.reason
-    assert "for all mu in (0, 0.500188017]" in conclusion_in_words(conclusion)
-    assert "|z| <= 0.004 mu^(1/3)" in conclusion_in_words(conclusion)
+    assert "for all mu in (0, 0.500188017]" in in_words(conclusion)
+    assert "|z| <= 0.004 mu^(1/3)" in in_words(conclusion)
 
 
 @pytest.mark.parametrize("size", [1, 10**14, 10**20])
