@@ -7,14 +7,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from support.conclusions import with_complete_list
 from support.stored import values
 
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.formats import atlas_from_json
-from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.atlas import conclusion_of, make_atlas_certificate
 from orbitproof.verify.certificate import Certificate
-from orbitproof.verify.curve import conclude
 
 DATA = Path(__file__).parents[1] / "data"
 STORED: dict[str, Any] = json.loads((DATA / "catalogue-arc.json").read_text())
@@ -26,7 +24,7 @@ ON_THE_ARC = 4
 def certificate_of(atlas: Atlas, results: list[dict[str, Any]], order: int | None = 1) -> Certificate:
     """The certificate of a curve, with its list."""
     found = values(results)
-    conclusion = with_complete_list(atlas, results, conclude(atlas, found), order or 1)
+    conclusion = conclusion_of(atlas, found, [], lambda _: [], order or 1)
     assert conclusion["verdict"] == "proved"
     return Certificate(make_atlas_certificate(atlas, found, conclusion))
 
