@@ -27,8 +27,10 @@ from orbitproof.shared.systems import record
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic, prepare
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow import FlowStep, InFrame, advance, planned_step
+from orbitproof.verify.flow.field_along import FieldAlong
 from orbitproof.verify.flow.frame import Frame, _defect, _Over
 from orbitproof.verify.flow.gronwall import norm_arithmetic
+from orbitproof.verify.flow.step import enclose_step
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.frames import Frames
 
@@ -371,6 +373,29 @@ def test_the_defect_of_columns_bounds_its_values_exactly(name: str, seed: int) -
             assert abs(exact) <= Fraction(float(bounds[i, k]))
 
 
+@pytest.mark.parametrize("slot", range(4))
+@pytest.mark.parametrize("component", range(3))
+@pytest.mark.parametrize("factor", [1.0, 8.0])
+def test_errors_that_reach_the_tube_in_one_slot_need_a_larger_one(slot: int, component: int, factor: float) -> None:
+    """Whoever bounds them; as large as the tube is too large."""
+    state = [x.series for x in begun(random.Random(4), FORMATS["second"], 1e-6)]
+    expansion = ORACLE.expand(PROGRAM, state[0].arithmetic, state, [])
+    step = planned_step(expansion.step_size, 0.25, 0.0)
+    along = FieldAlong(PROGRAM, state[0].arithmetic, state, [])
+    expansion.solve(along, step)
+    tried = []
+
+    def bound(slopes: Any, start: Any, defects: Any, step: Fraction) -> Any:
+        errors = 2.0 * start
+        tried.append(errors)
+        if len(tried) == 1:
+            errors[component, slot] = factor * (16.0 * start[component, slot] + 2.0**-950)
+        return errors
+
+    enclose_step(along, step, bound)
+    assert len(tried) == 2
+
+
 def random_matrix(source: random.Random, size: int, bits: int) -> fmpz_mat:
     return fmpz_mat([[int(source.uniform(-1, 1) * 2**bits) for _ in range(size)] for _ in range(size)])
 
@@ -381,14 +406,18 @@ def inverse_of(matrix: fmpz_mat, bits: int) -> list[list[Fraction]]:
     return [[Fraction(int(x.p), int(x.q)) * 2**bits for x in row] for row in inverse.tolist()]
 
 
+@pytest.mark.parametrize("powers", [1, 3])
 @pytest.mark.parametrize("seed", range(20))
-def test_the_bounds_in_the_next_frame_are_those_of_all_errors(seed: int) -> None:
-    """The greatest coordinates of X eta + r, exactly, for frames and inverses that are known badly, too."""
+def test_the_bounds_in_the_next_frame_are_those_of_all_errors(seed: int, powers: int) -> None:
+    """The greatest coordinates of X eta + r, exactly, for frames and inverses that are known badly, too.
+
+    X is a polynomial in the wide variable.
+    """
     source = random.Random(seed)
     taken = 0
     for _ in range(60):
         size, bits = source.randint(1, 4), 60
-        end = random_matrix(source, size, bits)
+        parts = [random_matrix(source, size, bits) for _ in range(powers)]
         matrix = random_matrix(source, size, bits)
         if matrix.det() == 0:
             continue
@@ -406,13 +435,19 @@ def test_the_bounds_in_the_next_frame_are_those_of_all_errors(seed: int) -> None
                 return given
 
         over = _Over(Frame(random_matrix(source, size, bits), bits, bounds), Given())
-        found = over._next([[fmpz_poly([x]) for x in row] for row in end.tolist()], rest)
+        end = [[fmpz_poly([int(part[i, j]) for part in parts]) for j in range(size)] for i in range(size)]
+        found = over._next(end, rest)
         if found is None:
             continue
         taken += 1
+        s = Fraction(source.choice((-1, 1)))
+        reached = [
+            [sum((Fraction(int(c), 2**bits) * s**n for n, c in enumerate(p.coeffs())), Fraction(0)) for p in row]
+            for row in end
+        ]
         for slot in range(2):
             for i in range(size):
-                along = [sum(exact[i][k] * Fraction(int(end[k, j]), 2**bits) for k in range(size)) for j in range(size)]
+                along = [sum(exact[i][k] * reached[k][j] for k in range(size)) for j in range(size)]
                 reach = sum(abs(a) * Fraction(float(h)) for a, h in zip(along, bounds[:, slot], strict=True))
                 reach += sum(abs(a) * Fraction(float(b)) for a, b in zip(exact[i], rest[:, slot], strict=True))
                 assert Fraction(float(found.bounds[i, slot])) >= reach
@@ -456,7 +491,7 @@ def test_errors_of_linear_equations_are_bounded_grade_by_grade(top: int, seed: i
     errors = over.errors(slopes, bounds, defects, step)
     assert over.last is not None
     assert over.following is not None
-    # One number for each grade; what is beyond the top is of the next grade.
+    # One number for each grade, and one for all that is beyond the top.
     signs = source.choice((-1.0, 1.0), (samples, slots, size, size))
     matrices = np.swapaxes(signs * spread, 0, 1)
     eta = source.choice((-1.0, 1.0), (samples, slots, size)) * bounds.T
@@ -466,8 +501,7 @@ def test_errors_of_linear_equations_are_bounded_grade_by_grade(top: int, seed: i
     def slope(theta: float, e: Any) -> Any:
         result = np.einsum("ij,ngj->ngi", known[0] + theta * known[1] + theta**2 * known[2], e)
         for a, b in product(range(slots), repeat=2):
-            if a + b < slots:
-                result[:, a + b] += np.einsum("nij,nj->ni", matrices[a], e[:, b])
+            result[:, min(a + b, slots - 1)] += np.einsum("nij,nj->ni", matrices[a], e[:, b])
         return float(step) * result + force
 
     count = 64
