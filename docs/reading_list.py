@@ -74,6 +74,7 @@ DOORS = {
     "systems with sin, cos, exp or log": (
         "shared.systems.defined_coordinates",
         "verify.claim.functions",
+        "verify.claim.related_functions",
         "verify.poincare.functions",
     ),
     "systems on a fixed level of an integral": (

@@ -18,7 +18,6 @@ from orbitproof.explore.commands.periodic_claims import (
     follow_families,
     kept_claims,
     refine_orbits,
-    refuse_claims,
 )
 from orbitproof.explore.names import (
     exact_number,
@@ -194,7 +193,6 @@ def run(options: argparse.Namespace) -> int:
     if options.level is not None and system.first_integral_program is None:
         raise InputError(f"--level: {system.name} has no first integral; leave it out")
     level = None if options.level is None else exact_number("--level", options.level)
-    refuse_claims(system, {"-o": options.output, "--atlas": options.atlas})
     kept = kept_claims(options)
 
     # Only now: JAX takes a moment to load.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from functools import partial
 
-from orbitproof.explore.commands.periodic_claims import ClaimStore, kept_claims, refuse_claims
+from orbitproof.explore.commands.periodic_claims import ClaimStore, kept_claims
 from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import InputError, select_ids
 from orbitproof.shared.interrupts import INTERRUPTED
@@ -36,8 +36,6 @@ def take_from_branches(options: argparse.Namespace) -> int:
         raise InputError(
             f"{options.from_branches}: it has no branch of orbits without symmetry; explore orbit claims symmetric ones"
         )
-    for each in losses:
-        refuse_claims(each.system, {"-o": options.output})
     try:
         tasks = [
             task_of(each, number, options.digits)

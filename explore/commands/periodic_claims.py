@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orbitproof.shared.formats import BoxClaim, InputError, read_claims, write_candidates, write_text
 from orbitproof.shared.interrupts import INTERRUPTED
-from orbitproof.shared.systems import System
 
 if TYPE_CHECKING:
     from orbitproof.explore.periodic import FoundOrbit, PeriodicFamily
@@ -60,17 +59,6 @@ class ClaimStore:
         """Say what the file has."""
         if self._claims:
             self._report.message(f"{len(self._claims)} claims are in {self.path}")
-
-
-def refuse_claims(system: System, files: Mapping[str, Path | None]) -> None:
-    """Raises `InputError` if a file for claims is named and there are none about the system."""
-    for option, path in files.items():
-        if path is not None and system.defined:
-            functions = ", ".join(each.name for each in system.defined)
-            raise InputError(
-                f"{option} {path}: without symmetry there are no claims about systems with sin, cos, exp or log, here "
-                f"{functions}; leave it out, or write {system.name} in plain arithmetic"
-            )
 
 
 def kept_claims(options: argparse.Namespace) -> list[BoxClaim]:

@@ -130,7 +130,7 @@ def _covered(
     problem, section = found.problem, found.section
     system = problem.system
     place = None if name is None else list(system.parameters).index(name)
-    others = [i for i in range(len(system.state)) if i != section.pivot]
+    others = [i for i in range(len(system.given_state)) if i != section.pivot]
     start, scales = found.orbit.point[others], np.full(len(others), found.orbit.size)
     if place is not None:
         start = np.append(problem.values[place], start)

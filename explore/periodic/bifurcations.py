@@ -16,7 +16,7 @@ from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure,
 from orbitproof.explore.periodic.detection import BRANCH, DOUBLING, FOLD, PITCHFORK, TORUS, Bifurcation
 from orbitproof.explore.periodic.extended import ExtendedSystem
 from orbitproof.explore.periodic.flow import Matrix, Vector, arc_of, preserves_volume, stretching, velocity_at
-from orbitproof.explore.periodic.refinement import RULE, box_exponent, refuse_functions, solved
+from orbitproof.explore.periodic.refinement import RULE, box_exponent, solved
 from orbitproof.explore.periodic.section import AffineSection, map_derivative, suggested
 from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.claims import (
@@ -75,7 +75,6 @@ def refine_bifurcation(
     """
     if found.kind == BRANCH:
         raise RefinementFailure("a branch point without a symmetry that explains it is no claim")
-    refuse_functions(found.problem.system)
     try:
         start = _start(found, section)
     except (FlowFailure, PeriodicFailure) as failure:

@@ -16,7 +16,7 @@ from typing import Any
 import mpmath
 
 from orbitproof.explore.numerics import Linearised, mpf
-from orbitproof.explore.periodic.refinement import evaluated, flow_jets
+from orbitproof.explore.periodic.refinement import evaluated, flow_jets, whole_jets
 from orbitproof.explore.periodic.symmetries import Symmetry
 from orbitproof.explore.refinement import Jet, JetBasis
 from orbitproof.shared.systems import System
@@ -144,11 +144,18 @@ class _Jets:
         rates = evaluated(system.system.program, [*moving, *plain], context)
         acceleration = [each.coefficients[1] if isinstance(each, Jet) else 0 for each in rates]
         applied = list if system.symmetry is None else system.symmetry.applied
-        self.end, self.velocity, self.acceleration = applied(flown), applied(velocity), applied(acceleration)
+        own = slice(n + 1)
+        self.end, self.velocity, self.acceleration = (
+            applied(flown[own]),
+            applied(velocity[own]),
+            applied(acceleration[own]),
+        )
         self.integral: Jet | None = None
         program = system.system.first_integral_program
         if program is not None and (system.level is not None or not varies):
-            (self.integral,) = evaluated(program, [*map(self._rounded, start), *values], context)
+            (self.integral,) = evaluated(
+                program, [*whole_jets(system.system, start, values, context), *values], context
+            )
 
     def _rounded(self, jet: Jet) -> Jet:
         return Jet(self.basis, [mpf(value, self.context) for value in jet.coefficients])

@@ -27,7 +27,7 @@ from orbitproof.explore.refinement import (
 )
 from orbitproof.shared.formats import PeriodicOrbit
 from orbitproof.shared.numbers import round_dyadic
-from orbitproof.shared.systems import Program, System
+from orbitproof.shared.systems import Program, System, with_functions
 
 RULE = GrowingDigits(RefinementFailure, farthest=1e-3, guard_bits=24)
 _BOX_SHARE, _BOX_DIGITS = 0.7, 5
@@ -71,20 +71,11 @@ def digits_of_centre(growth: float) -> int:
     return min(_MOST_DIGITS, ceil((growth + _KNOWN_DIGITS - _BOX_DIGITS) / _BOX_SHARE))
 
 
-def refuse_functions(system: System) -> None:
-    """Raises `RefinementFailure` for a system of which there are no claims without symmetry."""
-    if system.defined:
-        raise RefinementFailure(
-            f"without symmetry there are no claims about systems such as {system.name}, with sin, cos, exp or log"
-        )
-
-
 def refine_periodic(task: PeriodicTask, progress: Progress | None = None) -> PeriodicOrbit:
     """The orbit to many digits, with the box in which it is to be proved.
 
     Raises `RefinementFailure`, one line, if Newton's method does not converge near the guess.
     """
-    refuse_functions(task.system)
     unknowns = [Fraction(value) for value in (*task.point, task.period)]
     found = solved(lambda each, context: _linearised(task, each, context), unknowns, task.digits, RULE, progress)
     return _claim(task, found)
@@ -115,7 +106,7 @@ def _linearised(task: PeriodicTask, unknowns: Sequence[Fraction], context: mpmat
         start.append(basis.constant(value))
         start[i].coefficients[basis.variable(i)] = Fraction(1)
     end = flow_jets(task.system, task.parameters, start, time, context)
-    derivative = [[jet.coefficients[basis.variable(j)] for j in range(size)] for jet in end]
+    derivative = [[jet.coefficients[basis.variable(j)] for j in range(size)] for jet in end[:size]]
     given = [mpf(task.parameters[name], context) for name in task.system.parameters]
     velocity = evaluated(task.system.program, [*(jet.coefficients[0] for jet in end), *given], context)
     rows = [[*(derivative[i][j] - int(i == j) for j in range(size)), velocity[i]] for i in range(size)]
@@ -125,7 +116,7 @@ def _linearised(task: PeriodicTask, unknowns: Sequence[Fraction], context: mpmat
     values.append(mpf(sum(a * u for a, u in zip(normal, x, strict=True)) - task.section.offset, context))
     if task.level is not None:
         assert task.system.first_integral_program is not None
-        here = [Jet(basis, [mpf(value, context) for value in jet.coefficients]) for jet in start]
+        here = whole_jets(task.system, start, given, context)
         (integral,) = evaluated(task.system.first_integral_program, [*here, *given], context)
         rows.append([*(integral.coefficients[basis.variable(j)] for j in range(size)), 0])
         values.append(integral.coefficients[0] - mpf(task.level, context))
@@ -140,18 +131,19 @@ def flow_jets(
     time: Fraction,
     context: mpmath.MPContext,
 ) -> list[Jet]:
-    """The jets of phi_T, N of them, with the precision of `context`.
+    """The jets of phi_T of all coordinates, those that are functions of others last, with the precision of `context`.
 
     Arguments:
         parameters: those that are numbers.
-        start: jets of the state, then of the other parameters, with exact coefficients.
+        start: jets of the given state, then of the other parameters, with exact coefficients.
 
     Raises `IntegrationFailure` if the orbit cannot be followed.
     """
     bits, size, basis = context.prec, len(system.state), start[0].basis
+    start = _with_functions(system, parameters, start, context)
     stepper = JetStepper(Tape(system.program, parameters), size, basis, bits)
     unit = 1 << bits
-    state = [[round(value * unit) for value in jet.coefficients] for jet in start]
+    state = [[_nearest(value * unit, context) for value in jet.coefficients] for jet in start]
     given = state[size:]
     left, exponent = Fraction(time), -3
     for _ in range(_MOST_STEPS):
@@ -173,6 +165,43 @@ def flow_jets(
         if left <= 0:
             return [Jet(basis, [context.ldexp(context.mpf(value), -bits) for value in jets]) for jets in state]
     raise IntegrationFailure(f"the period takes more than {_MOST_STEPS} steps")
+
+
+def _with_functions(
+    system: System, parameters: Mapping[str, Fraction], start: Sequence[Jet], context: mpmath.MPContext
+) -> list[Jet]:
+    """The jets of the whole state, then of the other parameters."""
+    size = len(system.given_state)
+    state, others = start[:size], iter(start[size:])
+    if not system.defined:
+        return list(start)
+    given = [
+        mpf(parameters[name], context) if name in parameters else _rounded(next(others), context)
+        for name in system.parameters
+    ]
+    return [*state, *whole_jets(system, state, given, context)[size:], *start[size:]]
+
+
+def whole_jets(system: System, state: Sequence[Jet], parameters: Sequence[Any], context: mpmath.MPContext) -> list[Jet]:
+    """The whole state, from jets of the coordinates that are given, with the precision of `context`."""
+    basis, given = state[0].basis, [_rounded(jet, context) for jet in state]
+    zero = basis.constant(context.mpf(0))
+    functions = {each.function: _function(each.function, basis, context) for each in system.defined}
+    places = [*given, *[zero] * len(system.defined)]
+    return with_functions(system, places, parameters, functions, *operations(context))
+
+
+def _function(name: str, basis: JetBasis, context: mpmath.MPContext) -> Callable[[Any], Jet]:
+    return lambda value: (value if isinstance(value, Jet) else basis.constant(value)).function(name, context)
+
+
+def _rounded(jet: Jet, context: mpmath.MPContext) -> Jet:
+    return Jet(jet.basis, [mpf(value, context) for value in jet.coefficients])
+
+
+def _nearest(value: Any, context: mpmath.MPContext) -> int:
+    """An exact number or one of `context`, rounded."""
+    return round(value) if isinstance(value, (int, Fraction)) else int(context.nint(value))
 
 
 def evaluated(program: Program, inputs: Sequence[Any], context: mpmath.MPContext) -> list[Any]:

@@ -195,10 +195,6 @@ def periodic_atlas(
         raise ValueError(f"along: {varies!r}: {error}") from None
     if not low < high:
         raise ValueError(f"along: {varies!r}: an empty interval; give the smaller value first")
-    if system.defined:
-        raise ValueError(
-            f"found: without symmetry there are no claims about systems such as {system.name}, with functions"
-        )
     with Reporter(quiet) as report:
         report.stage(f"covering the curve in {varies}")
         return cover_curve(found, parameter, (low, high), name, progress=lambda text: report.update(text, None)).atlas

@@ -30,7 +30,8 @@ class BoxInSection:
         offset: of the section.
         direction: 1 or -1.
         crossings: m, the number of points in which the orbit crosses the section in the direction.
-        centre: shape (N,), a point of the section, in the order of the state.
+        centre: shape (N,), a point of the section, in the order of the state, without coordinates that are functions of
+            others.
         frame: shape (N, N - 1), rows; its columns span the section; column j is the direction of p_j.
         radii: shape (N - 1,), half-widths of the box in p, all positive.
     """
@@ -48,13 +49,10 @@ class BoxInSection:
 
     def __post_init__(self) -> None:
         """Raises `InputError`, one line that begins with the field, for what could not be written as a claim."""
-        names = self.system.state
+        names = self.system.given_state
         size, wanted = len(names), ", ".join(names)
         if not fits(ID, self.id):
             refuse("id", f"{self.id!r} is no id", ID_IN_WORDS)
-        if self.system.defined:
-            functions = ", ".join(each.name for each in self.system.defined)
-            refuse("system", f"{functions} are functions of other coordinates", "write it in plain arithmetic")
         if type(self.direction) is not int or self.direction not in (1, -1):
             refuse("direction", f"{self.direction!r} is no direction", "give 1 or -1")
         if type(self.crossings) is not int or self.crossings < 1:
@@ -98,7 +96,7 @@ class BoxInSection:
     @property
     def coordinates(self) -> tuple[str, ...]:
         """Names of the coordinates of the centre, N of them."""
-        return self.system.state
+        return self.system.given_state
 
     @property
     def values(self) -> Vector:

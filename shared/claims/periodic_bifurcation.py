@@ -65,7 +65,7 @@ class PeriodicBifurcation(BoxInSection):
             refuse("multiplier", f"{self.kind} with {self.multiplier}", "a torus has two numbers, others have none")
         if (self.symmetry is None) == is_pitchfork:
             refuse("symmetry", f"{self.kind} with {self.symmetry}", "a pitchfork has a matrix, others have none")
-        size = len(self.system.state)
+        size = len(self.system.given_state)
         if self.symmetry is not None and (len(self.symmetry) != size or any(len(row) != size for row in self.symmetry)):
             refuse("symmetry", "wrong shape", f"give {size} rows of {size} numbers")
         check_numbers({"multiplier": [self.multiplier or ()], "symmetry": self.symmetry or ()})
@@ -99,7 +99,7 @@ class PeriodicBifurcation(BoxInSection):
             if not all(interval.contains(value + side * self.parameter_radius) for side in (-1, 1)):
                 refuse("parameter_radius", f"the values leave {interval}", "give a smaller half-width")
         fewest = 2 + (self.level is not None or self.kind == PERIODIC_TORUS)
-        if len(self.system.state) < fewest:
+        if len(self.system.given_state) < fewest:
             refuse("kind", f"{self.kind} takes a state of at least {fewest} coordinates", "give another kind")
 
     def __repr__(self) -> str:

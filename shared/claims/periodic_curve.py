@@ -66,7 +66,7 @@ class PeriodicCurveClaim:
 
     def coordinates(self, system: System) -> tuple[str, ...]:
         """Names of the coordinates of a point: the parameter that varies, then the state but for the pivot."""
-        state = [name for index, name in enumerate(system.state) if index != self.pivot]
+        state = [name for index, name in enumerate(system.given_state) if index != self.pivot]
         return (*([] if self.parameter is None else [self.parameter]), *state)
 
     @property

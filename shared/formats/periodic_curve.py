@@ -35,9 +35,6 @@ def periodic_atlas_from_json(
         raise InputError(f"{source}: field {name}: {why}; {remedy}")
 
     system = system_without_symmetry(entry["system"], f"{source}: field system", systems)
-    if system.defined:
-        functions = ", ".join(each.name for each in system.defined)
-        refuse("system", f"{functions} are functions of other coordinates", "write it in plain arithmetic")
     claim = _claim(entry["claim"], system, f"{source}: field claim")
     wanted = set(system.parameters) - {claim.parameter}
     if set(entry.get("parameters", {})) != wanted:
@@ -67,9 +64,9 @@ def _claim(entry: Mapping[str, Any], system: System, source: str) -> PeriodicCur
         raise InputError(f"{source}.{name}: {why}; {remedy}")
 
     claim = from_json(PeriodicCurveClaim, entry, source)
-    size = len(system.state)
+    size = len(system.given_state)
     if len(claim.normal) != size:
-        refuse("normal", f"{len(claim.normal)} numbers", f"give {size}; the state is {', '.join(system.state)}")
+        refuse("normal", f"{len(claim.normal)} numbers", f"give {size}; the state is {', '.join(system.given_state)}")
     if not any(claim.normal):
         refuse("normal", "is zero", "give a vector across the section")
     for name, value in (("offset", claim.offset), *((f"normal[{i}]", value) for i, value in enumerate(claim.normal))):

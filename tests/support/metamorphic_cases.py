@@ -9,6 +9,7 @@ from typing import Any
 
 import mpmath
 from support import breaking_cases, krein_cases, periodic_curves, springs, tori_cases, torus_cases
+from support import function_cases as functions
 from support import periodic_bifurcation_cases as bifurcations
 from support import periodic_cases as periodic
 from support.claims import known
@@ -157,6 +158,8 @@ ROWS: Mapping[str, Callable[[], BoxClaim]] = {
     "periodic": lambda: periodic.planar(Q(3, 2)),
     "periodic-3": periodic.hopf,
     "periodic-level": periodic.oscillators,
+    "periodic-functions": lambda: functions.circle("nested", Q(3, 2), Q(1, 5)),
+    "periodic-functions-level": functions.pendulum,
     "periodic-fold": bifurcations.folding,
     "periodic-doubling": bifurcations.doubling,
     "periodic-pitchfork": bifurcations.breaking,

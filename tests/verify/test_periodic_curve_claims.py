@@ -52,7 +52,10 @@ def described(name: str) -> Entry:
 
 WRONG: dict[str, tuple[Callable[[Entry], Any], str]] = {
     "outside its range": (lambda e: e["parameters"].update(b="3"), "field parameters.b: 3 lies outside (0, 3)"),
-    "a function": (lambda e: e.update(described("sine")), "are functions of other coordinates"),
+    "a function": (
+        lambda e: (e.update(described("sine")), e["claim"].update(normal=["0", "1", "0", "0"])),
+        "claim.normal: 4 numbers; give 2; the state is x, y",
+    ),
     "twice": (lambda e: e["claim"].update(increasing=["a", "a"]), "field claim.increasing[1]: 'a'"),
     "no coordinate": (
         lambda e: e["claim"].update(covers={"coordinate": "y", "from": "0", "to": "1"}),

@@ -13,6 +13,7 @@ from orbitproof.verify.certificate.document import (
     Digest,
     Software,
     Stated,
+    StatedFunction,
     StatedWithSymmetry,
     Verdict,
     by_verdict,
@@ -36,9 +37,14 @@ class BranchStatement(StatedWithSymmetry):
 
 @dataclass(frozen=True, kw_only=True)
 class PeriodicCurveStatement(Stated):
-    """The statement of an atlas that uses no symmetry; the first integral only if it is used."""
+    """The statement of an atlas that uses no symmetry; the first integral only if it is used.
+
+    Attributes:
+        functions: as in `StatedWithSymmetry`.
+    """
 
     claim: Mapping[str, Any] = stored("atlas")
+    functions: Annotated[tuple[StatedFunction, ...], rules(minItems=1, maxItems=20)] | None = None
 
 
 def any_results() -> Any:

@@ -52,4 +52,4 @@ from orbitproof.verify.certificate.rechecking import (
     digest_findings,
     recheck,
 )
-from orbitproof.verify.certificate.stated_system import named_as, stated, systems_with
+from orbitproof.verify.certificate.stated_system import named_as, stated, stated_functions, systems_with

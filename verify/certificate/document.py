@@ -115,11 +115,16 @@ class Statement(StatedWithSymmetry):
 
 @dataclass(frozen=True, kw_only=True)
 class StatementWithoutSymmetry(Stated):
-    """The statement of a candidate which uses no symmetry."""
+    """The statement of a candidate which uses no symmetry.
+
+    Attributes:
+        functions: as in `StatedWithSymmetry`.
+    """
 
     claim: Annotated[Mapping[str, Any], rules(required=("kind",), properties={"kind": {"enum": KINDS_IN_SECTION}})] = (
         stored("candidate")
     )
+    functions: Annotated[tuple[StatedFunction, ...], rules(minItems=1, maxItems=20)] | None = None
 
 
 AnyStatement = Statement | StatementWithoutSymmetry

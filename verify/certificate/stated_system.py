@@ -17,6 +17,7 @@ from orbitproof.shared.systems import (
     Defined,
     ParameterRange,
     ReversibleSystem,
+    System,
     is_title,
     program_from_text,
     program_function,
@@ -37,11 +38,7 @@ def stated(system: ReversibleSystem, symmetry: str | None, with_distance: bool =
         "reversing_symmetry": system.reversing_symmetry,
         "symmetry": None if symmetry is None else system.symmetries[symmetry],
         "section": system.section,
-        "functions": tuple(
-            StatedFunction(each.name, each.function, argument.text())
-            for each, argument in zip(system.defined, system.argument_programs, strict=True)
-        )
-        or None,
+        "functions": stated_functions(system),
         "names": Names(
             system=system.title,
             first_integral=system.first_integral_name,
@@ -49,6 +46,17 @@ def stated(system: ReversibleSystem, symmetry: str | None, with_distance: bool =
         ),
         "squared_distance": None if distance is None else distance.text(),
     }
+
+
+def stated_functions(system: System) -> tuple[StatedFunction, ...] | None:
+    """What statements say of the coordinates that are functions of others; `None` without such."""
+    return (
+        tuple(
+            StatedFunction(each.name, each.function, argument.text())
+            for each, argument in zip(system.defined, system.argument_programs, strict=True)
+        )
+        or None
+    )
 
 
 def with_symmetry(candidate: Candidate, form: Candidate | None = None, with_distance: bool = False) -> Statement:
@@ -73,6 +81,7 @@ def without_symmetry(claim: InSection, form: InSection | None = None) -> Stateme
         claim=candidate_to_json(claim, provenance=False),
         vector_field=system.program.text(),
         first_integral=None if integral is None else integral.text(),
+        functions=stated_functions(system),
         names=Names(system=system.title, first_integral=None if integral is None else system.first_integral_name),
     )
 

@@ -9,13 +9,16 @@ from .frames import check_frames as check_frames
 from .frames import determinant as determinant
 from .frames import inverse as inverse
 from .frames import is_adapted as is_adapted
+from .left_alone import is_left_alone as is_left_alone
 from .level import check_level as check_level
 from .level import level_program as level_program
 from .level import point_on_fixed_set as point_on_fixed_set
 from .level import quadratic_coefficient as quadratic_coefficient
 from .linear_symmetry import is_respected as is_respected
+from .of_systems import keeps_integral as keeps_integral
+from .of_systems import keeps_volume as keeps_volume
+from .of_systems import respects as respects
 from .symmetry import check_symmetries as check_symmetries
-from .symmetry import is_left_alone as is_left_alone
 from .symmetry import parities as parities
 from .symmetry import signs_on as signs_on
 from .wording import atlas_in_words as atlas_in_words

@@ -8,6 +8,7 @@ what would be too large is not shown.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -27,7 +28,7 @@ _MOST_WORK = 10**9
 
 
 @cache
-def is_first_integral(field: Program, integral: Program) -> bool:
+def is_first_integral(field: Program, integral: Program, ring_of: Callable[..., Ring] | None = None) -> bool:
     """Whether the derivative of H along x' = f(x) is shown to vanish, and H to be defined wherever f is.
 
     False also where that takes a relation between the bases of different powers, or polynomials that are too large.
@@ -35,18 +36,19 @@ def is_first_integral(field: Program, integral: Program) -> bool:
     Args:
         field: f; inputs are the state, then the parameters.
         integral: H, of the same inputs.
+        ring_of: makes the ring of both, with what else is known of the inputs; by default `Ring`.
     """
-    ring = Ring(field, integral)
-    inputs = ring.inputs
     try:
+        ring = (ring_of or Ring)(field, integral)
+        inputs = ring.inputs
         velocity = [output.value for output in field.evaluate(inputs, ring.constant, AlongFlow.power)]
         ring.is_closed = True
         inputs = [AlongFlow(ring, x.value, rate) for x, rate in zip(inputs, velocity, strict=False)]
         inputs += ring.inputs[len(velocity) :]
         (value,) = integral.evaluate(inputs, ring.constant, AlongFlow.power)
+        return ring.vanishes(value.rate)
     except NotShownError:
         return False
-    return ring.vanishes(value.rate)
 
 
 def derivative_terms(function: Program, name: str) -> dict[tuple[int, ...], Fraction] | None:
@@ -76,17 +78,17 @@ class NotShownError(Exception):
 
 
 class Ring:
-    """Polynomials in the inputs of two programs and the symbols s = u^(-1/q) that were needed so far.
+    """Polynomials in the inputs of programs and the symbols s = u^(-1/q) that were needed so far.
 
     Attributes:
         symbols: u and q of each symbol.
         is_closed: whether only what was divided by before may be divided by again.
     """
 
-    def __init__(self, field: Program, integral: Program) -> None:
-        steps = [step for program in (field, integral) for step in program.instructions]
+    def __init__(self, *programs: Program) -> None:
+        steps = [step for program in programs for step in program.instructions]
         number = sum(step.operation in ("div", "pow") for step in steps)
-        self.first = len(field.inputs)
+        self.first = len(programs[0].inputs)
         self.variables, self.work = self.first + number, 0
         # Generators are told apart by their places; the system's own names are not used.
         self.polynomials = fmpq_mpoly_ctx.get([f"x{i}" for i in range(self.variables)], Ordering.lex)
@@ -164,6 +166,10 @@ class Ring:
             for whole, part in parts.items():
                 lifted = self._whole_power(base, most - whole)
                 polynomial = self.sum(polynomial, self.product(self.polynomials.from_dict(part), lifted))
+        return self.is_zero(polynomial)
+
+    def is_zero(self, polynomial: fmpq_mpoly) -> bool:
+        """Whether a polynomial of the inputs vanishes."""
         return bool(polynomial.is_zero())
 
 

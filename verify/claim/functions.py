@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from fractions import Fraction
 from functools import cache
+from typing import Protocol, TypeVar
 
 from flint import arb, fmpq_mpoly
 
 from orbitproof.shared.systems import Program, ReversibleSystem, System, signs_with_functions, with_functions
 from orbitproof.verify.claim.first_integral import AlongFlow, NotShownError, Ring
-from orbitproof.verify.evidence import FUNCTIONS, Evidence, enclose, power
+from orbitproof.verify.claim.related_functions import Functions, functions_of
+from orbitproof.verify.evidence import FUNCTIONS, Checklist, Evidence, enclose, power
 
 _PARTNERS = {"sin": "cos", "cos": "sin"}
 
@@ -17,6 +20,61 @@ _PARTNERS = {"sin": "cos", "cos": "sin"}
 def enclose_functions(system: System, state: Sequence[arb], parameters: Sequence[arb]) -> list[arb]:
     """The state with the coordinates that are functions of others; their own entries are not used."""
     return with_functions(system, state, parameters, FUNCTIONS, enclose, power)
+
+
+def slope_of(function: str, argument: arb) -> arb:
+    """The derivative of a function at the points of a ball."""
+    match function:
+        case "sin":
+            return argument.cos()
+        case "cos":
+            return -argument.sin()
+        case "exp":
+            return argument.exp()
+        case "log":
+            return 1 / argument
+    raise ValueError(f"{function!r} is no function of a field")
+
+
+class Composable(Protocol):
+    """Values and derivatives of a function, of which a function can be taken."""
+
+    @property
+    def value(self) -> arb:
+        """The values."""
+
+    def power(self: Linear, exponent: Fraction) -> Linear:
+        """A power."""
+
+    def composed(self: Linear, value: arb, slope: arb) -> Linear:
+        """A function of it, with its values and its derivatives at those of this one."""
+
+
+Linear = TypeVar("Linear", bound=Composable)
+
+
+def with_slopes(
+    system: System, state: Sequence[Linear], parameters: Sequence[Linear], constant: Callable[[Fraction], Linear]
+) -> list[Linear]:
+    """The given coordinates with those that are functions of them, by the chain rule."""
+    zero = constant(Fraction(0))
+    functions = {name: _chained(name) for name in FUNCTIONS}
+    places = [*state, *[zero] * len(system.defined)]
+    return with_functions(system, places, parameters, functions, constant, type(zero).power)
+
+
+def _chained(name: str) -> Callable[[Linear], Linear]:
+    return lambda argument: argument.composed(FUNCTIONS[name](argument.value), slope_of(name, argument.value))
+
+
+def check_functions(checklist: Checklist, system: System) -> None:
+    """Orbits that begin with the last coordinates as functions of the others keep them so (section 24.7)."""
+    names = ", ".join(each.name for each in system.defined)
+    statement = f"{names} have the rates of the functions that they are: orbits that begin with these values keep them"
+    remedy = "write the functions in the formulas of the field, and no divisor in them that the field does not have"
+    with checklist.hypothesis("functions", "24.7", statement, remedy) as evidence:
+        message = "coordinates were not shown to stay functions of the others"
+        evidence.require(keeps_its_functions(system), message)
 
 
 def behind_functions(system: ReversibleSystem, program: Program) -> set[str]:
@@ -61,8 +119,11 @@ def keeps_its_functions(system: System) -> bool:
 
 def require_functions(
     evidence: Evidence, system: ReversibleSystem, involutions: Sequence[tuple[str, Sequence[int]]]
-) -> None:
-    """Require that orbits, and involutions of these signs, keep the states whose last coordinates are functions."""
+) -> Functions:
+    """Require that orbits, and involutions of these signs, keep the states whose last coordinates are functions.
+
+    Returns these, with which identities on such states are shown.
+    """
     for name, signs in involutions:
         evidence.require(
             keeps_functions(system, signs),
@@ -72,6 +133,7 @@ def require_functions(
     evidence.require(
         keeps_its_functions(system), f"coordinates of {system.name} were not shown to stay functions of the others"
     )
+    return functions_of(system)
 
 
 @cache

@@ -10,15 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from orbitproof.shared.systems import Program, ReversibleSystem, has_parities, parities
+from orbitproof.shared.systems import ReversibleSystem, has_parities, parities
 from orbitproof.verify.claim.first_integral import is_first_integral
 from orbitproof.verify.evidence import Checklist
-
-
-def is_left_alone(program: Program | None, system: ReversibleSystem, symmetry: str | None) -> bool:
-    """Whether a program has one output, which R and the symmetry, if one is named, leave alone, by its parities."""
-    involutions = [system.reversing_symmetry, *([] if symmetry is None else [system.symmetries[symmetry]])]
-    return program is not None and all(parities(program, signs) == [1] for signs in involutions)
 
 
 def signs_on(system: ReversibleSystem, symmetry: str, coordinates: Sequence[str]) -> tuple[int, ...]:
@@ -53,16 +47,17 @@ def check_symmetries(checklist: Checklist, system: ReversibleSystem, symmetry: s
             message = f"of {system.name} was not shown to have the symmetry {name}"
             evidence.require(shown, f"the vector field {message}")
             evidence.require(integral is None or parities(integral, signs) == [1], f"the first integral {message}")
+        ring_of = None
         if system.defined:
             from orbitproof.verify.claim.functions import require_functions
 
-            require_functions(evidence, system, [(name, signs) for name, signs, _ in involutions])
+            ring_of = require_functions(evidence, system, [(name, signs) for name, signs, _ in involutions])
         evidence.require(
             distance is None or parities(distance, system.reversing_symmetry) == [1],
             f"the distance of {system.name} from {system.distance_name} was not shown to have the symmetry R",
         )
         evidence.require(
-            integral is None or is_first_integral(system.program, integral),
+            integral is None or is_first_integral(system.program, integral, ring_of),
             f"the {system.first_integral_name or 'first integral'} of {system.name} was not shown to be constant along "
             "its orbits",
         )

@@ -3,10 +3,13 @@
 from orbitproof.verify.periodic.box import (
     SectionCoordinates,
     check_coordinates,
+    check_functions_of,
     check_integral,
     check_transversal,
+    functions_at_start,
     gradient_on,
     section_coordinates,
+    section_of,
     slopes_along,
     state_on_box,
 )

@@ -9,9 +9,10 @@ from fractions import Fraction
 from flint import arb
 
 from orbitproof.shared.formats import InSection, PeriodicBifurcation
-from orbitproof.shared.systems import Program
-from orbitproof.verify.claim import inverse, is_first_integral
+from orbitproof.shared.systems import Program, System
+from orbitproof.verify.claim import inverse, keeps_integral
 from orbitproof.verify.evidence import Checklist, dot, enclose, is_positive, power, symmetric, total
+from orbitproof.verify.maps import AffineSection
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,17 @@ def section_coordinates(claim: InSection) -> SectionCoordinates | None:
     return None if rows is None else SectionCoordinates(pivot, tuple(map(tuple, rows)))
 
 
+def section_of(system: System, normal: Sequence[Fraction], offset: Fraction) -> AffineSection:
+    """A section with a normal in the coordinates that are given, among all that are followed."""
+    return AffineSection((*normal, *[Fraction(0)] * len(system.defined)), offset)
+
+
+def functions_at_start(system: System) -> tuple[tuple[str, Program], ...]:
+    """What the further coordinates of a `StartingSet` are, from the given ones (section 24.7)."""
+    kinds = [each.function for each in system.defined]
+    return tuple(zip(kinds, system.argument_programs, strict=True))
+
+
 def check_coordinates(checklist: Checklist, claim: InSection) -> None:
     """The box lies in the section, and p are coordinates of it, exactly (section 24.1)."""
     statement = "the normal is not 0, the centre lies on the section, and the columns of the frame span it"
@@ -57,6 +69,14 @@ def _product(left: Sequence[Fraction], right: Sequence[Fraction]) -> Fraction:
     return sum((a * b for a, b in zip(left, right, strict=True)), Fraction(0))
 
 
+def check_functions_of(checklist: Checklist, system: System) -> None:
+    """Where the field has functions: that they are followed as such (section 24.7)."""
+    if system.defined:
+        from orbitproof.verify.claim.functions import check_functions
+
+        check_functions(checklist, system)
+
+
 def check_integral(checklist: Checklist, claim: InSection) -> None:
     """H is a first integral, by the identity grad H . f = 0 (section 1.4)."""
     statement = "grad H . f = 0 identically, H the first integral whose level is claimed (1.4)"
@@ -68,8 +88,7 @@ def check_integral(checklist: Checklist, claim: InSection) -> None:
         integral = claim.system.first_integral_program
         evidence.require(integral is not None, "the system has no first integral")
         if integral is not None:
-            shown = is_first_integral(claim.system.program, integral)
-            evidence.require(shown, "H was not shown to be constant along orbits")
+            evidence.require(keeps_integral(claim.system), "H was not shown to be constant along orbits")
 
 
 def check_transversal(checklist: Checklist, claim: InSection) -> None:
@@ -78,7 +97,8 @@ def check_transversal(checklist: Checklist, claim: InSection) -> None:
     statement, remedy = f"normal . f is {word} on the box", "claim the other direction, or give smaller radii"
     with checklist.hypothesis("direction", "24.1", statement, remedy) as evidence:
         velocity = values_on(claim.system.program, claim, state_on_box(claim))
-        across = evidence.record("normal . f", dot([enclose(value) for value in claim.normal], velocity))
+        normal = [enclose(value) for value in claim.normal]
+        across = evidence.record("normal . f", dot(normal, velocity[: len(normal)]))
         excluded = is_positive(-claim.direction * across)
         evidence.require(is_positive(claim.direction * across), "it may have the other sign", excluded=excluded)
 
@@ -94,7 +114,17 @@ def state_on_box(claim: InSection, sides: Sequence[arb] | None = None) -> list[a
 
 def values_on(program: Program, claim: InSection, state: Sequence[arb]) -> list[arb]:
     """Enclosures of functions of state and parameters, the state in balls, at all parameters of the claim."""
-    return program.evaluate([*state, *parameters_on_box(claim)], enclose, power)
+    parameters = parameters_on_box(claim)
+    return program.evaluate([*_whole(claim.system, state, parameters), *parameters], enclose, power)
+
+
+def _whole(system: System, state: Sequence[arb], parameters: Sequence[arb]) -> Sequence[arb]:
+    """The state with the coordinates that are functions of those given."""
+    if not system.defined:
+        return state
+    from orbitproof.verify.claim.functions import enclose_functions
+
+    return enclose_functions(system, [*state, *[arb(0)] * len(system.defined)], parameters)
 
 
 def parameters_on_box(claim: InSection) -> list[arb]:
@@ -107,18 +137,34 @@ def parameters_on_box(claim: InSection) -> list[arb]:
 
 def gradient_on(program: Program, claim: InSection, state: Sequence[arb]) -> list[arb]:
     """Enclosures of the derivatives of a function of one value in the coordinates p, at all points of balls."""
-    return slopes_along(program, state, parameters_on_box(claim), list(zip(*claim.frame, strict=True)))
+    columns = list(zip(*claim.frame, strict=True))
+    return slopes_along(program, state, parameters_on_box(claim), columns, claim.system)
 
 
 def slopes_along(
-    program: Program, state: Sequence[arb], parameters: Sequence[arb], columns: Sequence[Sequence[Fraction]]
+    program: Program,
+    state: Sequence[arb],
+    parameters: Sequence[arb],
+    columns: Sequence[Sequence[Fraction]],
+    system: System | None = None,
 ) -> list[arb]:
-    """Enclosures of the derivatives of a function of one value along vectors of the state space, on balls."""
-    size = len(columns)
-    arguments = [_Linear(ball, tuple(enclose(column[i]) for column in columns)) for i, ball in enumerate(state)] + [
-        _Linear(value, (arb(0),) * size) for value in parameters
-    ]
-    (value,) = program.evaluate(arguments, lambda number: _Linear(enclose(number), (arb(0),) * size), _Linear.power)
+    """Enclosures of the derivatives of a function of one value along vectors of the state space, on balls.
+
+    Args:
+        system: whose coordinates follow from those of `state`, if it has such; else none do.
+    """
+    zero = (arb(0),) * len(columns)
+
+    def constant(value: Fraction) -> _Linear:
+        return _Linear(enclose(value), zero)
+
+    moving = [_Linear(ball, tuple(enclose(column[i]) for column in columns)) for i, ball in enumerate(state)]
+    fixed = [_Linear(value, zero) for value in parameters]
+    if system is not None and system.defined:
+        from orbitproof.verify.claim.functions import with_slopes
+
+        moving = with_slopes(system, moving, fixed, constant)
+    (value,) = program.evaluate([*moving, *fixed], constant, _Linear.power)
     return list(value.slopes)
 
 
@@ -146,8 +192,11 @@ class _Linear:
         """By d(u^a) = a u^(a - 1) du."""
         if exponent == 0:
             return _Linear(arb(1), (arb(0),) * len(self.slopes))
-        factor = enclose(exponent) * power(self.value, exponent - 1)
-        return _Linear(power(self.value, exponent), tuple(factor * slope for slope in self.slopes))
+        return self.composed(power(self.value, exponent), enclose(exponent) * power(self.value, exponent - 1))
+
+    def composed(self, value: arb, slope: arb) -> _Linear:
+        """A function of it, with its values and its derivatives at those of this one."""
+        return _Linear(value, tuple(slope * each for each in self.slopes))
 
 
 def _plus(left: arb, right: arb) -> arb:

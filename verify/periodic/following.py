@@ -7,8 +7,8 @@ from fractions import Fraction
 
 from orbitproof.shared.formats import PeriodicOrbit
 from orbitproof.verify.evidence import DerivativeTable, IntegrationFailure, enclose, guarded
-from orbitproof.verify.maps import AffineSection, Format, FramingOracle, Image, StartingSet, enclose_poincare_map
-from orbitproof.verify.periodic.box import SectionCoordinates, section_coordinates
+from orbitproof.verify.maps import Format, FramingOracle, Image, StartingSet, enclose_poincare_map
+from orbitproof.verify.periodic.box import SectionCoordinates, functions_at_start, section_coordinates, section_of
 from orbitproof.verify.periodic.enclosures import Linearised, PeriodicEnclosures, SectionReturn, stops_of
 from orbitproof.verify.poincare import IntegratorSettings, default_order
 
@@ -55,10 +55,11 @@ def _image(
             progress(before + (1 - before) * steps / (steps + 50 * crossings))
 
     zero = (Fraction(0),) * len(claim.radii)
+    system, frame = claim.system, (*claim.frame, *(zero for _ in claim.values))
     start = StartingSet(
-        len(claim.centre), (*claim.centre, *claim.values), (*claim.frame, *(zero for _ in claim.values)), claim.radii
+        len(claim.centre), (*claim.centre, *claim.values), frame, claim.radii, functions_at_start(system)
     )
-    section = AffineSection(claim.normal, claim.offset)
+    section = section_of(system, claim.normal, claim.offset)
     program = claim.system.program
     return enclose_poincare_map(program, start, section, claim.direction, crossings, chosen, oracle, stepped)
 
@@ -68,10 +69,11 @@ def _return(claim: PeriodicOrbit, coordinates: SectionCoordinates, crossings: in
     size = len(claim.radii)
     zero = (0,) * size
     units = [tuple(int(i == j) for i in range(size)) for j in range(size)]
+    state = image.state[: len(claim.centre)]
     centre = coordinates.of(
-        [table.centre[zero] - enclose(origin) for table, origin in zip(image.state, claim.centre, strict=True)]
+        [table.centre[zero] - enclose(origin) for table, origin in zip(state, claim.centre, strict=True)]
     )
-    columns = [coordinates.of([table.box[unit] for table in image.state]) for unit in units]
+    columns = [coordinates.of([table.box[unit] for table in state]) for unit in units]
     functions = tuple(
         Linearised(value, tuple(column[i] for column in columns)) for i, value in enumerate(centre)
     )  # fmt: skip

@@ -11,7 +11,7 @@ from flint import arb
 
 from orbitproof.shared.claims.fields import Title
 from orbitproof.shared.formats import PeriodicOrbit
-from orbitproof.verify.claim import is_free_of_divergence
+from orbitproof.verify.claim import keeps_volume
 from orbitproof.verify.evidence import (
     Checklist,
     Outcome,
@@ -31,6 +31,7 @@ from orbitproof.verify.evidence import (
 from orbitproof.verify.newton import is_regular, newton_image
 from orbitproof.verify.periodic.box import (
     check_coordinates,
+    check_functions_of,
     check_integral,
     check_transversal,
     gradient_on,
@@ -75,6 +76,7 @@ class PeriodicTheorem:
         """As in `evidence.Theorem`."""
         on_level = self.claim.level is not None
         return (
+            *(["functions"] if self.claim.system.defined else []),
             "section", *(["first-integral"] if on_level else []), "direction", "return-map", "periodic",
             *(["last-coordinate"] if on_level else []), "least-period",
         )  # fmt: skip
@@ -82,6 +84,7 @@ class PeriodicTheorem:
 
 def check_periodic_exactly(checklist: Checklist, claim: PeriodicOrbit) -> None:
     """All hypotheses that need no integration; raises `NotEstablishedError` for the first that fails."""
+    check_functions_of(checklist, claim.system)
     check_coordinates(checklist, claim)
     if claim.level is not None:
         check_integral(checklist, claim)
@@ -225,12 +228,11 @@ def _results(
         dropped = _left_out(claim)
         assert dropped is not None
         derivative = on_level(derivative, level_slopes, dropped)
-    keeps_volume = is_free_of_divergence(system.program, len(system.state))
     trivial = 1 if level_slopes is None else 2
     return PeriodicResults(
-        dict(zip(system.state, _point(claim, where), strict=True)),
+        dict(zip(system.given_state, _point(claim, where), strict=True)),
         found.time.value(where),
-        multipliers_of(derivative, trivial, keeps_volume),
+        multipliers_of(derivative, trivial, keeps_volume(system)),
         "" if claim.level is None else system.first_integral_name or "H",
         None if claim.level is None else enclose(claim.level),
     )

@@ -9,8 +9,16 @@ from flint import arb
 
 from orbitproof.shared.formats import PeriodicBifurcation
 from orbitproof.verify.evidence import DerivativeTable, IntegrationFailure, dot, enclose, guarded
-from orbitproof.verify.maps import AffineSection, Format, FramingOracle, Image, StartingSet, enclose_poincare_map
-from orbitproof.verify.periodic import Linearised, SectionCoordinates, SectionReturn, section_coordinates, stops_of
+from orbitproof.verify.maps import Format, FramingOracle, Image, StartingSet, enclose_poincare_map
+from orbitproof.verify.periodic import (
+    Linearised,
+    SectionCoordinates,
+    SectionReturn,
+    functions_at_start,
+    section_coordinates,
+    section_of,
+    stops_of,
+)
 from orbitproof.verify.periodic_bifurcation.enclosures import BifurcationEnclosures
 from orbitproof.verify.poincare import BOX_RATIO, IntegratorSettings, at_start, default_order, derivative_table
 
@@ -60,7 +68,8 @@ def starting_set(claim: PeriodicBifurcation) -> StartingSet:
         varying = len(claim.frame) + names.index(claim.parameter)
         frame = [(*row, Fraction(int(place == varying))) for place, row in enumerate(frame)]
         radii = (*radii, claim.parameter_radius)
-    return StartingSet(len(claim.centre), (*claim.centre, *claim.values), tuple(frame), radii)
+    functions = functions_at_start(claim.system)
+    return StartingSet(len(claim.centre), (*claim.centre, *claim.values), tuple(frame), radii, functions)
 
 
 def _image(
@@ -77,7 +86,7 @@ def _image(
             # How many steps there will be is not known: the fraction only grows.
             progress(before + (1 - before) * steps / (steps + 50 * crossings))
 
-    section = AffineSection(claim.normal, claim.offset)
+    section = section_of(claim.system, claim.normal, claim.offset)
     program = claim.system.program
     return enclose_poincare_map(program, start, section, claim.direction, crossings, chosen, oracle, stepped)
 
@@ -89,7 +98,7 @@ def _coordinates_of(
     zero = (0,) * len(next(iter(image.time.box)))
 
     def part(tables: Sequence[DerivativeTable], name: str) -> list[dict[tuple[int, ...], arb]]:
-        sources = [getattr(table, name) for table in tables]
+        sources = [getattr(table, name) for table in tables[: len(claim.centre)]]
         columns = {index: moved([source[index] for source in sources]) for index in sources[0]}
         columns[zero] = [value - enclose(origin) for value, origin in zip(columns[zero], claim.centre, strict=True)]
         rows = {index: coordinates.of(column) for index, column in columns.items()}

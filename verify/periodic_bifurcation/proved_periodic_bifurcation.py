@@ -10,7 +10,7 @@ from flint import acb, arb
 
 from orbitproof.shared.claims.fields import Title
 from orbitproof.shared.formats import PERIODIC_FOLD, PERIODIC_PITCHFORK, PERIODIC_TORUS, PeriodicBifurcation
-from orbitproof.verify.claim import is_free_of_divergence
+from orbitproof.verify.claim import keeps_volume
 from orbitproof.verify.evidence import (
     Checklist,
     Outcome,
@@ -24,6 +24,7 @@ from orbitproof.verify.newton import is_regular
 from orbitproof.verify.periodic import (
     Multipliers,
     check_coordinates,
+    check_functions_of,
     check_integral,
     check_transversal,
     multipliers_of,
@@ -85,6 +86,7 @@ class PeriodicBifurcationTheorem:
         on_level, mirrored = self.claim.level is not None, self.claim.kind == PERIODIC_PITCHFORK
         is_fold = self.claim.kind == PERIODIC_FOLD
         return (
+            *(["functions"] if self.claim.system.defined else []),
             "section", *(["symmetry"] if mirrored else []), *(["first-integral"] if on_level else []), "direction",
             "return-map", "bifurcation", *(["last-coordinate"] if on_level else []),
             *([] if is_fold else ["curve"]), *(["mirrored"] if mirrored else []), "least-period", "side",
@@ -93,6 +95,7 @@ class PeriodicBifurcationTheorem:
 
 def check_bifurcation_exactly(checklist: Checklist, claim: PeriodicBifurcation) -> None:
     """All hypotheses that need no integration; raises `NotEstablishedError` for the first that fails."""
+    check_functions_of(checklist, claim.system)
     check_coordinates(checklist, claim)
     if claim.kind == PERIODIC_PITCHFORK:
         check_symmetry(checklist, claim)
@@ -171,7 +174,7 @@ def _results(
     time = time_at(claim, found, place.where)
     on_a_level = claim.level is not None and varies
     return PeriodicBifurcationResults(
-        dict(zip(system.state, state_on_box(claim, p), strict=True)),
+        dict(zip(system.given_state, state_on_box(claim, p), strict=True)),
         name,
         enclose(middle) + s,
         2 * time if is_fixed is False else time,
@@ -210,8 +213,8 @@ def _other_multipliers(
     if dropped is not None:
         matrix = on_level(matrix, equations.functions[dropped].gradient(place.where, 0)[:-1], dropped)
         kernel = [ball for position, ball in enumerate(kernel) if position != dropped]
-    is_area = len(matrix) == 2 and is_free_of_divergence(system.program, len(system.state))
-    if is_area and is_fixed is None and len(system.state) == 2 + trivial:
+    is_area = len(matrix) == 2 and keeps_volume(system)
+    if is_area and is_fixed is None and len(system.given_state) == 2 + trivial:
         return Multipliers((acb(sigma),), 0, 1, 0, 0, trivial)
     rest = quotient(matrix, kernel)
     return multipliers_of(_squared(rest) if is_fixed is False else rest, trivial, keeps_volume=False)

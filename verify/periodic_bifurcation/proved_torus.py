@@ -21,7 +21,14 @@ from orbitproof.verify.evidence import (
     is_positive,
     show,
 )
-from orbitproof.verify.periodic import Multipliers, check_coordinates, check_transversal, multipliers_of, state_on_box
+from orbitproof.verify.periodic import (
+    Multipliers,
+    check_coordinates,
+    check_functions_of,
+    check_transversal,
+    multipliers_of,
+    state_on_box,
+)
 from orbitproof.verify.periodic_bifurcation.enclosures import BifurcationEnclosures
 from orbitproof.verify.periodic_bifurcation.equations import Matrix, PointEquations, equations_of
 from orbitproof.verify.periodic_bifurcation.returns import check_least, check_returns, time_at
@@ -75,6 +82,7 @@ class TorusTheorem:
     def hypotheses(self) -> tuple[str, ...]:
         """As in `evidence.Theorem`."""
         return (
+            *(["functions"] if self.claim.system.defined else []),
             "section", "direction", "return-map", "bifurcation", "non-resonance", "others", "least-period",
             "crossing", "lyapunov",
         )  # fmt: skip
@@ -82,6 +90,7 @@ class TorusTheorem:
 
 def check_torus_exactly(checklist: Checklist, claim: PeriodicBifurcation) -> None:
     """All hypotheses that need no integration; raises `NotEstablishedError` for the first that fails."""
+    check_functions_of(checklist, claim.system)
     check_coordinates(checklist, claim)
     check_transversal(checklist, claim)
 
@@ -184,7 +193,7 @@ def _results(
 ) -> TorusResults:
     assert claim.parameter is not None
     return TorusResults(
-        dict(zip(claim.system.state, state_on_box(claim, list(place.where[:-1])), strict=True)),
+        dict(zip(claim.system.given_state, state_on_box(claim, list(place.where[:-1])), strict=True)),
         claim.parameter,
         enclose(claim.parameters[claim.parameter]) + place.where[-1],
         time_at(claim, found, place.where),

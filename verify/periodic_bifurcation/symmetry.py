@@ -8,7 +8,7 @@ from fractions import Fraction
 from flint import arb
 
 from orbitproof.shared.formats import PeriodicBifurcation
-from orbitproof.verify.claim import is_respected
+from orbitproof.verify.claim import respects
 from orbitproof.verify.evidence import Checklist, dot, enclose, excludes_zero
 from orbitproof.verify.periodic import section_coordinates
 from orbitproof.verify.periodic_bifurcation.extended_system import BifurcationPoint
@@ -31,10 +31,9 @@ def check_symmetry(checklist: Checklist, claim: PeriodicBifurcation) -> None:
         evidence.require(squared == [[int(i == j) for j in size] for i in size], "S S is not 1")
         moved = [_product(claim.normal, column) for column in zip(*rows, strict=True)]
         evidence.require(moved == list(claim.normal), "S does not map the section to itself in its direction")
-        evidence.require(is_respected(claim.system.program, rows), "f(S x) = S f(x) was not shown")
-        integral = None if claim.level is None else claim.system.first_integral_program
-        shown = integral is None or is_respected(integral, rows)
-        evidence.require(shown, "H(S x) = H(x) was not shown")
+        field, integral = respects(claim.system, rows, with_integral=claim.level is not None)
+        evidence.require(field, "f(S x) = S f(x) was not shown")
+        evidence.require(integral, "H(S x) = H(x) was not shown")
 
 
 def check_mirrored(checklist: Checklist, claim: PeriodicBifurcation, place: BifurcationPoint) -> bool:

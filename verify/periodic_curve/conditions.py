@@ -6,15 +6,17 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from orbitproof.shared.formats import PERIODIC_CURVES, PeriodicAtlas, Piece
-from orbitproof.verify.claim import determinant, is_first_integral
+from orbitproof.verify.claim import determinant, keeps_integral
 from orbitproof.verify.curve import Chain, IntervalResult, check_covers, check_increasing, follow, read_tube
 from orbitproof.verify.evidence import Checklist, Evidence
+from orbitproof.verify.periodic import check_functions_of
 
 
 def hypotheses_of(atlas: PeriodicAtlas) -> tuple[str, ...]:
     """Names of the hypotheses that the claim takes, in the order of checking."""
     claim = atlas.claim
     return (
+        *(("functions",) if atlas.system.defined else ()),
         "section",
         *(("first-integral",) if claim.uses_integral else ()),
         "pieces",
@@ -60,14 +62,14 @@ def check_section(checklist: Checklist, atlas: PeriodicAtlas) -> None:
     statement = "the section is an affine plane across the state space, and every parameter is given or varies"
     with checklist.hypothesis("section", "26.1", statement, "correct the claim") as evidence:
         evidence.require(claim.kind in PERIODIC_CURVES, f"{claim.kind} is no claim about such a curve")
-        evidence.require(len(claim.normal) == len(system.state) and any(claim.normal), "the normal is 0, or no normal")
+        fits = len(claim.normal) == len(system.given_state)
+        evidence.require(fits and any(claim.normal), "the normal is 0, or no normal")
         evidence.require(claim.direction in (1, -1) and claim.crossings >= 1, "no such crossings")
         varies = {claim.parameter} - {None}
         evidence.require(
             {*atlas.parameters} | varies == {*system.parameters} and not varies & {*atlas.parameters},
             "a parameter has no value, or is none of the system",
         )
-        evidence.require(not system.defined, "coordinates of the state are functions of others")
         evidence.require(claim.level is None or claim.parameter is not None, "a level is given, and varies")
 
 
@@ -79,8 +81,7 @@ def check_integral(checklist: Checklist, atlas: PeriodicAtlas) -> None:
         integral = atlas.system.first_integral_program
         evidence.require(integral is not None, "the system has no first integral")
         if integral is not None:
-            shown = is_first_integral(atlas.system.program, integral)
-            evidence.require(shown, "H was not shown to be constant along orbits")
+            evidence.require(keeps_integral(atlas.system), "H was not shown to be constant along orbits")
 
 
 def check_periodic_curve(checklist: Checklist, atlas: PeriodicAtlas, results: Sequence[IntervalResult]) -> Chain:
@@ -89,6 +90,7 @@ def check_periodic_curve(checklist: Checklist, atlas: PeriodicAtlas, results: Se
     `results`: one for each interval of each piece.
     """
     claim, pieces = atlas.claim, atlas.curve_pieces()
+    check_functions_of(checklist, atlas.system)
     check_section(checklist, atlas)
     if claim.uses_integral:
         check_integral(checklist, atlas)

@@ -11,7 +11,7 @@ from flint import arb
 
 from orbitproof.shared.formats import PeriodicAtlas
 from orbitproof.shared.stored import rules
-from orbitproof.verify.claim import is_free_of_divergence
+from orbitproof.verify.claim import keeps_volume
 from orbitproof.verify.curve import Chain, Interval, IntervalResult, Stretch
 from orbitproof.verify.evidence import all_finite, enclose, hull, is_below, power, sign
 from orbitproof.verify.functions import REACH
@@ -53,7 +53,7 @@ class CountedPart:
 
 def number_of_multipliers(atlas: PeriodicAtlas) -> int:
     """How many there are besides those that are 1 for all such orbits."""
-    return len(atlas.system.state) - (2 if atlas.claim.uses_integral else 1)
+    return len(atlas.system.given_state) - (2 if atlas.claim.uses_integral else 1)
 
 
 def counted_along(atlas: PeriodicAtlas, chain: Chain, results: Sequence[IntervalResult]) -> tuple[CountedPart, ...]:
@@ -134,7 +134,7 @@ def _counted(
     if functions is None or len(functions.coefficients) != size:
         return [(*wanted, None)]
     enclosed = [function.enclosed for function in functions.coefficients]
-    keeps_area = size == 2 and is_free_of_divergence(atlas.system.program, len(atlas.system.state))
+    keeps_area = size == 2 and keeps_volume(atlas.system)
     middle, length = (interval[0] + interval[1]) / 2, (interval[1] - interval[0]) / 2 * REACH
     decided: list[tuple[Fraction, Fraction, Counts | None]] = []
     pending = [wanted]

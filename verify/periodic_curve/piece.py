@@ -177,7 +177,7 @@ class _Proof:
 
     def _check_last(self, checklist: Checklist, orbits: TubeOfOrbits, images: Sequence[Series], dropped: int) -> None:
         """dH/dx_j is not 0 between a point of the tube and its image that differs from it in x_j alone."""
-        name = [name for i, name in enumerate(self.atlas.system.state) if i != self.atlas.claim.pivot][dropped]
+        name = [name for i, name in enumerate(self.atlas.system.given_state) if i != self.atlas.claim.pivot][dropped]
         statement = f"dH/d{name} along the section has no zero where {name} lies between a point and its image"
         with checklist.hypothesis("last-coordinate", "26.3", statement, "a narrower piece or tube") as evidence:
             others = [ranges(element) for element in orbits.others(orbits.state)]
@@ -194,17 +194,17 @@ class _Proof:
         program = system.first_integral_program
         assert program is not None
         pivot = claim.pivot
-        places = [i for i in range(len(system.state)) if i != pivot]
+        places = [i for i in range(len(system.given_state)) if i != pivot]
         factors = [-claim.normal[i] / claim.normal[pivot] for i in places]
         state = list(others)
         constant = enclose(claim.offset / claim.normal[pivot])
         state.insert(pivot, constant + dot([enclose(factor) for factor in factors], others))
         columns = [
-            [factor if row == pivot else Fraction(int(row == i)) for row in range(len(system.state))]
+            [factor if row == pivot else Fraction(int(row == i)) for row in range(len(system.given_state))]
             for i, factor in zip(places, factors, strict=True)
         ]
         parameters = [ranges(element)[part] for element in orbits.constants]
-        return slopes_along(program, state, parameters, columns)
+        return slopes_along(program, state, parameters, columns, system)
 
 
 def _level(orbits: TubeOfOrbits) -> Series:

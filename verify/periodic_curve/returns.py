@@ -14,8 +14,7 @@ from orbitproof.verify.algebra import Arithmetic, Series
 from orbitproof.verify.curve import tube_points
 from orbitproof.verify.evidence import IntegrationFailure, hull
 from orbitproof.verify.flow import Expansion, FlowStep, FrameOracle, InFrame
-from orbitproof.verify.maps import AffineSection
-from orbitproof.verify.periodic import stops_of
+from orbitproof.verify.periodic import functions_at_start, section_of, stops_of
 from orbitproof.verify.poincare import (
     MOST_STEPS,
     WIDE_PARTS,
@@ -23,6 +22,7 @@ from orbitproof.verify.poincare import (
     WideOracle,
     WideOrbits,
     at_start,
+    defined_values,
     range_of,
     wide_parts,
 )
@@ -89,18 +89,22 @@ class TubeOfOrbits:
         """`interval`: middle and ds/dsigma; `widths`: dp_j/domega_j."""
         claim, system = atlas.claim, atlas.system
         self.claim, self.system, self.arithmetic = claim, system, arithmetic
-        self.section = AffineSection(claim.normal, claim.offset)
+        self.section = section_of(system, claim.normal, claim.offset)
         self.point = tube_points(arithmetic, atlas.coordinates, piece, interval, widths)
         zero = arithmetic.constant(Fraction(0))
-        self.state = [zero if i == claim.pivot else self.point[name] for i, name in enumerate(system.state)]
+        given = [zero if i == claim.pivot else self.point[name] for i, name in enumerate(system.given_state)]
         self.constants = [
             self.point[name] if name == claim.parameter else arithmetic.constant(atlas.parameters[name])
             for name in system.parameters
         ]
+        # The functions are those of the state itself, on the section.
+        own = self.section.own_state(given) if system.defined else given
+        self.state = [*given, *defined_values(functions_at_start(system), own, self.constants)]
 
     def others(self, state: Sequence[Series]) -> tuple[Series, ...]:
-        """The coordinates of the state but for the pivot."""
-        return tuple(element for i, element in enumerate(state) if i != self.claim.pivot)
+        """The given coordinates of the state but for the pivot."""
+        given = state[: len(self.claim.normal)]
+        return tuple(element for i, element in enumerate(given) if i != self.claim.pivot)
 
     def across(self, coordinates: Coordinates) -> Series:
         """normal . f at the points of the tube."""

@@ -12,6 +12,7 @@ from orbitproof.verify.atlas.document import PeriodicCurveStatement
 from orbitproof.verify.atlas.kinds import BranchKind
 from orbitproof.verify.atlas.recheck import conclusion, form, integration
 from orbitproof.verify.atlas.whole_as_json import whole_to_json
+from orbitproof.verify.certificate import stated_functions
 from orbitproof.verify.certificate.document import Names
 from orbitproof.verify.certificate.levels import Finding
 from orbitproof.verify.certificate.stored_balls import to_json
@@ -36,6 +37,7 @@ def _statement(atlas: PeriodicAtlas, results: Sequence[Any]) -> PeriodicCurveSta
         claim=atlas_to_json(atlas, provenance=False),
         vector_field=system.program.text(),
         first_integral=None if integral is None else integral.text(),
+        functions=stated_functions(system),
         names=Names(system=system.title, first_integral=None if integral is None else system.first_integral_name),
     )
 

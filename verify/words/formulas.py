@@ -132,12 +132,10 @@ def setting(
     lines += [f"  {name} = {exact_text(value)}" for name, value in parameters.items()]
     if system.defined:
         taken = (*taken, *_left_sides(field))
-        functions = _functions(system, taken)
+        kinds = [(each.name, each.function) for each in system.defined]
+        functions = functions_in_lines(system.given_state, kinds, system.argument_programs, taken)
         taken = (*taken, *_left_sides(functions))
-        lines += [
-            f"The states are given by {', '.join(system.given_state)}; {_named(system)} are these functions of them:"
-        ]
-        lines += [f"  {line}" for line in functions]
+        lines += functions
     if names:
         called = ", ".join(f"{new} is called {name}" for name, new in names.items())
         lines.append(f"In the description of the system {called}, which has another meaning here.")
@@ -161,23 +159,29 @@ def setting(
     return [*lines, *_points(system)]
 
 
-def _functions(system: ReversibleSystem, taken: Sequence[str]) -> list[str]:
-    """The coordinates that are functions of others, and what the names in their arguments stand for."""
+def functions_in_lines(
+    given: Sequence[str], functions: Sequence[tuple[str, str]], arguments: Sequence[Program], taken: Sequence[str]
+) -> list[str]:
+    """The coordinates that are functions of others, and what the names in their arguments stand for.
+
+    Args:
+        given: names of the others.
+        functions: name and function of each.
+        taken: letters that stand for something else.
+    """
     lines: list[str] = []
-    for each, program in zip(system.defined, system.argument_programs, strict=True):
+    for (name, function), program in zip(functions, arguments, strict=True):
         # No letter stands for two things in one statement.
         formulas = _Formulas(program, (*taken, *_left_sides(lines)))
-        lines.append(f"{each.name} = {each.function}({formulas.of(program.outputs[0])[0]})")
+        lines.append(f"{name} = {function}({formulas.of(program.outputs[0])[0]})")
         lines += formulas.definitions
-    return lines
-
-
-def _named(system: ReversibleSystem) -> str:
-    return ", ".join(each.name for each in system.defined)
+    named = ", ".join(name for name, _ in functions)
+    first = f"The states are given by {', '.join(given)}; {named} are these functions of them:"
+    return [first, *(f"  {line}" for line in lines)]
 
 
 def _left_sides(lines: Sequence[str]) -> list[str]:
-    return [line.partition(" = ")[0] for line in lines]
+    return [line.strip().partition(" = ")[0] for line in lines]
 
 
 def _points(system: ReversibleSystem) -> list[str]:

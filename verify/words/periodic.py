@@ -13,7 +13,7 @@ from orbitproof.shared.systems import Program, System
 from orbitproof.verify.claim import keyed_in_words, names_in_words
 from orbitproof.verify.evidence import certain_digits, decimal_interval, dot, enclose, exact_text, located, symmetric
 from orbitproof.verify.periodic import Multipliers, PeriodicResults, PeriodicTheorem
-from orbitproof.verify.words.formulas import equations
+from orbitproof.verify.words.formulas import equations, functions_in_lines
 
 _DIGITS = 40
 _TAKEN = ("c", "f", "h", "i", "j", "m", "s", "u")
@@ -55,10 +55,9 @@ def setting_in_section(claim: InSection) -> Iterator[str]:
     """System, section and box, in lines; of a parameter that varies nothing but its name."""
     system, names = claim.system, names_in_words(claim.system)
     varying = claim.parameter if isinstance(claim, PeriodicBifurcation) else None
-    state = [names.get(name, name) for name in system.state]
-    yield f"The {system.title}:"
-    left = [f"{name}'" for name in state]
-    yield from (f"  {line}" for line in equations(program_in_words(system, system.program), left, _TAKEN))
+    state = [names.get(name, name) for name in system.given_state]
+    field, taken = field_in_lines(system, _TAKEN)
+    yield from field
     fixed = {name: value for name, value in claim.parameters.items() if name != varying}
     for name, value in keyed_in_words(system, fixed).items():
         yield f"  {name} = {exact_text(value)}"
@@ -68,7 +67,7 @@ def setting_in_section(claim: InSection) -> Iterator[str]:
     if claim.level is not None and system.first_integral_program is not None:
         yield f"A first integral, the {integral_in_words(claim.system)}:"
         program = program_in_words(system, system.first_integral_program)
-        yield from (f"  {line}" for line in equations(program, ["H"], _TAKEN))
+        yield from (f"  {line}" for line in equations(program, ["H"], taken))
     word = "grows" if claim.direction > 0 else "falls"
     yield (
         f"The section is the set of all points with {linear_in_words(claim.normal, state)} = "
@@ -76,6 +75,25 @@ def setting_in_section(claim: InSection) -> Iterator[str]:
         "time."
     )
     yield from _box(claim, state)
+
+
+def field_in_lines(system: System, taken: tuple[str, ...]) -> tuple[list[str], tuple[str, ...]]:
+    """The vector field, what coordinates are functions of others, and which letters are taken for what follows."""
+    names = names_in_words(system)
+    state = [names.get(name, name) for name in system.state]
+    field = equations(program_in_words(system, system.program), [f"{name}'" for name in state], taken)
+    lines = [f"The {system.title}:", *(f"  {line}" for line in field)]
+    if not system.defined:
+        return lines, taken
+    kinds = [(names.get(each.name, each.name), each.function) for each in system.defined]
+    arguments = [program_in_words(system, program) for program in system.argument_programs]
+    given = state[: len(system.given_state)]
+    functions = functions_in_lines(given, kinds, arguments, (*taken, *_left_sides(field)))
+    return [*lines, *functions], (*taken, *_left_sides([*field, *functions]))
+
+
+def _left_sides(lines: list[str]) -> list[str]:
+    return [line.strip().partition(" = ")[0] for line in lines]
 
 
 def periodic_found(claim: PeriodicOrbit, found: PeriodicResults) -> Iterator[str]:

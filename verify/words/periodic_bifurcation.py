@@ -101,7 +101,7 @@ def setting_with_interval(claim: PeriodicBifurcation) -> Iterator[str]:
     if claim.parameter is not None and claim.level is not None:
         yield f"All is on the level H = {exact_text(claim.level)}."
     if claim.symmetry is not None:
-        state = [names_in_words(claim.system).get(name, name) for name in claim.system.state]
+        state = [names_in_words(claim.system).get(name, name) for name in claim.system.given_state]
         image = ", ".join(linear_in_words(row, state) for row in claim.symmetry)
         yield f"The symmetry S maps ({', '.join(state)}) to ({image})."
 

@@ -18,7 +18,7 @@ from orbitproof.verify.periodic_curve import (
     number_of_multipliers,
 )
 from orbitproof.verify.words.formulas import equations
-from orbitproof.verify.words.periodic import integral_in_words, linear_in_words, program_in_words
+from orbitproof.verify.words.periodic import field_in_lines, integral_in_words, linear_in_words, program_in_words
 
 _DIGITS = 18
 _TAKEN = ("c", "f", "h", "i", "j", "m", "s", "u")
@@ -64,11 +64,7 @@ def periodic_curve_in_words(theorem: PeriodicCurveTheorem, curve: ProvedPeriodic
 def periodic_curve_in_full(atlas: PeriodicAtlas, statement: str) -> str:
     """The statement so that it stands alone: the system in formulas before it."""
     system, names = atlas.system, names_in_words(atlas.system)
-    state = [names.get(name, name) for name in system.state]
-    lines = [f"The {system.title}:"]
-    lines += [
-        f"  {line}" for line in equations(program_in_words(system, system.program), [f"{x}'" for x in state], _TAKEN)
-    ]
+    lines, taken = field_in_lines(system, _TAKEN)
     lines += [f"  {name} = {exact_text(value)}" for name, value in keyed_in_words(system, atlas.parameters).items()]
     if names:
         called = ", ".join(f"{new} is called {name}" for name, new in names.items())
@@ -76,7 +72,7 @@ def periodic_curve_in_full(atlas: PeriodicAtlas, statement: str) -> str:
     if atlas.claim.uses_integral and system.first_integral_program is not None:
         lines.append(f"A first integral, the {integral_in_words(system)}:")
         lines += [
-            f"  {line}" for line in equations(program_in_words(system, system.first_integral_program), ["H"], _TAKEN)
+            f"  {line}" for line in equations(program_in_words(system, system.first_integral_program), ["H"], taken)
         ]
     return "\n".join([*lines, "Theorem.", statement])
 
@@ -88,7 +84,7 @@ def _setting(atlas: PeriodicAtlas) -> str:
         f"{name} = {exact_text(value)}" for name, value in keyed_in_words(system, atlas.parameters).items()
     )
     word = "grows" if claim.direction > 0 else "falls"
-    state = [names.get(name, name) for name in system.state]
+    state = [names.get(name, name) for name in system.given_state]
     plane = f"{linear_in_words(claim.normal, state)} = {exact_text(claim.offset)}"
     return (
         f"Consider the {system.title}{f' with {given}' if given else ''}, and the section of all points with {plane}; "
