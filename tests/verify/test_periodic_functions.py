@@ -16,6 +16,7 @@ from orbitproof.shared import define_system
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import PeriodicOrbit
 from orbitproof.shared.systems import Defined, System, described_plainly
+from orbitproof.verify import second_proof
 from orbitproof.verify.certificate import Certificate, Limits, certify, digest, recheck
 from orbitproof.verify.certificate.rechecking import derived
 from orbitproof.verify.claim import keeps_integral, keeps_volume, respects
@@ -349,6 +350,11 @@ def test_a_certificate_says_what_the_functions_are(certificate: Certificate) -> 
     assert "The states are given by x, y; sin_x, cos_x are these functions of them:" in told
     assert "sin_x = sin(x)" in told
     assert recheck(certificate, integrate=True).stands
+
+
+def test_the_second_proof_says_that_it_does_not_follow_functions(certificate: Certificate) -> None:
+    with pytest.raises(second_proof.CannotFollow, match="functions of others"):
+        second_proof.second_proof(certificate.to_json())
 
 
 def _other_function(entry: dict[str, Any]) -> None:

@@ -121,9 +121,11 @@ class PeriodicStatement:
 
 
 def read_periodic(certificate: Mapping[str, Any]) -> PeriodicStatement:
-    """The statement of a certificate of a periodic orbit. Raises `BadCertificate`."""
+    """The statement of a certificate of a periodic orbit. Raises `BadCertificate`, and `CannotFollow` for functions."""
     claim, words = "statement.candidate", read(certificate, "statement", dict)
     given = read(certificate, claim, dict)
+    if words.get("functions"):
+        raise CannotFollow("coordinates that are functions of others are not followed")
     field = read(certificate, "statement.vector_field", Program.from_text)
     names = field.inputs[: len(field.outputs)]
     parameters = read(certificate, f"{claim}.parameters", lambda known: {n: exact(v) for n, v in known.items()})
