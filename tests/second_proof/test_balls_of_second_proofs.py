@@ -97,25 +97,58 @@ def test_arithmetic_of_jets() -> None:
     assert not broken_inclusions(solved, (given,), chance, 14)
 
 
-def over_box(polynomial: Row, radii: Sequence[arb]) -> Any:
-    """A table of a polynomial of degree 3: at the centre, and on the box."""
-    centre = jets.Jet(polynomial, 3)
-    around: Row = {}
-    for a in monomials(range(len(radii)), 3):
+def moved(polynomial: Row, where: Sequence[arb]) -> Row:
+    """Its Taylor coefficients up to order 3 at all of these points."""
+    found: Row = {}
+    for a in monomials(range(len(where)), 3):
         value = arb(0)
         for b, c in polynomial.items():
             rest = list(b)
             if all(rest.count(v) >= a.count(v) for v in set(a)):
                 term = c
-                for v in range(len(radii)):
+                for v, place in enumerate(where):
                     n, k = b.count(v), a.count(v)
                     for i in range(k):
                         term = term * (n - i) / (i + 1)
                     for _ in range(n - k):
-                        term = term * radii[v] * arb(0, 1)
+                        term = term * place
                 value = value + term
-        around[a] = value
-    return conditions.Table(centre, jets.Jet(around, 3), 2)
+        found[a] = value
+    return found
+
+
+def over_box(polynomial: Row, radii: Sequence[arb]) -> Any:
+    """A table of a polynomial of degree 3: at the centre, and on the box."""
+    around = moved(polynomial, [radius * arb(0, 1) for radius in radii])
+    return conditions.Table(jets.Jet(polynomial, 3), jets.Jet(around, 3), 2)
+
+
+@pytest.mark.parametrize("kind", ["fold", "period_tupling"])
+def test_conditions_of_a_claim_are_about_all_points_of_its_box(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of functions of degree 4, whose derivatives of order 3 change from point to point."""
+    chance, given = random.Random(kind), []
+    first, second, level = (row(chance, (0, 1), 4) for _ in range(3))
+    radii = [arb(1) / 2, arb(1) / 4]
+
+    def iterates(_: Any, reach: Sequence[arb]) -> Any:
+        one, two, last = (jets.Jet(moved(each, reach), 3) for each in (first, second, level))
+        return [[one], [two]], last
+
+    monkeypatch.setattr(proof, "conclude_fold", lambda tables, integral, _: given.extend([*tables, integral]))
+    monkeypatch.setattr(
+        proof, "conclude", lambda k, breaking, rows, integral, _: given.extend([*rows[0], *rows[1], integral])
+    )
+    claim: Any = SimpleNamespace(
+        size=2, breaking=False, statement=SimpleNamespace(kind=kind, k=2), iterates=iterates
+    )  # fmt: skip
+    proof._Proof.evaluated(claim, None, radii)
+    exact = [first, level] if kind == "fold" else [first, second, level]
+    for number in range(40):
+        shares = [chance.choice((-1, 1)) if number < 8 else arb(chance.uniform(-1, 1)) for _ in radii]
+        place = [share * radius for share, radius in zip(shares, radii, strict=True)]
+        for table, polynomial in zip(given, exact, strict=True):
+            found = table.jet(place)
+            assert all(found[a].overlaps(value) for a, value in moved(polynomial, place).items())
 
 
 def test_tables_move_with_the_place_and_with_all_that_they_hold() -> None:

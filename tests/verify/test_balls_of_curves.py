@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from flint import arb, ctx
 from support.inclusion import broken_inclusions
+from support.thresholds import unsound_balls
 
 from orbitproof.shared.claims import BirthPiece
 from orbitproof.shared.systems import (
@@ -106,6 +107,21 @@ def test_states_of_a_birth_are_those_of_its_formulas_and_lead_back(seed: int) ->
     resting = {**state, "vx": arb(0), "vz": arb(0)}
     assert tube.local(resting) is None
     assert tube.at_birth(resting, resting) is None
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_ball_is_in_the_tube_of_a_birth_with_all_of_its_points(seed: int) -> None:
+    """Along it, up to the end of what is proved, and across it."""
+    chance = random.Random(seed)
+    tube = random_birth(chance)
+    straight = replace(tube.piece, polynomial=tuple((row[0],) for row in tube.piece.polynomial))
+    for each in (tube, replace(tube, piece=straight)):
+        place = [enclose(row[0]) for row in each.piece.polynomial]
+        for where in ((0,), (1,)):
+            assert not unsound_balls(
+                lambda given, each=each: each.contains(*given), (arb(0), place), chance,
+                where=lambda path, where=where: path[:1] == where,
+            )  # fmt: skip
 
 
 def proof_of(piece: BirthPiece, reach: Fraction) -> Any:

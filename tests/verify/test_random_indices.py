@@ -171,6 +171,31 @@ def test_half_turns_are_those_of_every_angle_strictly(system: Any, monkeypatch: 
     assert not holds(proved_index._check_counts, atlas, curve, None, (), orbits, "the certificate does not stand")
 
 
+def test_half_turns_are_those_of_orbits_of_the_curve_each_in_its_interval(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A place beside the curve, a point at rest and a place in another interval have none."""
+    chance, seen = random.Random(1), set()
+    stretches = {"on": 0, "rest": 1, "off": None}
+    monkeypatch.setattr(proved_index, "stretch_of", lambda curve, piece, s: stretches[piece])
+    monkeypatch.setattr(proved_index, "start_at", lambda atlas, stretch, s: None if stretch == "at rest" else True)
+    atlas: Any = SimpleNamespace(system=CR3BP)
+    curve: Any = SimpleNamespace(chain=SimpleNamespace(stretches=["moves", "at rest"]))
+    half = arb("0.5")
+    for _ in range(60):
+        count = chance.randint(1, 3)
+        pieces = [chance.choice(["on"] * 6 + ["rest", "off"]) for _ in range(count)]
+        inside = [chance.random() < 0.9 for _ in range(count)]
+        turns = HalfTurns(0, 0, 2, (half, half))
+        orbits = [CountedOrbit(piece, Fraction(number, 4), (turns,)) for number, piece in enumerate(pieces)]
+        intervals: Any = [SimpleNamespace(holds=lambda stretch, s, each=each: each) for each in inside]
+        counted, listed = set(pieces) == {"on"}, set(inside) == {True}
+        assert holds(proved_index._check_counts, atlas, curve, None, (), orbits, "") == counted
+        found: Any = SimpleNamespace(across=None)
+        checked = holds(proved_index._check_counts, atlas, curve, found, intervals, orbits, "")
+        assert checked == (counted and listed)
+        seen |= {(counted, listed)}
+    assert len(seen) == 4
+
+
 def test_stored_ends_of_intervals_hold_the_places_between_which_the_index_is_known() -> None:
     """Which have as many digits as rational numbers have; the end of one interval is no end of another."""
     chance = random.Random(0)
