@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 from support.forgeries import Change, changes, checked, forged, noticed
+from support.joined import retrograde_curve, retrograde_index, retrograde_web
 from support.metamorphic_cases import CURVES, ROWS
 from support.metamorphic_runs import Told, tell
 
@@ -23,12 +24,15 @@ from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import write_candidates
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.__main__ import main
+from orbitproof.verify.atlas import certified_rows, rows_of_curve
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import (
     Certificate,
     Computation,
+    Given,
     Level,
+    Recheck,
     certify,
     is_proof_of,
     recheck,
@@ -36,7 +40,7 @@ from orbitproof.verify.certificate import (
     tables_from_json,
     write_certificates,
 )
-from orbitproof.verify.certificate.kinds import MODULES, kind_named, unconfirmed
+from orbitproof.verify.certificate.kinds import CATALOGUE, FURTHER, INDEX, MODULES, WEB, kind_named, unconfirmed
 
 LIMITS = Limits(digits=10)
 FIELDS = 60
@@ -258,3 +262,79 @@ def test_a_false_claim_of_a_curve_is_not_proved(name: str) -> None:
     found = tell(replace(curve, atlas=replace(curve.atlas, pieces=(replace(piece, centre=beside),))))
     assert found.verdict not in ("proved", "enclosed")
     assert "\n" not in found.verdict
+
+
+# What rests on other certificates
+
+
+def catalogue() -> Certificate:
+    """Three orbits of a curve."""
+    curve = retrograde_curve()
+    return Certificate(certified_rows(curve, rows_of_curve(curve, 3)))
+
+
+JOINED: dict[str, tuple[Callable[[], Certificate], Callable[[], tuple[Certificate, ...]]]] = {
+    WEB: (retrograde_web, lambda: (retrograde_curve(), retrograde_index())),
+    INDEX: (retrograde_index, lambda: (retrograde_curve(),)),
+    CATALOGUE: (cache(catalogue), lambda: (retrograde_curve(),)),
+}
+"""Each with what it rests on."""
+FREE_OF_JOINED = ("orbits.*.turns.*.", "statement.title", "statement.claim.title")
+"""What an index rests on besides its curve, and titles."""
+
+
+@cache
+def check_below(entry: Certificate, level: Level) -> Recheck:
+    return replace(given_with(entry), level=level, precision=128)
+
+
+def given_with(entry: Certificate, level: Level = Level.CONCLUSION) -> Recheck:
+    """What checking it shows, given those that it rests on among all, which were checked as far as that."""
+    below = kind_named(entry.kind).rests_on(entry, (retrograde_curve(), retrograde_index()))
+    return recheck(entry, given=Given(below, {each.key: check_below(each, level) for each in below}))
+
+
+def test_there_is_a_case_of_every_kind_that_rests_on_others() -> None:
+    branches = {name for name in FURTHER if kind_named(name).part == "arc"}
+    assert set(JOINED) | branches == set(FURTHER)
+    assert {claim().atlas.claim.kind for claim in CURVES.values()} <= branches
+
+
+@pytest.mark.parametrize("name", JOINED)
+def test_what_rests_on_others_stands_as_far_as_these_do(name: str) -> None:
+    entry = JOINED[name][0]()
+    assert kind_named(name).rests_on(entry, JOINED[name][1]()) == JOINED[name][1]()
+    assert Certificate.from_json(entry.to_json()) == entry
+    for level in (Level.FORM, Level.CONCLUSION):
+        found = given_with(entry, level)
+        assert (found.findings, found.obstacle, found.passed, found.rendered) == ((), "", level, None)
+    others = [each for each in JOINED[name][1]() if each != retrograde_curve()]
+    with pytest.raises(InputError):
+        kind_named(name).rests_on(entry, others)
+
+
+@pytest.mark.parametrize("name", JOINED)
+def test_each_field_and_each_part_of_what_rests_on_others_is_noticed(name: str) -> None:
+    document = JOINED[name][0]().document
+    for change in of_each_field(document):
+        if not change.field.startswith(FREE_OF_JOINED):
+            with suppress(InputError):
+                assert noticed(given_with(Certificate.from_json(forged(document, change.apply)))), change
+    for place in parts(document):
+        with suppress(InputError):
+            assert noticed(given_with(Certificate.from_json(forged(document, without(place))))), place
+
+
+@pytest.mark.parametrize("name", JOINED)
+def test_nothing_is_proved_by_what_does_not_stand(name: str) -> None:
+    entry = JOINED[name][0]()
+    below = JOINED[name][1]()
+    for fallen in below:
+        checks = {each.key: check_below(each, Level.CONCLUSION) for each in below}
+        checks[fallen.key] = replace(checks[fallen.key], obstacle="it hangs")
+        found = recheck(entry, given=Given(below, checks))
+        assert not found.stands
+        assert found.level is Level.FORM
+        checks[fallen.key] = replace(check_below(fallen, Level.CONCLUSION), digest="sha256:" + 64 * "0")
+        with pytest.raises(ValueError, match="the check of another certificate"):
+            recheck(entry, given=Given(below, checks))

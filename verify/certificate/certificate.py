@@ -84,7 +84,7 @@ class Certificate:
         the definition ``certificate`` of shared/schemas/certificates.schema.json.
         """
         if "format" in entry:
-            validate_document(entry, schema_of(entry), source)
+            validate_document(entry, kind_named(name_of(entry)).schema, source)
         else:
             validate_document(rows_document([entry]), "certificates", source)
         found = cls(json.loads(json.dumps(entry, allow_nan=False)))

@@ -86,12 +86,17 @@ def box_kind(name: str) -> BoxKind[Any, Any, Any]:
 
 
 def name_of(document: Mapping[str, Any]) -> str:
-    """The name of the kind of theorem that a document is about, as far as it says so: a branch is a curve if not."""
+    """The name of the kind of theorem that a document is about, as far as it says so: a branch is a curve if not.
+
+    Raises `InputError` for a format that is that of no certificate.
+    """
     schema = document.get("format", "orbitproof-").removeprefix("orbitproof-").removesuffix("-certificate")
     if schema == "atlas":
         claim = document["statement"]["atlas"].get("claim", {})
         name = claim.get("kind") if isinstance(claim, Mapping) else None
         return str(name) if name in FURTHER and name not in (WEB, INDEX, CATALOGUE) else CLAIMS[0]
+    if schema and schema not in (WEB, INDEX, CATALOGUE):
+        raise InputError(f"format: {document['format']!r} is that of no certificate; give one")
     return str(schema or document["statement"]["candidate"]["kind"])
 
 
