@@ -305,9 +305,10 @@ def test_what_rests_on_others_stands_as_far_as_these_do(name: str) -> None:
     entry = JOINED[name][0]()
     assert kind_named(name).rests_on(entry, JOINED[name][1]()) == JOINED[name][1]()
     assert Certificate.from_json(entry.to_json()) == entry
-    for level in (Level.FORM, Level.CONCLUSION):
+    for level in (Level.FORM, Level.CONCLUSION, Level.INTEGRATION):
         found = given_with(entry, level)
         assert (found.findings, found.obstacle, found.passed, found.rendered) == ((), "", level, None)
+        assert found.precision == (128 if level is Level.INTEGRATION else 0)
     others = [each for each in JOINED[name][1]() if each != retrograde_curve()]
     with pytest.raises(InputError):
         kind_named(name).rests_on(entry, others)

@@ -731,17 +731,6 @@ def check(entry: Any, level: Level = Level.CONCLUSION) -> Recheck:
     return checked_by(entry, curve_certificate(), replace(examined(), level=level, precision=128))
 
 
-def test_the_certificate_stands_as_far_as_its_curve_was_checked() -> None:
-    assert document()["verdict"] == "proved"
-    for level in (Level.FORM, Level.CONCLUSION, Level.INTEGRATION):
-        found = check(document(), level)
-        assert (found.stands, found.level) == (True, level), found.why
-    fallen = checked_by(document(), curve_certificate(), replace(examined(), obstacle="it hangs"))
-    assert not fallen.stands
-    with pytest.raises(ValueError, match="is the check of"):
-        checked_by(document(), curve_certificate(), replace(examined(), digest="sha256:" + "0" * 64))
-
-
 def _orbit(number: int, **changes: Any) -> Callable[[Any], None]:
     return lambda entry: entry["orbits"][number].update(changes)
 

@@ -404,20 +404,6 @@ def test_an_orbit_beside_that_which_was_found_is_stated_as_well() -> None:
     assert not check(forged(entry, lambda entry: entry["statement"].update(within="1e-12"))).stands
 
 
-def test_the_certificate_stands_as_far_as_its_curve_was_checked() -> None:
-    assert check(document()).stands
-    assert check(document()).level is Level.CONCLUSION
-    assert check(document()).hypotheses == 5
-    deep = checked_by(document(), catalogue_cases.curve(), replace(examined(), level=Level.INTEGRATION, precision=99))
-    assert (deep.level, deep.precision, deep.stands) == (Level.INTEGRATION, 99, True)
-    shallow = checked_by(document(), catalogue_cases.curve(), replace(examined(), level=Level.FORM))
-    assert shallow.level is Level.FORM
-    fallen = checked_by(document(), catalogue_cases.curve(), replace(examined(), obstacle="it hangs"))
-    assert not fallen.stands
-    with pytest.raises(ValueError, match="is the check of"):
-        checked_by(document(), catalogue_cases.curve(), replace(examined(), digest="sha256:" + "0" * 64))
-
-
 def shifted(ball: dict[str, str]) -> None:
     """A ball, by half of its radius, or a little if it is exact."""
     middle, radius = parse_exact(ball["mid"]), parse_exact(ball["rad"])
