@@ -256,6 +256,7 @@ def test_a_wrong_frame_widens_or_is_refused(name: str, which: str) -> None:
 
 UNFIT: dict[str, Any] = {
     "half of it": _every(lambda p, i, stride: fmpz_poly([int(c) // 2 for c in p.coeffs()])),
+    "another beginning of the last column": _every(lambda p, i, stride: p + (i == 2) * 2**50),
     "another beginning at s alone": _every(lambda p, i, stride: p + _power(1, 2**50)),
     "too long": SPOILED_COLUMNS["too long"],
     "powers of s that run into others": SPOILED_COLUMNS["too many powers of s"],
