@@ -518,3 +518,15 @@ def test_errors_of_linear_equations_are_bounded_grade_by_grade(top: int, seed: i
     matrix = np.array([[float(int(x)) * 2.0**-bits for x in row] for row in over.following.matrix.tolist()])
     coordinates = np.einsum("ij,ngj->ngi", np.linalg.inv(matrix), state)
     assert (over.following.bounds * (1 + 1e-6) >= np.abs(coordinates).max(axis=0).T).all()
+
+
+@pytest.mark.parametrize("rate", [2, 3, 4])
+def test_what_is_not_followed_grows_on_the_whole_step(rate: int) -> None:
+    """e' = rate e, in columns that stay where they begin."""
+    coarse = Arithmetic(Grading((), 0), 90, 0, 24)
+    slopes = [{0: Series(coarse, [fmpz_poly([rate << 90])], [0.0, 0.0])}]
+    bounds, defects = np.array([[1e-3, 1e-3]]), np.zeros((1, 2))
+    over = _Over(Frame(fmpz_mat([[2**90]]), 90, bounds), Spoiled(columns=SPOILED_COLUMNS["nothing but the frame"]))
+    errors = over.errors(slopes, bounds, defects, Fraction(1))
+    assert over.last is not None
+    assert min(errors.min(), over.last.min()) >= 1e-3 * np.exp(rate)
