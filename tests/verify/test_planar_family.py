@@ -31,10 +31,14 @@ from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.surface import SurfaceLimits, conclude_surface, prove_libration_piece
 from orbitproof.verify.surface.gluing import read_sheet
 from orbitproof.verify.surface.planar_family import _breaking
-from orbitproof.verify.words.branches import conclusion_in_words
+from orbitproof.verify.theorems.surface import told
 
 DATA = Path(__file__).parents[1] / "data"
 WHOLE = (Fraction(-1), Fraction(1))
+
+
+def in_words(conclusion: Any) -> str:
+    return str(told(conclusion)["statement"] or "")
 
 
 @pytest.fixture(scope="module")
@@ -180,15 +184,15 @@ def test_planar_orbits_that_go_down_to_the_libration_point_make_the_statement_st
 ) -> None:
     conclusion = conclude_surface(atlas, values(results))
     assert isinstance(conclusion.outcome, Proved), conclusion.outcome.reason
-    text = conclusion_in_words(conclusion)
+    text = in_words(conclusion)
     assert "belongs to the planar Lyapunov family of L1" in text
     assert "For all mu in [0.010648000, 0.013824000] the planar orbit" in text
     assert "up to the identification" not in text
     assert "not part of the theorem" not in text
     alone = conclude_surface(replace(atlas, pieces=atlas.surface_pieces()), values(results[:1]))
     assert isinstance(alone.outcome, Proved)
-    assert "not part of the theorem" in conclusion_in_words(alone)
-    assert "up to the identification" in conclusion_in_words(alone)
+    assert "not part of the theorem" in in_words(alone)
+    assert "up to the identification" in in_words(alone)
 
 
 def test_where_the_family_is_known_for_some_masses_only_the_statement_says_so(
@@ -200,10 +204,10 @@ def test_where_the_family_is_known_for_some_masses_only_the_statement_says_so(
     conclusion = conclude_surface(replace(atlas, pieces=(*atlas.surface_pieces(), narrow)), values(results))
     assert isinstance(conclusion.outcome, Proved), conclusion.outcome.reason
     assert "up to the identification of the family with that of Lyapunov, where that is not said here" in (
-        conclusion_in_words(conclusion)
+        in_words(conclusion)
     )
     mass = [(middle + sign * half / 2) ** 3 * mass_of_distance(-1, middle + sign * half / 2) for sign in (1, -1)]
-    _, _, words = conclusion_in_words(conclusion).rpartition("For all mu in [")
+    _, _, words = in_words(conclusion).rpartition("For all mu in [")
     low, high = (float(text) for text in words[: words.index("]")].split(", "))
     assert float(mass[0]) <= low < float(mass[0]) + 2e-9
     assert float(mass[1]) - 2e-9 < high <= float(mass[1])
@@ -311,7 +315,7 @@ def test_a_planar_family_with_a_flaw_is_refused(name: str, atlas: Atlas, results
     assert isinstance(conclusion.outcome, NotProved)
     assert conclusion.outcome.reason.condition == "planar-family"
     assert message in conclusion.outcome.reason.message
-    assert not conclusion_in_words(conclusion)
+    assert not in_words(conclusion)
 
 
 def test_a_certificate_with_the_family_stands_and_forgeries_are_found(
@@ -409,8 +413,8 @@ def test_a_range_of_masses_beyond_the_pieces_of_the_family_is_named_as_far_as_th
     conclusion = conclude_surface(replace(atlas, pieces=(*atlas.surface_pieces(), less)), values(results))
     assert isinstance(conclusion.outcome, Proved), conclusion.outcome.reason
     mass = (2 * half) ** 3 * mass_of_distance(1, 2 * half)
-    assert f"For all mu in (0, {floor(mass * 10**9) / 10**9:.9f}]" in conclusion_in_words(conclusion)
-    assert "where that is not said here" in conclusion_in_words(conclusion)
+    assert f"For all mu in (0, {floor(mass * 10**9) / 10**9:.9f}]" in in_words(conclusion)
+    assert "where that is not said here" in in_words(conclusion)
 
 
 @pytest.mark.parametrize(
