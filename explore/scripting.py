@@ -44,7 +44,7 @@ from orbitproof.explore.trajectories import units_of
 from orbitproof.explore.values import Orbit, OrbitFamily, level_text, orbit_value
 from orbitproof.shared.formats import Candidate, InputError
 from orbitproof.shared.numbers import parse_exact
-from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
+from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, MASS_PARAMETERS, ReversibleSystem
 
 
 @dataclass(frozen=True, repr=False)
@@ -99,7 +99,7 @@ def trace(
     Arguments:
         system: `shared.CR3BP` or `shared.FALKNER_SKAN`.
         name: one of `families_of(system)`, in any case; "L1-halo-2", "L1-halo-3", .. are later branches of the planar
-            family.
+            family. Of the CR3BP also "L1-axial", ..: families of `shared.systems.CR3BP_AXIAL`.
         mu: mass parameter of the CR3BP, in (0, 1/2]: a `Fraction` or a decimal text is taken exactly, a float as the
             double that it is.
         z_max, vy_max: largest absolute value of that coordinate of the first point on Fix(R).
@@ -125,6 +125,8 @@ def trace(
     ValueError: mu: missing; give the mass parameter of cr3bp, in (0, 1/2], for example shared.EARTH_MOON
     """
     name = family_name(name)
+    if system.name == CR3BP.name and is_family_name(CR3BP_AXIAL.name, name):
+        system = CR3BP_AXIAL
     if not is_family_name(system.name, name):
         known = families_to_give(system.name, name) or "none"
         raise ValueError(f"name: {name!r} is no family of {system.name}; there are {known}")

@@ -15,6 +15,7 @@ from .file import write_catalogue_json as write_catalogue_json
 from .filters import QUANTITIES as QUANTITIES
 from .filters import between as between
 from .filters import chosen_rows as chosen_rows
+from .filters import left_out as left_out
 from .filters import without_hits as without_hits
 from .making import CatalogueTask as CatalogueTask
 from .making import MadeCatalogue as MadeCatalogue

@@ -12,14 +12,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from orbitproof.explore.catalogues.columns import ALTITUDE, LEAST
 from orbitproof.explore.catalogues.filters import between
-from orbitproof.explore.names import foreign_units, units_of_system
+from orbitproof.explore.names import SECONDS, foreign_units, units_of_system
 from orbitproof.shared.formats import FIELDS, CatalogueTable, InputError, read_catalogue_rows, write_text
+from orbitproof.shared.printed_tables import aligned
+from orbitproof.shared.wording import counted
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Catalogue:
     """A family of N periodic orbits in the catalogue's form; nothing has been checked by integration.
 
@@ -54,6 +57,20 @@ class Catalogue:
 
     def __len__(self) -> int:
         return len(self.states)
+
+    def __repr__(self) -> str:
+        """What it is, and a short table of its first and last rows."""
+        days = None if self.tunit is None else self.tunit / SECONDS["d"]
+        more = [name for name in (LEAST, ALTITUDE) if name in self.more]
+        rows = [["", "Jacobi constant", "period", *(["days"] if days else []), "stability index", *more]]
+        numbers = self.numbers or range(1, len(self) + 1)
+        for place in sorted({*range(min(3, len(self))), *range(max(0, len(self) - 3), len(self))}):
+            period = float(self.periods[place])
+            values = [self.jacobi_constants[place], period, *([days * period] if days else [])]
+            values += [self.stability_indices[place], *(self.more[name][place] for name in more)]
+            rows.append([str(numbers[place]), *(_short(value) for value in values)])
+        head = f"{self.title} of {self.system or f'mu = {float(self.mass_ratio):.6g}'}: {counted(len(self), 'orbit')}"
+        return "\n".join([head, *(aligned(rows) if len(self) else [])])
 
     @property
     def title(self) -> str:
@@ -113,12 +130,17 @@ class Catalogue:
         table_of(self).write(Path(path))
 
     def to_dataframe(self) -> Any:
-        """A `pandas.DataFrame`, a row for each orbit. Raises `ModuleNotFoundError` where pandas is missing."""
+        """A `pandas.DataFrame`, a row for each orbit, with the period in days too where the unit of time is known.
+
+        Raises `ModuleNotFoundError` where pandas is missing.
+        """
         try:
             pandas = import_module("pandas")
         except ModuleNotFoundError:
             raise ModuleNotFoundError("to_dataframe needs pandas: pip install pandas", name="pandas") from None
         columns: dict[str, Any] = dict(zip(FIELDS, self.columns.T, strict=True))
+        if self.tunit is not None:
+            columns["period_days"] = self.periods * self.tunit / SECONDS["d"]
         return pandas.DataFrame({**columns, **self.more}, index=self.numbers or range(1, len(self) + 1))
 
     @property
@@ -140,6 +162,10 @@ def read_catalogue(path: Path) -> Catalogue:
         if why is not None:
             raise InputError(f"{path}: field system: {why}")
     return catalogue
+
+
+def _short(value: Any) -> str:
+    return f"{value:.7g}" if isinstance(value, (int, float)) else str(value or "")
 
 
 def table_of(catalogue: Catalogue, points: Mapping[str, Iterable[float]] | None = None) -> CatalogueTable:

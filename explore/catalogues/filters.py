@@ -11,6 +11,7 @@ import numpy as np
 from orbitproof.explore.catalogues.columns import ALTITUDE, HITS, LEAST
 from orbitproof.explore.names import SECONDS, split_unit
 from orbitproof.shared.formats import InputError
+from orbitproof.shared.wording import counted
 
 if TYPE_CHECKING:
     from orbitproof.explore.catalogues.file import Catalogue
@@ -45,6 +46,12 @@ def without_hits(catalogue: Catalogue) -> Catalogue:
     """The rows whose orbits do not meet the smaller primary, as far as a column says so."""
     told = catalogue.more.get(HITS)
     return catalogue if told is None else catalogue.chosen(np.flatnonzero([value != "yes" for value in told]))
+
+
+def left_out(kept: Catalogue, catalogue: Catalogue) -> str:
+    """How many rows of a catalogue were left out because their orbits hit the smaller primary, in words."""
+    number = len(catalogue) - len(kept)
+    return f"{number} of {counted(len(catalogue), 'row')} hit the smaller primary and are left out"
 
 
 def _values(catalogue: Catalogue, quantity: str) -> Any:

@@ -6,6 +6,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from orbitproof.explore.catalogues.file import Catalogue, read_catalogue
+from orbitproof.explore.catalogues.filters import left_out, without_hits
 from orbitproof.explore.catalogues.making import CatalogueTask, catalogue_task
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import FamilyFailure, Limits
@@ -35,6 +36,7 @@ def catalogue(
     min_distance: float | None = None,
     branch: Branch = DEFAULT_BRANCH,
     device: Device = "cpu",
+    hits: bool = False,
     quiet: bool = False,
 ) -> Catalogue:
     """A dense catalogue of a family by name, or one from a file, in double precision.
@@ -47,6 +49,7 @@ def catalogue(
         max_orbits, min_distance: where the family ends: so many steps of the continuation, so close to a primary.
         branch: "north" or "south", of halo families and those that branch off from them.
         device: where the rows are corrected: "cpu", or "gpu", which is to be asked for before anything is searched.
+        hits: keep rows whose orbits hit the smaller primary; else they are left out, and how many is told.
         quiet: nothing on standard error; else progress.
 
     The columns beside the nine of the JPL catalogue are in `more`: distances, altitude, whether an orbit hits the
@@ -81,4 +84,7 @@ def catalogue(
             raise FamilyFailure(f"{task.title}: {made.reason}")
         for line in filter(None, (made.left_out, made.corrected)):
             report.message(f"{task.title}: {line}")
-    return made.catalogue
+        kept = made.catalogue if hits else without_hits(made.catalogue)
+        if len(kept) < len(made.catalogue):
+            report.message(f"{task.title}: {left_out(kept, made.catalogue)}; hits=True keeps them")
+    return kept

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -119,7 +120,6 @@ def run(options: argparse.Namespace) -> int:
     from orbitproof.explore.catalogues import (
         CatalogueTask,
         catalogue_task,
-        chosen_rows,
         read_catalogue,
         symmetric_about_plane,
         with_distances,
@@ -144,7 +144,7 @@ def run(options: argparse.Namespace) -> int:
                             report.error(f"{options.file}: {line}")
                         complete = not told
                     catalogue = with_distances(catalogue, 4, symmetric=symmetric_about_plane(catalogue))
-            chosen = _kept(chosen_rows(catalogue, limits), options.all, catalogue.title, report)
+            chosen = _kept(catalogue, limits, options.all, catalogue.title, report)
             return 0 if _write(chosen, options.output, catalogue.title, report, complete) else 1
         how = options.rows, options.device, options.step
         bounds = Limits(options.max_orbits, min_distance=options.min_distance)
@@ -181,7 +181,7 @@ def run(options: argparse.Namespace) -> int:
             path = options.output
             if len(tasks) > 1:
                 path = path.with_name(f"{path.stem}-{task.title.replace(' ', '-')}{path.suffix}")
-            chosen = _kept(chosen_rows(made.catalogue, limits), options.all, task.title, report)
+            chosen = _kept(made.catalogue, limits, options.all, task.title, report)
             complete &= _write(chosen, path, task.title, report)
     return 0 if complete else 1
 
@@ -212,14 +212,19 @@ def _requests(options: argparse.Namespace) -> list[tuple[Any, str, str, Any]]:
     return found
 
 
-def _kept(catalogue: Catalogue, everything: bool, title: str, report: Reporter) -> Catalogue:
-    """The rows that a spacecraft could fly, or all; says how many hit the smaller primary."""
-    from orbitproof.explore.catalogues import without_hits
+def _kept(
+    catalogue: Catalogue, limits: Mapping[str, tuple[str, str]], everything: bool, title: str, report: Reporter
+) -> Catalogue:
+    """The rows between the limits that a spacecraft could fly, or all; says how many are left out."""
+    from orbitproof.explore.catalogues import chosen_rows, left_out, without_hits
 
-    kept = catalogue if everything else without_hits(catalogue)
-    if len(kept) < len(catalogue):
-        hit = f"{len(catalogue) - len(kept)} of {counted(len(catalogue), 'row')}"
-        report.message(f"{title}: {hit} hit the smaller primary and are left out; --all keeps them")
+    between = chosen_rows(catalogue, limits)
+    if len(between) < len(catalogue):
+        outside = f"{len(catalogue) - len(between)} of {counted(len(catalogue), 'row')}"
+        report.message(f"{title}: {outside} left out by {' and '.join(f'--{name}' for name in limits)}")
+    kept = between if everything else without_hits(between)
+    if len(kept) < len(between):
+        report.message(f"{title}: {left_out(kept, between)}; --all keeps them")
     return kept
 
 

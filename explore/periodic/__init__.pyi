@@ -33,6 +33,7 @@ from .refinement import PeriodicTask as PeriodicTask
 from .refinement import refine_periodic as refine_periodic
 from .search import FOLLOWED as FOLLOWED
 from .search import FoundOrbit as FoundOrbit
+from .search import FoundOrbits as FoundOrbits
 from .search import PeriodicRequest as PeriodicRequest
 from .search import described as described
 from .search import find_periodic as find_periodic

@@ -87,8 +87,22 @@ def values_of(system: System, program: Program, point: Sequence[float] | Vector,
     if not np.all(np.isfinite(found)):
         values = [*zip(system.given_state, point, strict=True), *zip(system.parameters, parameters, strict=False)]
         place = ", ".join(f"{name} = {value:.6g}" for name, value in values)
-        raise FlowFailure(f"the formulas of {system.name} have no value at {place}")
+        raise FlowFailure(f"the formulas of {system.name} have no value at {place}{_in_place(system, program, inputs)}")
     return found
+
+
+def _in_place(system: System, program: Program, inputs: Sequence[float]) -> str:
+    """What to give where formulas have no value: for a parameter that is 0, another value, if that is the reason."""
+    first = len(inputs) - len(system.parameters)
+    for place, name in enumerate(system.parameters, start=first):
+        if inputs[place] == 0:
+            changed = [*inputs[:place], 1.0, *inputs[place + 1 :]]
+            try:
+                if np.all(np.isfinite([float(value) for value in program.evaluate(changed)])):
+                    return f": {name} = 0 is divided by; give {name} another value"
+            except (ArithmeticError, TypeError, ValueError):
+                pass
+    return "; give another start"
 
 
 def whole_state(system: System, point: Sequence[float] | Vector, parameters: Sequence[float] | Vector) -> list[float]:

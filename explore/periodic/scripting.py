@@ -13,7 +13,15 @@ from orbitproof.explore.periodic.atlas import cover_curve
 from orbitproof.explore.periodic.bifurcations import refine_bifurcation
 from orbitproof.explore.periodic.continuation import PeriodicFamily, StepControl
 from orbitproof.explore.periodic.detection import Bifurcation
-from orbitproof.explore.periodic.search import FOLLOWED, FoundOrbit, PeriodicRequest, followed, refined, remarks
+from orbitproof.explore.periodic.search import (
+    FOLLOWED,
+    FoundOrbit,
+    FoundOrbits,
+    PeriodicRequest,
+    followed,
+    refined,
+    remarks,
+)
 from orbitproof.explore.periodic.search import find_periodic as found_orbits
 from orbitproof.explore.periodic.section import AffineSection
 from orbitproof.shared.claims import PeriodicAtlas, PeriodicBifurcation, PeriodicOrbit
@@ -36,8 +44,8 @@ def find_periodic(
     follow: float = FOLLOWED,
     transient: float = 0.0,
     quiet: bool = False,
-) -> list[FoundOrbit]:
-    """Periodic orbits of any system, in double precision; no symmetry is used.
+) -> FoundOrbits:
+    """Periodic orbits of any system, in double precision; no symmetry is used. A list that prints as a table.
 
     Arguments:
         system: from `shared.load_system` or `shared.define_system`, or one of `shared`.
@@ -74,7 +82,7 @@ def find_periodic(
     )
     with Reporter(quiet) as report:
         report.stage(f"looking for periodic orbits of {system.name}")
-        found = list(found_orbits(request, report.update))
+        found = FoundOrbits(found_orbits(request, report.update))
         for line in chain.from_iterable(remarks(request, orbit) for orbit in found):
             report.message(line)
     return found

@@ -22,6 +22,7 @@ from orbitproof.explore.periodic.section import AffineSection, suggested, throug
 from orbitproof.explore.periodic.symmetries import Symmetry, is_symmetry
 from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.formats import PeriodicOrbit
+from orbitproof.shared.printed_tables import aligned
 from orbitproof.shared.systems import System
 from orbitproof.shared.wording import counted
 
@@ -61,7 +62,7 @@ class PeriodicRequest:
     followed: float = FOLLOWED
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FoundOrbit:
     """A periodic orbit in float64, with the section in which it is to be claimed.
 
@@ -77,6 +78,9 @@ class FoundOrbit:
     crossings: int
     level: Fraction | None
 
+    def __repr__(self) -> str:
+        return "\n".join(described(self))
+
     def task(self, name: str, digits: int) -> PeriodicTask:
         """What there is to refine."""
         return PeriodicTask(
@@ -89,6 +93,18 @@ class FoundOrbit:
         orbit = self.orbit
         rate = growth_of_bounds(self.problem.system, orbit.loop[::_EVERY], orbit.values)
         return digits_of_centre(rate * orbit.period / log(10)) if isfinite(rate) else 0
+
+
+class FoundOrbits(list[FoundOrbit]):
+    """Periodic orbits in the order in which they were found; it prints as a table."""
+
+    def __repr__(self) -> str:
+        rows = [("", "period", "crossings", "largest multiplier", "point")]
+        for place, found in enumerate(self):
+            point = ", ".join(f"{value:.7g}" for value in found.orbit.point)
+            shown = _multipliers(found.orbit)
+            rows.append((f"[{place}]", f"{found.orbit.period:.10g}", f"{found.crossings}", shown[0], point))
+        return "\n".join(aligned(rows)) if self else "no orbits"
 
 
 def find_periodic(request: PeriodicRequest, progress: Progress) -> Iterator[FoundOrbit]:
@@ -216,13 +232,18 @@ def described(found: FoundOrbit) -> list[str]:
     system, orbit = found.problem.system, found.orbit
     place = ", ".join(f"{name} = {value:.12g}" for name, value in zip(system.given_state, orbit.point, strict=True))
     lines = [f"period {orbit.period:.14g}, {counted(found.crossings, 'crossing')} of the section", f"  point: {place}"]
-    error = _ROUNDING * max(1.0, float(np.linalg.norm(orbit.arc.by_state)))
-    shown = ", ".join(_complex(value, error) for value in orbit.multipliers) or "none"
+    shown = ", ".join(_multipliers(orbit))
     trivial = "1" if orbit.level is None else "1, 1"
     lines.append(f"  multipliers other than {trivial}: {shown}")
     if orbit.level is not None:
         lines.append(f"  {system.first_integral_name}: {orbit.level:.12g}")
     return lines
+
+
+def _multipliers(orbit: ClosedOrbit) -> list[str]:
+    """The multipliers as far as they are known, the largest first; "none" of a system without others than 1."""
+    error = _ROUNDING * max(1.0, float(np.linalg.norm(orbit.arc.by_state)))
+    return [_complex(value, error) for value in orbit.multipliers] or ["none"]
 
 
 def orbit_as_json(found: FoundOrbit) -> dict[str, Any]:

@@ -120,9 +120,9 @@ class OrbitFamily(Sequence[Orbit]):
         which = np.unique(np.linspace(0, len(self) - 1, orbits).round().astype(int))
         mass = float(self._traced.family.problem.parameters["mu"]) if self.system in THREE_BODY else None
         states = [self[int(index)].trajectory(400)[1] for index in which]
-        return draw_orbits(
-            f"{on_branch(self.name, self.branch)} of {self.system.name}", states, self.system.state, mass
-        )
+        title = f"{on_branch(self.name, self.branch)} of {self.system.name}"
+        length = None if self.units is None else self.units.length
+        return draw_orbits(title, states, self.system.state, mass, length)
 
     def plot_stability(self) -> Figure:
         """Period and stability index over the Jacobi constant, or what else varies along the family."""
@@ -144,9 +144,10 @@ class OrbitFamily(Sequence[Orbit]):
     def to_dataframe(self) -> Any:
         """A `pandas.DataFrame`, one row for each orbit.
 
-        Columns: the state at time 0 by its names, `period`, the first integral (or the family parameter), the
-        stability parameters `s1`, `s2`, .. and `arclength`; with parentheses, as `(period)`, if a coordinate is called
-        so. Raises `ModuleNotFoundError` where pandas is missing.
+        Columns: the state at time 0 by its names, `period`, `period (days)` where the units are known, the first
+        integral (or the family parameter), `stability index`, the stability parameters `s1`, `s2`, ..,
+        and `arclength`; with parentheses, as `(period)`, if a coordinate is called so.
+        Raises `ModuleNotFoundError` where pandas is missing.
         """
         try:
             pandas = import_module("pandas")
@@ -162,10 +163,13 @@ class OrbitFamily(Sequence[Orbit]):
             row[told_apart([head], (*row, *system.parameters))[0]] = value
 
         add("period", orbit.period)
+        if orbit.units is not None:
+            add("period (days)", orbit.period_days)
         if varies is not None:
             row[varies] = orbit.parameters[varies]
         elif orbit.first_integral is not None:
             add(system.first_integral_name or "first integral", orbit.first_integral)
+        add("stability index", orbit.stability_index)
         for number, value in enumerate(orbit.stability, start=1):
             add(f"s{number}", value.real if value.imag == 0 else value)
         add("arclength", orbit.arclength)

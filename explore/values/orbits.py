@@ -305,7 +305,8 @@ class Orbit:
     def plot(self) -> Figure:
         """The orbit in two projections, a matplotlib figure (extra `figures`)."""
         mass = self.parameters["mu"] if self.system in THREE_BODY else None
-        return draw_orbits(repr(self)[1:-1], [self.trajectory(800)[1]], self.system.state, mass)
+        length = None if self.units is None else self.units.length
+        return draw_orbits(repr(self)[1:-1], [self.trajectory(800)[1]], self.system.state, mass, length)
 
     def trajectory(self, count: int = 200) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """`count` equidistant times over one period, shape (count,), and the states, shape (count, m)."""

@@ -42,7 +42,10 @@ _OPERATIONS: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
 def remedy_for(name: str, known: str) -> str:
     """What to write in place of a name that formulas do not know."""
     if name in ("t", "time"):
-        return "time is a coordinate with the rate 1, or the force a system of its own (docs/how-to/forced-systems.md)"
+        return (
+            "a periodic force is two coordinates u and w of its own, u' = r*w and w' = -r*u "
+            "(docs/how-to/forced-systems.md)"
+        )
     if name == "pi":
         return "make pi a parameter, with as many digits as are wanted"
     return f"known: {known}"
@@ -121,7 +124,7 @@ class _Reader:
     def power(self, base: Any, exponent: Any) -> Any:
         """The power; a number to a fractional power is no exact number and refused."""
         if not isinstance(exponent, Fraction):
-            raise FormulaError(f"an exponent in {_quoted(self.source)} is no constant; give a number")
+            raise FormulaError(f"an exponent in {_quoted(self.source)} is no constant; write a number in its place")
         if max(abs(exponent.numerator), exponent.denominator) > LARGEST_EXPONENT:
             raise FormulaError(f"the exponent {exponent} in {_quoted(self.source)} is too large; write it as products")
         if not isinstance(base, Fraction):

@@ -143,7 +143,9 @@ def exact_constant(value: object) -> Fraction:
     if isinstance(value, (int, Fraction)) or (isinstance(value, float) and (2 * value).is_integer()):
         return Fraction(value)
     if isinstance(value, Variable):
-        raise TypeError("an exponent is a coordinate or a parameter: write a whole number or a half-integer")
+        raise TypeError(
+            "an exponent is a coordinate or a parameter: write a whole number or a half-integer in its place"
+        )
     raise TypeError(f"constant {value!r} is not exact: write an int, a half-integer or a Fraction")
 
 

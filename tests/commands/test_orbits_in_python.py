@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -90,3 +91,17 @@ def test_pictures_say_that_they_are_numerical(family: explore.OrbitFamily) -> No
     for figure in (family.plot(orbits=2), family[0].plot(), family.plot_stability()):
         assert "(numerical)" in figure.get_suptitle()
         close(figure)
+
+
+def test_pictures_have_units_and_name_the_bodies() -> None:
+    orbit = explore.read_orbit(ROWS, number=1)
+    known, unknown = orbit.plot(), replace(orbit, units=None).plot()
+    places = []
+    for figure, unit in ((known, "1000 km"), (unknown, "distance of the primaries")):
+        axes = figure.axes[0]
+        assert (axes.get_xlabel(), axes.get_ylabel()) == (f"x ({unit})", f"y ({unit})")
+        assert [text.get_text() for text in axes.get_legend().get_texts()] == ["smaller primary"]
+        places.append(axes.get_lines()[-1].get_xdata()[0])
+        close(figure)
+    assert orbit.units is not None
+    assert places[0] == pytest.approx(places[1] * orbit.units.length / 1000)

@@ -218,11 +218,13 @@ def test_a_wrong_start_is_one_line(
         ('"x"', "def field(x, a): return -x", "give two coordinates or more"),
         ('"x y"', "def field(x, y, a): return y, -x + a*cos(x)", "for formulas as text (docs/how-to/sin-and-exp.md)"),
         ('"x y"', "def field(x, y, a): return y, -x + a*t", "docs/how-to/forced-systems.md"),
-        ('"x y"', 'field = {"x": "y", "y": "-x + a*cos(t)"}', "docs/how-to/forced-systems.md"),
+        ('"x y"', 'field = {"x": "y", "y": "-x + a*cos(t)"}', "u' = r*w and w' = -r*u (docs/how-to/forced-systems.md)"),
+        ('"x y"', 'field = {"x": "y", "y": "-x**a"}', "write a number in its place"),
+        ('"x y"', 'field = {"x": "y", "y": "-sqrt(x - 2) + a"}', "no value at x = 1, y = 0, a = 0; give another start"),
         ('"x y"', 'field = {"x": "y", "y": "-pi*x"}', "make pi a parameter"),
         ('"v1 v2"', "def field(v1, v2, a): return v2, -v1", "choose another one, such as u1"),
         ('"x y"', "def field(x, y, a): return y, -(x**a)", "write a whole number or a half-integer"),
-        ('"x y"', "def field(x, y, a): return y, -x/a", "have no value at x = 1, y = 0, a = 0"),
+        ('"x y"', "def field(x, y, a): return y, -x/a", "a = 0 is divided by; give a another value"),
     ],
 )
 def test_what_a_newcomer_writes_is_answered_with_what_to_write(

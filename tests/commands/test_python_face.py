@@ -22,6 +22,7 @@ from support.notebooks import run_notebook
 
 from orbitproof import explore, figures, shared, verify
 from orbitproof.shared import CR3BP, EARTH_MOON, FALKNER_SKAN, InputError
+from orbitproof.shared.systems import CR3BP_AXIAL
 from orbitproof.verify.evidence import software
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -187,6 +188,14 @@ def test_states_of_an_orbit_solve_its_equations_and_close_up(family: explore.Orb
         orbit.states([float("nan")])
 
 
+def test_axial_families_are_traced_by_name() -> None:
+    axial = explore.trace(CR3BP, "L1-axial", mu="jpl-earth-moon", max_orbits=4, quiet=True)
+    assert axial.system is CR3BP_AXIAL
+    row = axial.to_dataframe().iloc[0]
+    assert row["period (days)"] == axial[0].period_days
+    assert row["stability index"] == axial[0].stability_index
+
+
 def test_a_family_is_a_table_where_pandas_is(family: explore.OrbitFamily, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ModuleNotFoundError, match=r"^to_dataframe needs pandas: pip install pandas$"):
@@ -197,7 +206,7 @@ def test_a_family_is_a_table_where_pandas_is(family: explore.OrbitFamily, monkey
     frame = family.to_dataframe()
     assert isinstance(frame, pandas.DataFrame)
     assert len(frame) == len(family)
-    assert list(frame.columns) == ["x", "y", "z", "period", "beta", "s1", "arclength"]
+    assert list(frame.columns) == ["x", "y", "z", "period", "beta", "stability index", "s1", "arclength"]
 
 
 @pytest.mark.parametrize(

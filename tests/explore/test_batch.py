@@ -262,7 +262,9 @@ def watched(system):
 batch._compiled = watched
 made = []
 for name, expected in (("gpu", other), ("cpu", processor)):
-    made.append(explore.catalogue("L2-halo", "jpl-earth-moon", rows=30, max_orbits=12, device=name, quiet=True))
+    made.append(
+        explore.catalogue("L2-halo", "jpl-earth-moon", rows=30, max_orbits=12, device=name, hits=True, quiet=True)
+    )
 assert np.array_equal(made[0].columns, made[1].columns) and len(made[0]) == 30
 """
 

@@ -29,7 +29,7 @@ MU = float(MASS_PARAMETERS["jpl-earth-moon"])
 
 @pytest.fixture(scope="module")
 def halo() -> Catalogue:
-    return explore.catalogue("l2-halo", "jpl-earth-moon", rows=40, max_orbits=40, quiet=True)
+    return explore.catalogue("l2-halo", "jpl-earth-moon", rows=40, max_orbits=40, hits=True, quiet=True)
 
 
 def test_rows_are_equally_far_apart_and_orbits(halo: Catalogue) -> None:
@@ -96,7 +96,7 @@ def test_a_gpu_is_used_or_refused_and_nothing_else_in_its_place(tmp_path: Path) 
         assert not out.exists()
     else:
         assert "9 rows corrected by the GPU" in done.stderr
-        here = explore.catalogue("L2-halo", "jpl-earth-moon", rows=9, max_orbits=9, quiet=True)
+        here = explore.catalogue("L2-halo", "jpl-earth-moon", rows=9, max_orbits=9, hits=True, quiet=True)
         assert read_catalogue(out).columns == pytest.approx(here.columns, rel=1e-9, abs=1e-11)
 
 
@@ -155,6 +155,48 @@ def test_parquet_has_the_columns_and_says_what_is_proved(halo: Catalogue, tmp_pa
     assert table.column("x").to_pylist() == halo.states[:, 0].tolist()
     assert set(table.column("proved").to_pylist()) == {"no: double precision"}
     assert table.schema.metadata[b"lunit"] == b"389703.264829278"
+
+
+def test_a_catalogue_prints_a_short_table_with_days_and_distances(halo: Catalogue) -> None:
+    head, titles, *rows = repr(halo).splitlines()
+    assert head == "L2-halo-S of Earth-Moon: 40 orbits"
+    assert titles.split() == [
+        "Jacobi",
+        "constant",
+        "period",
+        "days",
+        "stability",
+        "index",
+        "least_distance",
+        "altitude_km",
+    ]
+    assert [row.split()[0] for row in rows] == ["1", "2", "3", "38", "39", "40"]
+    days = float(rows[0].split()[3])
+    assert days == pytest.approx(halo.periods[0] * 382981.289129055 / 86400, rel=1e-6)
+    assert repr(halo.chosen(np.array([], dtype=int))) == "L2-halo-S of Earth-Moon: 0 orbits"
+    assert halo.to_dataframe()["period_days"].iloc[0] == pytest.approx(days, rel=1e-6)
+
+
+def test_from_python_rows_that_hit_the_body_are_left_out_and_counted(
+    halo: Catalogue, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    hits = tuple("yes" if number < 3 else "no" for number in range(len(halo)))
+    made = MadeCatalogue(replace(halo, more={**halo.more, HITS: hits}), "")
+    monkeypatch.setattr("orbitproof.explore.catalogues.scripting.catalogue_task", lambda *_: made)
+    assert len(explore.catalogue("L2-halo", "jpl-earth-moon")) == 37
+    assert "3 of 40 rows hit the smaller primary and are left out; hits=True keeps them" in capsys.readouterr().err
+    assert len(explore.catalogue("L2-halo", "jpl-earth-moon", hits=True)) == 40
+    assert "left out" not in capsys.readouterr().err
+
+
+def test_rows_that_are_not_between_the_limits_are_counted(
+    halo: Catalogue, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    halo.write(tmp_path / "halo.json")
+    kept = len(halo.by_perilune("45000km", "inf"))
+    out = str(tmp_path / "part.csv")
+    assert main(["catalogue", str(tmp_path / "halo.json"), "--perilune", "45000km", "inf", "-o", out]) == 0
+    assert f"{40 - kept} of 40 rows left out by --perilune" in capsys.readouterr().err
 
 
 @pytest.mark.slow

@@ -227,6 +227,15 @@ def test_orbits_are_found_beside_one_that_is_not_claimed(monkeypatch: pytest.Mon
         list(find_periodic(request, _nothing))
 
 
+def test_orbits_that_were_found_print_as_a_table() -> None:
+    found = explore.find_periodic(HOPF, {"x": 1, "y": 0, "w": 0}, parameters={"c": "1/4"}, period=6.3, quiet=True)
+    head, line = repr(found).splitlines()
+    assert head.split() == ["period", "crossings", "largest", "multiplier", "point"]
+    assert line.startswith("[0]  6.283185307  1 ")
+    assert repr(found[0]).startswith("period 6.28318530717")
+    assert repr(type(found)()) == "no orbits"
+
+
 def test_of_multipliers_what_is_known_is_told() -> None:
     (found,) = find_periodic(PeriodicRequest(HOPF, {"c": Fraction(5)}, (1.0, 0.1, 0.0), period=6.3), _nothing)
     *_, line = described(found)

@@ -331,7 +331,7 @@ def test_a_start_is_off_a_fixed_set_if_it_is_so_beyond_rounding() -> None:
 
 def test_rows_of_ill_conditioned_orbits_agree_with_themselves() -> None:
     """Close to the Moon double precision knows no multipliers, and the index of a row contradicts nothing."""
-    rows = explore.catalogue("dpo", "jpl-earth-moon", rows=6, max_orbits=300, quiet=True)
+    rows = explore.catalogue("dpo", "jpl-earth-moon", rows=6, max_orbits=300, hits=True, quiet=True)
     corrected = correct_catalogue(rows)
     assert corrected.reasons == ("",) * len(rows)
     last = corrected.batch.orbit(len(rows) - 1).derivative
