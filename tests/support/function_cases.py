@@ -8,9 +8,11 @@ from fractions import Fraction
 from math import exp, log
 from typing import Any
 
+from support import periodic_bifurcation_cases as bifurcations
+from support import periodic_curves
 from support.periodic_cases import in_plane
 
-from orbitproof.shared.formats import PeriodicOrbit, define_system
+from orbitproof.shared.formats import PeriodicAtlas, PeriodicBifurcation, PeriodicOrbit, define_system
 from orbitproof.shared.systems import System
 
 Q = Fraction
@@ -73,3 +75,76 @@ def swing(e: str = "1/10", **more: Any) -> PeriodicOrbit:
 def pendulum(**more: Any) -> PeriodicOrbit:
     """The swing of `PENDULUM` to a right angle: energy 0."""
     return replace(swing(), **({"system": PENDULUM, "parameters": {}, "level": Q(0)} | more))
+
+
+FOLDING = define_system(
+    {
+        "name": "folding", "state": "u v", "parameters": "a b c",
+        "where": {"x": "1 + log(u)", "y": "2*sin(v)", "s": "x**2 + y**2 - 1 - b*a", "g": "c*a - s**2"},
+        "field": {"u": "u*(x*g/8 - y)", "v": "(x + y*g/8)/(2*cos(v))"},
+    }
+)  # fmt: skip
+"""`periodic_bifurcation_cases.FOLDING` with x = 1 + log(u) and y = 2 sin(v)."""
+
+BREAKING = define_system(
+    {
+        "name": "breaking", "state": "x y m n", "parameters": "a b c d e",
+        "where": {"u": "sin(m)", "v": "(exp(n) - exp(-n))/2", "q": "x**2 + y**2", "s": "1 + b*a - q - d*u**2"},
+        "field": {
+            "x": "x*s/8 - y", "y": "x + y*s/8", "m": "(a + e*(q - 1) - c*u**2)*u/cos(m)", "n": "-v/(exp(n) + exp(-n))",
+        },
+    }
+)  # fmt: skip
+"""`periodic_bifurcation_cases.BREAKING` with u = sin(m) and v = sinh(n)."""
+
+LEVEL_FOLD = define_system(
+    {
+        "name": "level-fold", "state": "x v u", "parameters": "a",
+        "field": {"x": "-2*sin(v)", "v": "x/(2*cos(v))", "u": "(x**2 + 4*sin(v)**2 - 1 - a - u**2)/4"},
+        "first_integral": "x**2 + 4*sin(v)**2",
+    }
+)  # fmt: skip
+"""`periodic_bifurcation_cases.LEVEL_FOLD` with y = 2 sin(v)."""
+
+FASTER = define_system(
+    {
+        "name": "faster", "state": "u v", "parameters": "a",
+        "where": {"x": "u + sin(v)/3", "r": "(1 - x**2 - v**2)/8", "s": "1 + a/4", "q": "r*v + s*x"},
+        "field": {"u": "r*x - s*v - cos(v)/3*q", "v": "q"},
+    }
+)  # fmt: skip
+"""`periodic_curves.FASTER` with x = u + sin(v)/3 and y = v."""
+
+LEVELS = define_system(
+    {
+        "name": "levels", "state": "x v z", "parameters": "a",
+        "field": {"x": "2*sin(v)", "v": "-x/(2*cos(v))", "z": "a*x - z"},
+        "first_integral": "x**2 + 4*sin(v)**2",
+    }
+)  # fmt: skip
+"""`periodic_curves.LEVELS` with y = 2 sin(v)."""
+
+
+def folding(**more: Any) -> PeriodicBifurcation:
+    """The fold of `FOLDING` through (1, 0)."""
+    return replace(bifurcations.folding(**more), system=FOLDING)
+
+
+def breaking(**more: Any) -> PeriodicBifurcation:
+    """The pitchfork of `BREAKING` through (1, 0, 0, 0)."""
+    return replace(bifurcations.breaking(**more), system=BREAKING)
+
+
+def level_fold() -> PeriodicBifurcation:
+    """The fold of `LEVEL_FOLD`."""
+    return replace(bifurcations.level_fold(), system=LEVEL_FOLD)
+
+
+def faster_atlas() -> PeriodicAtlas:
+    """u = 1, a from 0 to 1."""
+    return replace(periodic_curves.faster_atlas(), system=FASTER)
+
+
+def levels_atlas() -> PeriodicAtlas:
+    """Over the levels."""
+    return replace(periodic_curves.levels_atlas(), system=LEVELS)

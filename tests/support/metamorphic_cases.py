@@ -161,6 +161,9 @@ ROWS: Mapping[str, Callable[[], BoxClaim]] = {
     "periodic-functions": lambda: functions.circle("nested", Q(3, 2), Q(1, 5)),
     "periodic-functions-level": functions.pendulum,
     "periodic-fold": bifurcations.folding,
+    "periodic-functions-fold": functions.folding,
+    "periodic-functions-pitchfork": functions.breaking,
+    "periodic-functions-level-fold": functions.level_fold,
     "periodic-doubling": bifurcations.doubling,
     "periodic-pitchfork": bifurcations.breaking,
     "periodic-half": bifurcations.half_a_period,
@@ -275,6 +278,8 @@ CURVES: Mapping[str, Callable[[], Curve]] = {
     "periodic-arc-levels": lambda: _free(periodic_curves.levels_atlas()),
     "periodic-arc-tilted": lambda: _free(periodic_curves.tilted_atlas()),
     "periodic-arc-on-level": lambda: _free(periodic_curves.on_level_atlas()),
+    "periodic-arc-functions": lambda: _free(functions.faster_atlas(), 80, 30, 20, 2),
+    "periodic-arc-functions-levels": lambda: _free(functions.levels_atlas()),
 }
 """By what is claimed."""
 

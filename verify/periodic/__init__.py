@@ -12,6 +12,7 @@ from orbitproof.verify.periodic.box import (
     section_of,
     slopes_along,
     state_on_box,
+    whole_state,
 )
 from orbitproof.verify.periodic.enclosures import Linearised, PeriodicEnclosures, SectionReturn, stops_of
 from orbitproof.verify.periodic.following import enclose_periodic

@@ -115,10 +115,10 @@ def state_on_box(claim: InSection, sides: Sequence[arb] | None = None) -> list[a
 def values_on(program: Program, claim: InSection, state: Sequence[arb]) -> list[arb]:
     """Enclosures of functions of state and parameters, the state in balls, at all parameters of the claim."""
     parameters = parameters_on_box(claim)
-    return program.evaluate([*_whole(claim.system, state, parameters), *parameters], enclose, power)
+    return program.evaluate([*whole_state(claim.system, state, parameters), *parameters], enclose, power)
 
 
-def _whole(system: System, state: Sequence[arb], parameters: Sequence[arb]) -> Sequence[arb]:
+def whole_state(system: System, state: Sequence[arb], parameters: Sequence[arb]) -> Sequence[arb]:
     """The state with the coordinates that are functions of those given."""
     if not system.defined:
         return state

@@ -15,6 +15,7 @@ from orbitproof.verify.claim import keeps_volume
 from orbitproof.verify.curve import Chain, Interval, IntervalResult, Stretch
 from orbitproof.verify.evidence import all_finite, enclose, hull, is_below, power, sign
 from orbitproof.verify.functions import REACH
+from orbitproof.verify.periodic import whole_state
 from orbitproof.verify.periodic_curve.characteristic import MultiplierFunctions, PeriodicIntervalResult
 
 _HALVINGS, _MOST_PARTS = 40, 64
@@ -122,7 +123,8 @@ def _value(atlas: PeriodicAtlas, point: Sequence[arb]) -> arb:
         across -= enclose(entry / normal[pivot]) * coordinate
     state.insert(pivot, across)
     parameters = [enclose(atlas.parameters[name]) for name in atlas.system.parameters]
-    value: arb = program.evaluate([*state, *parameters], enclose, power)[0]
+    whole = whole_state(atlas.system, state, parameters)
+    value: arb = program.evaluate([*whole, *parameters], enclose, power)[0]
     return value
 
 
