@@ -56,7 +56,8 @@ class Frames:
     def next_frame(self, end: fmpz_mat, bounds: Floats, bits: int) -> tuple[fmpz_mat, fmpz_mat]:
         """See `flow.FrameOracle`."""
         floats = _floats(end, 2.0**-bits)
-        edges = (bounds / bounds.max(axis=0)).mean(axis=1)
+        longest = bounds.max(axis=0)
+        edges = (bounds / np.where(longest > 0, longest, 1.0)).mean(axis=1)
         orthogonal, _ = np.linalg.qr(floats[:, np.argsort(-np.linalg.norm(floats, axis=0) * edges)])
         return _matrix(orthogonal, bits), _matrix(orthogonal.T, bits)
 
