@@ -30,8 +30,7 @@ class BoxInSection:
         offset: of the section.
         direction: 1 or -1.
         crossings: m, the number of points in which the orbit crosses the section in the direction.
-        centre: shape (N,), a point of the section, in the order of the state, without coordinates that are functions of
-            others.
+        centre: shape (N,), a point of the section, in the order of the state but for functions of other coordinates.
         frame: shape (N, N - 1), rows; its columns span the section; column j is the direction of p_j.
         radii: shape (N - 1,), half-widths of the box in p, all positive.
     """

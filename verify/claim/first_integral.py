@@ -40,10 +40,9 @@ def is_first_integral(field: Program, integral: Program, ring_of: Callable[..., 
     """
     try:
         ring = (ring_of or Ring)(field, integral)
-        inputs = ring.inputs
-        velocity = [output.value for output in field.evaluate(inputs, ring.constant, AlongFlow.power)]
+        velocity = [output.value for output in field.evaluate(ring.inputs, ring.constant, AlongFlow.power)]
         ring.is_closed = True
-        inputs = [AlongFlow(ring, x.value, rate) for x, rate in zip(inputs, velocity, strict=False)]
+        inputs = [AlongFlow(ring, x.value, rate) for x, rate in zip(ring.inputs, velocity, strict=False)]
         inputs += ring.inputs[len(velocity) :]
         (value,) = integral.evaluate(inputs, ring.constant, AlongFlow.power)
         return ring.vanishes(value.rate)
