@@ -29,7 +29,10 @@ NOT_PROVED = "Not proved does not mean that there is no such bifurcation."
 
 def kind_of(row: TableRow) -> str:
     """The kind in words; a dash at a row that we do not have."""
-    return NONE if row.certified is None else KINDS[row.certified.kind]
+    if row.certified is None:
+        return NONE
+    doubling = row.certified.kind == "period_tupling" and row.certified.k == 2
+    return "period doubling" if doubling else KINDS[row.certified.kind]
 
 
 def crossing_of(row: TableRow) -> str:

@@ -14,6 +14,7 @@ DOCUMENTS = [
     ROOT / "README.md",
     ROOT / "CONTRIBUTING.md",
     ROOT / "CODE_OF_CONDUCT.md",
+    ROOT / "CHANGELOG.md",
     ROOT / "paper" / "paper.md",
     ROOT / "shared" / "README.md",
     *sorted(path for path in (ROOT / "docs").rglob("*.md") if path.parent.name not in ("theorems", "site")),

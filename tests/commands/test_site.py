@@ -32,6 +32,17 @@ def site() -> Iterator[dict[str, ModuleType]]:
         sys.modules.pop(name, None)
 
 
+def test_in_print_nothing_is_clipped() -> None:
+    style = (SITE / "site.css").read_text("utf-8")
+    _, _, printed = style.partition("@media print {")
+    assert ".table-wrapper, .output.text_html { overflow: visible; }" in printed
+    assert re.search(r"\bpre \{[^}]*white-space: pre-wrap; overflow-wrap: anywhere", printed)
+    assert re.search(r"h1, h2, h3, h4 \{ break-after: avoid", printed)
+    # The rule about one line to a row goes by the heading of the page.
+    assert (ROOT / "docs" / "tables.md").read_text("utf-8").startswith("# The tables, certified\n")
+    assert "#the-tables-certified td { white-space: nowrap; }" in style
+
+
 @pytest.mark.parametrize(
     ("line", "latex"),
     [
