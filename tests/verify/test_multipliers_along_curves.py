@@ -42,7 +42,7 @@ from orbitproof.verify.periodic_curve import (
 from orbitproof.verify.periodic_curve import counted as counted_parts
 from orbitproof.verify.periodic_curve.characteristic import multipliers_along
 from orbitproof.verify.periodic_curve.counted import counts_of, counts_of_pair_of_area
-from orbitproof.verify.words.branches import conclusion_in_words
+from orbitproof.verify.theorems.periodic_curve import told
 
 Q = Fraction
 
@@ -185,7 +185,7 @@ def test_a_multiplier_leaves_the_circle_where_the_curve_turns_and_nowhere_else()
     assert all(
         abs(float(value) - (x**4 - 2 * x**2)) < 1e-12 for value, x in zip(ends, (0.775, 1, 1, 1.225), strict=True)
     )
-    words = conclusion_in_words(conclude_periodic(turning_atlas(), proved("turning")))
+    words = told(conclude_periodic(turning_atlas(), proved("turning")))["statement"]
     first, last = (interval_text(value, 18) for value in before.values)
     for expected in (
         f"from a in {first} to a in {last}, 0 inside",
@@ -200,7 +200,7 @@ def test_a_multiplier_leaves_the_circle_where_the_curve_turns_and_nowhere_else()
 def test_orbits_that_lose_area_are_attracting() -> None:
     (part,) = counted(ATLASES["twice"], proved("twice"))
     assert part.counts == Counts(2, 0, 0)
-    words = conclusion_in_words(conclude_periodic(ATLASES["twice"], proved("twice")))
+    words = told(conclude_periodic(ATLASES["twice"], proved("twice")))["statement"]
     assert "2 others; for every orbit of the curve 2 inside, 0 outside the unit circle: asymptotically stable" in words
 
 
@@ -208,7 +208,7 @@ def test_orbits_of_levels_are_not_called_asymptotically_stable() -> None:
     for name in ("levels", "on-level"):
         (part,) = counted(ATLASES[name], proved(name))
         assert part.counts == Counts(1, 0, 0)
-        words = conclusion_in_words(conclude_periodic(ATLASES[name], proved(name)))
+        words = told(conclude_periodic(ATLASES[name], proved(name)))["statement"]
         assert "Besides two multipliers that are 1 each orbit has 1 other; for every orbit of the curve 1 in" in words
         assert "stable" not in words
     # Where the level varies its values at the ends are those of H: 25/16 and 9/16.
@@ -233,7 +233,7 @@ def test_what_only_touches_the_circle_is_left_open_and_no_crossing_is_claimed() 
     first, gap, last = counted(atlas, results)
     assert (first.counts, gap.counts, last.counts) == (Counts(0, 2, 0), None, Counts(0, 2, 0))
     assert gap.all_values.contains(arb(0.25))
-    words = conclusion_in_words(conclude_periodic(atlas, results))
+    words = told(conclude_periodic(atlas, results))["statement"]
     assert "differ" not in words
     assert "0 inside, 2 on, 0 outside the unit circle" in words
 
@@ -334,7 +334,7 @@ def test_where_all_multipliers_are_1_nothing_is_stored_or_said() -> None:
 def test_results_without_multipliers_say_nothing_of_them() -> None:
     atlas, results = closed_atlas()
     assert counted(atlas, results) == ()
-    assert "Besides" not in conclusion_in_words(conclude_periodic(atlas, results))
+    assert "Besides" not in told(conclude_periodic(atlas, results))["statement"]
 
 
 UNKNOWN: dict[str, Any] = {
@@ -353,7 +353,7 @@ def test_what_is_not_known_on_one_piece_is_not_counted_there(name: str) -> None:
     assert (gap.counts, rest.counts) == (None, Counts(1, 0, 0))
     assert (gap.pieces, gap.between[0]) == (("p1", "p1"), Q(-1))
     assert float(gap.all_values.lower()) < -1 < -0.85 < float(gap.all_values.upper())
-    words = conclusion_in_words(conclude_periodic(turning_atlas(), (lacking, second)))
+    words = told(conclude_periodic(turning_atlas(), (lacking, second)))["statement"]
     assert "differ" not in words
 
 

@@ -23,14 +23,14 @@ from orbitproof.shared.systems import ParameterRange
 from orbitproof.verify.curve import IntervalResult
 from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.periodic_curve import conclude_periodic
-from orbitproof.verify.words.branches import conclusion_in_words
+from orbitproof.verify.theorems.periodic_curve import told
 
 
 def said(atlas: PeriodicAtlas, results: Sequence[IntervalResult]) -> str:
     """The theorem about a curve that is proved."""
     found = conclude_periodic(atlas, results)
     assert found.is_proved, found.outcome
-    return conclusion_in_words(found)
+    return str(told(found)["statement"])
 
 
 def why(atlas: PeriodicAtlas, results: Sequence[IntervalResult]) -> str:
@@ -158,14 +158,14 @@ def test_the_parameter_lies_inside_its_range(lower: str | None, upper: str | Non
         assert found.reason.condition == "piece"
 
 
-def test_coordinates_that_are_functions_of_others_are_refused() -> None:
+def test_a_normal_over_coordinates_that_are_functions_of_others_is_refused() -> None:
     atlas = turning_atlas()
     field = {"x": "v", "v": "-a*sin(x)"}
     system = define_system({"name": "pendulum", "state": "x v", "parameters": "a", "field": field})
     claim = replace(atlas.claim, normal=tuple(Fraction(int(name == "v")) for name in system.state))
     found = why(replace(atlas, system=system, claim=claim), proved("turning"))
     assert found.startswith("section: ")
-    assert "functions of others" in found
+    assert "no normal" in found
 
 
 def test_parameters_are_those_of_their_names_in_any_order() -> None:
