@@ -53,6 +53,7 @@ from orbitproof.verify.newton import Jet
 from orbitproof.verify.run.branch_tasks import reusable
 from orbitproof.verify.run.branches import limits_of
 from orbitproof.verify.stability import PRECISION, Matter, Resonance, StabilityFunctions, conclude_list, zeros_on
+from orbitproof.verify.theorems.curve import KIND as CURVE
 from orbitproof.verify.twist import rotation_of, twist_of
 from orbitproof.verify.words.lasting import lasting_in_words
 
@@ -356,6 +357,9 @@ def test_a_new_integration_confirms_what_it_finds_and_nothing_narrower() -> None
     assert "symmetry" in next(unconfirmed_twist(replace(twist, odd=True), twist))
     assert "symmetry" in next(unconfirmed_twist(twist, replace(twist, odd=True)))
     assert list(unconfirmed_twist(None, twist)) == []
+    assert not list(CURVE.unconfirmed(result, result, "p"))
+    (found,) = CURVE.unconfirmed(replace(result, stability=None), result, "p")
+    assert "without the functions of stability" in str(found)
 
 
 # Lists of functions that are made up

@@ -33,6 +33,8 @@ def _unconfirmed(stored: Result, fresh: Result, place: str) -> Iterator[Finding]
     """What is stored of stability and twist on an interval, and a new integration does not confirm."""
     old, new = (result if isinstance(result, LastingResult) else None for result in (stored, fresh))
     known = old.stability if old else None
+    if old is not None and old.twist is not None and known is None:
+        yield Finding(f"{place}, twist", "is stored without the functions of stability beside which it stands")
     if known is not None:
         # Functions of s are written in a variable that runs over the interval: on another one they are others.
         if not isinstance(known, NotKnown) and fresh.interval != stored.interval:
