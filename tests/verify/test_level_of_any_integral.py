@@ -39,8 +39,9 @@ from orbitproof.verify.claim import LevelEquation, check_level, is_in, on_box
 from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotEstablishedError, enclose, excludes_zero, power
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import IntegratorSettings, at_start, initial_values, level_set, on_sheet
+from orbitproof.verify.poincare.derivatives import derivative_table
 from orbitproof.verify.poincare.without_time import without_time
-from orbitproof.verify.reversor_breaking import check_sheet, enclose_breaking
+from orbitproof.verify.reversor_breaking import check_sheet, enclose_breaking, following
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"
 LIMITS = Limits(max_precision=256)
@@ -410,6 +411,20 @@ def test_a_loss_of_the_reversor_is_where_a_linear_equation_has_an_odd_solution()
     (sheet,) = (hypothesis for hypothesis in proof.hypotheses if hypothesis.name == "sheet")
     assert "the derivative of the first integral in py is not 0" in sheet.statement
     assert recheck(proof).stands
+
+
+def test_the_sheet_of_the_images_is_told_over_all_of_the_box(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The centre may be on one sheet of the level and points of the box on the other."""
+
+    def wider(element: Series, scales: Any, ratio: Any) -> Any:
+        table = derivative_table(element, scales, ratio)
+        return replace(table, box={index: value + arb(0, 3) for index, value in table.box.items()})
+
+    monkeypatch.setattr(following, "derivative_table", wider)
+    found = enclose_breaking(loss(), IntegratorSettings(128), ORACLE)
+    assert found.sheet[0].contains(0)
+    with ctx.workprec(128), pytest.raises(NotEstablishedError, match="may vanish"):
+        check_sheet(Checklist(), loss(), found)
 
 
 def test_at_the_image_the_derivative_counts_and_not_the_sign() -> None:

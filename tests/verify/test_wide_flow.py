@@ -235,7 +235,11 @@ def test_a_wrong_rate_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     assert escapes(wide, returns, 1, 10) > 0
 
 
-@pytest.mark.parametrize("powers", [[Fraction(1), Fraction(1)], [Fraction(1), Fraction(0), Fraction(-3)]], ids=str)
+@pytest.mark.parametrize(
+    "powers",
+    [[Fraction(1), Fraction(1)], [Fraction(1), Fraction(-1)], [Fraction(1), Fraction(0), Fraction(-3)]],
+    ids=str,
+)
 def test_rates_that_vanish_in_the_piece_are_not_used(powers: list[Fraction], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("orbitproof.verify.oracle.approximations.relative_return_times", lambda *given: powers)
     assert WIDE_SETS["twist"].returns().rate is None
