@@ -20,6 +20,7 @@ from orbitproof.shared.systems import ReversibleSystem
 
 TOLERANCE = 1e-12
 ROWS = 120
+_FINE, _LEAST = 16, 1e-300
 HYPERBOLIC = 1.05
 """Stability index above which there is a manifold that a tube can be drawn of."""
 
@@ -52,7 +53,7 @@ class Manifold:
         starts: shape (N, 6), the first states.
         ends: shape (N, 6), the states on the section; NaN for an orbit that does not reach it.
         times: shape (N,), from start to section, negative for a stable manifold; NaN likewise.
-        paths: shape (N, `ROWS`, 3), places at equal intervals of time, up to the section or the longest time.
+        paths: shape (N, `ROWS`, 3), places up to the section or the longest time, closer where an orbit turns.
         drift: largest change of the Jacobi constant along an orbit that reaches the section.
     """
 
@@ -157,7 +158,18 @@ def _run(
         events=(height, collision),
     )  # fmt: skip
     last = float(solution.t[-1])
-    path = solution.sol(np.linspace(0.0, last, ROWS))[:3].T
+    path = solution.sol(_times(solution.sol, last))[:3].T
     if len(solution.t_events[0]):
         return solution.y_events[0][0], float(solution.t_events[0][0]), path
     return np.full(6, np.nan), float("nan"), path
+
+
+def _times(places: Callable[[Vector], Matrix], last: float) -> Vector:
+    """Times from 0 to the last one, shape (`ROWS`,): closer where an orbit is fast or turns: smooth lines."""
+    times = np.linspace(0.0, last, _FINE * ROWS)
+    steps = np.diff(places(times)[:3].T, axis=0)
+    lengths = np.linalg.norm(steps, axis=1)
+    ahead = steps / np.maximum(lengths, np.finfo(float).tiny)[:, None]
+    turns = np.append(0.0, np.linalg.norm(np.diff(ahead, axis=0), axis=1))
+    done = np.append(0.0, np.cumsum(lengths / max(lengths.sum(), _LEAST) + turns / max(turns.sum(), _LEAST)))
+    return np.interp(np.linspace(0.0, done[-1], ROWS), done, times)

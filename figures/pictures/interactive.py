@@ -21,6 +21,7 @@ from orbitproof.explore.invariants import ManifoldRecord, ToriRecord
 from orbitproof.explore.names import units_of_system
 from orbitproof.figures.orbits import Array
 from orbitproof.figures.pictures.lines import NUMERICAL, Line, tube_lines
+from orbitproof.figures.pictures.plotly_script import for_lines_in_space
 
 _NEAR = 0.25
 """A primary is shown if it is at most this part of the picture's extent outside of it."""
@@ -147,7 +148,8 @@ def _finished(figure: Any, title: str, mass: float, note: str) -> Any:
     middle, size = (low + high) / 2, float((high - low).max())
     half = 0.53 * np.maximum(high - low, 0.1 * size)
     is_flat = bool(high[2] - low[2] < _FLAT * size)
-    axis = {"backgroundcolor": "white", "gridcolor": "#e4e4e4", "color": _ORBIT}
+    # Without walls, which would hide what is written beside a primary.
+    axis = {"showbackground": False, "gridcolor": "#e4e4e4", "color": _ORBIT}
     axes = {f"{name}axis": {**_axis(name, middle[i], half[i], mass), **axis} for i, name in enumerate("xyz")}
     axes["zaxis"]["visible"] = not is_flat
     ratio = dict(zip("xyz", (half / half.max()).tolist(), strict=True))
@@ -188,7 +190,7 @@ def _axis(name: str, middle: float, half: float, mass: float) -> dict[str, Any]:
 
 
 _MOST_MARKS = 5
-_ASLANT = {"x": 1.08, "y": -1.3, "z": 0.72}
+_ASLANT = {"x": 1.23, "y": -1.48, "z": 0.82}
 """From where the picture is seen: far enough for all of its box."""
 
 _HEAD = (
@@ -221,7 +223,7 @@ _SCRIPT = re.compile(r"<script(?: [^>]*)?>(.*?)</script>", re.DOTALL)
 def html_of(figure: Any) -> str:
     """The figure as one HTML page that needs nothing else, for wide and narrow windows.
 
-    The scripts are packed: with them as they are a page has 5 MB.
+    Of plotly's script it has the part that draws lines in space, packed: with all of it as it is a page has 5 MB.
     """
     from plotly.offline import get_plotlyjs
 
@@ -233,7 +235,7 @@ def html_of(figure: Any) -> str:
         config={"responsive": True},
         post_script=_FIT,
     )
-    scripts = [get_plotlyjs(), *_SCRIPT.findall(page)]
+    scripts = [for_lines_in_space(get_plotlyjs()), *_SCRIPT.findall(page)]
     packed = b64encode(gzip.compress("\n".join(scripts).encode("utf-8"), 9, mtime=0)).decode("ascii")
     page = _SCRIPT.sub("", str(page)).replace("<head>", _HEAD, 1)
     return page.replace("</body>", f'<script type="module">{_UNPACK.replace("{packed}", packed)}</script></body>')

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from plotly.offline import get_plotlyjs
 from support.picture_texts import unreadable
 
 from orbitproof.explore.invariants import (
@@ -30,6 +31,7 @@ from orbitproof.figures.__main__ import main
 from orbitproof.figures.model import read_families
 from orbitproof.figures.pictures import draw_manifold, draw_tori
 from orbitproof.figures.pictures.distances import draw_distances
+from orbitproof.figures.pictures.plotly_script import for_lines_in_space
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import CR3BP
@@ -121,7 +123,7 @@ def test_interactive_pages_need_nothing_else_and_copy_the_verdicts(files: tuple[
     page = tmp_path / "page.html"
     words = [str(data / "figures-halo-family.json"), "--candidates", str(data / "figures-candidates.json")]
     assert main(["interactive", *words, "-o", str(page)]) == 0
-    assert page.stat().st_size < 2_500_000
+    assert page.stat().st_size < 1_000_000
     assert "Plotly.newPlot" not in page.read_text()
     hollow = unpacked(page)
     assert hollow.count("Plotly.newPlot(") == 1
@@ -141,6 +143,32 @@ def test_interactive_pages_need_nothing_else_and_copy_the_verdicts(files: tuple[
     assert "thick: certified" in unpacked(page)
     assert main(["interactive", str(files[0]), "-o", str(page)]) == 0
     assert "error of invariance" in unpacked(page)
+
+
+def test_of_the_script_what_lines_in_space_need_is_kept() -> None:
+    def part(name: str, body: str) -> str:
+        return f"var {name}=W(({name}0,{name}1)=>{{{body}}});"
+
+    head, core = "var W=(e,t)=>t;", part("core", "help(); lazy()")
+    used = part("help", "1") + part("line", 'name:"scatter3d"; core()') + part("passed", "passed1.exports=line()")
+    lazy = "var more=W(e=>{2});function deep(){}var lazy=Ea(()=>{more()});"
+    unused = part("map", 'name:"map"; big()') + part("big", "x.help()")
+    last = "var all=W((a,b)=>{core();core.register([map(),passed()])});return all()"
+    shortened = for_lines_in_space(head + core + used + lazy + unused + last)
+    assert shortened == head + core + used + lazy + last.replace("map(),", "")
+    for other in ("plain();", head + core + used + last.replace("register", "other"), head + core + unused + last):
+        assert for_lines_in_space(other) == other
+
+
+def test_the_script_of_a_page_is_a_third_of_that_of_plotly() -> None:
+    whole = get_plotlyjs()
+    part = for_lines_in_space(whole)
+    assert len(part) < 0.4 * len(whole)
+    assert all(word in part for word in ('name:"scatter3d"', "window.Plotly = Plotly", "newPlot", "relayout"))
+    # No part is called that is not there.
+    defined = set(re.findall(r"(?<![\w$.])([\w$]+)=W\(", part))
+    gone = set(re.findall(r"(?<![\w$.])([\w$]+)=W\(", whole)) - defined
+    assert gone & set(re.findall(r"(?<![\w$.])([A-Za-z_$][\w$]*)\(\)", part)) == set()
 
 
 def test_interactive_pages_show_tubes_single_orbits_and_rows_of_a_catalogue(

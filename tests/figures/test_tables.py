@@ -33,8 +33,10 @@ from orbitproof.figures.tables import (
     to_markdown,
     to_text,
 )
+from orbitproof.figures.tables.cells import kind_of
 from orbitproof.figures.tables.latex import aligned
 from orbitproof.figures.tables.rows import _family_of
+from orbitproof.figures.tables.tables import TableRow
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 from orbitproof.verify.evidence import bounds, certain_digits
 
@@ -143,6 +145,11 @@ def test_decimals_in_csv_contain_the_ball(rows: list[CertifiedRow]) -> None:
                     assert parse_interval(line[f"{name} enclosure"]) == ends
                     seen += 1
     assert seen == 9
+
+
+def test_period_doublings_are_called_so(rows: list[CertifiedRow], halo: CertifiedRow) -> None:
+    other = next(row for row in rows if row.kind == "period_tupling" and row.k > 2)
+    assert [kind_of(TableRow(row, None, None)) for row in (halo, other)] == ["period doubling", "period tupling"]
 
 
 def test_fewer_digits_widen_the_printed_enclosure(halo: CertifiedRow) -> None:
