@@ -248,7 +248,7 @@ def test_each_field_and_each_part_of_a_curve_is_noticed(name: str) -> None:
 def test_bounds_of_a_curve_that_are_too_small_are_found_by_integrating(name: str) -> None:
     """2^-40 of each deviation, which is less than more bits can make of it."""
     document = json.loads(json.dumps(told(name).document))
-    for result in document["results"]:
+    for result in (each for each in document["results"] if each["verdict"] == "proved"):
         result["deviation"] = [format_exact(parse_exact(bound) / 2**40) for bound in result["deviation"]]
     forgery = forged(document, lambda entry: None)
     assert not checked(forgery, prove_task).stands

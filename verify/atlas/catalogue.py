@@ -15,7 +15,7 @@ from orbitproof.shared.stored import Rational, rules
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, TITLE, ReversibleSystem, fits, shown
 from orbitproof.verify.atlas.its_curve import curve_given, names_its_curve
 from orbitproof.verify.certificate import Certificate, Examination, Finding, Given, digest, in_all_data, sealed
-from orbitproof.verify.certificate.document import Digest, Software, Verdict
+from orbitproof.verify.certificate.document import Digest, RestsOn, Software, Verdict
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.evidence import Proved, enclose, is_below, software
@@ -72,14 +72,6 @@ class CertifiedRow:
     lacks: Literal["functions", "nearness"] | None = None
 
 
-@dataclass(frozen=True)
-class CurveCertificate:
-    """The certificate that a file rests on."""
-
-    id: Id
-    digest: Digest
-
-
 @dataclass(frozen=True, kw_only=True)
 class CatalogueStatement:
     """What is stated.
@@ -113,7 +105,7 @@ class CatalogueDocument:
     id: Id
     verdict: Verdict
     statement: CatalogueStatement
-    rests_on: CurveCertificate
+    rests_on: RestsOn
     rows: Annotated[tuple[CertifiedRow, ...], rules(minItems=1, maxItems=1000000)]
     software: Software
     digest: Digest
@@ -191,7 +183,7 @@ def _row(orbits: OrbitsOfCurve, row: CertifiedRow, place: OrbitPlace | None, wit
 
 def _document(curve: Certificate, title: str, within: Fraction, rows: tuple[CertifiedRow, ...]) -> dict[str, Any]:
     assert isinstance(curve.atlas, Atlas)
-    mass, rests_on = curve.atlas.parameters["mu"], CurveCertificate(curve.id, digest(curve.document))
+    mass, rests_on = curve.atlas.parameters["mu"], RestsOn(curve.id, digest(curve.document))
     found = [row.number for row in rows if row.orbit is not None]
     words = catalogue_in_words(curve.atlas, rests_on.id, rests_on.digest, len(found), len(rows), within)
     statement = CatalogueStatement(title=title, mass_ratio=mass, within=within, theorem=words)

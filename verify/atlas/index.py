@@ -33,7 +33,7 @@ from orbitproof.verify.certificate import (
     sealed,
     unknown_reason,
 )
-from orbitproof.verify.certificate.document import Digest, Software, Verdict
+from orbitproof.verify.certificate.document import Digest, RestsOn, Software, Verdict
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve import ProvedCurve, conclude, vertical_point
 from orbitproof.verify.evidence import Hypothesis, IntegrationFailure, Outcome, Proved, Reason, software, spared
@@ -89,14 +89,6 @@ class IndexedOrbit:
     end: ListedPlace | None = None
 
 
-@dataclass(frozen=True)
-class IndexedCurve:
-    """The certificate of the curve that it rests on."""
-
-    id: Id
-    digest: Digest
-
-
 @dataclass(frozen=True, kw_only=True)
 class IndexStatement:
     """What is proved, in words; absent if that is nothing."""
@@ -123,7 +115,7 @@ class IndexDocument:
     verdict: Verdict
     reason: Reason | None
     statement: IndexStatement
-    rests_on: IndexedCurve
+    rests_on: RestsOn
     hypotheses: tuple[Hypothesis, ...]
     orbits: Annotated[tuple[IndexedOrbit, ...], rules(maxItems=100000)] = ()
     small: Annotated[tuple[int, ...], rules(maxItems=2)] = ()
@@ -241,7 +233,7 @@ def _document(
 ) -> dict[str, Any]:
     outcome = conclude_index(known.atlas, known.curve, known.found, orbits, problem)
     reason = None if isinstance(outcome, Proved) else outcome.reason
-    rests_on = IndexedCurve(certificate.id, digest(certificate.document))
+    rests_on = RestsOn(certificate.id, digest(certificate.document))
     more, words = _told(outcome, known, rests_on)
     document = IndexDocument(
         id=certificate.id, verdict="not proved" if reason else "proved", reason=reason,
@@ -251,7 +243,7 @@ def _document(
     return sealed(document, SCHEMA, ("orbits",))
 
 
-def _told(outcome: Outcome[ProvedIndex], known: _Known, rests_on: IndexedCurve) -> tuple[dict[str, Any], str | None]:
+def _told(outcome: Outcome[ProvedIndex], known: _Known, rests_on: RestsOn) -> tuple[dict[str, Any], str | None]:
     """What is stored of a theorem, and its words."""
     if not isinstance(outcome, Proved):
         return {}, None

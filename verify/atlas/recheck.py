@@ -19,7 +19,15 @@ from flint import arb
 from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, shown
-from orbitproof.verify.atlas.certificate import atlas_of, make_atlas_certificate
+from orbitproof.verify.atlas.certificate import (
+    ONE_A_LINE,
+    SAID,
+    SCHEMA,
+    atlas_of,
+    make_atlas_certificate,
+    pieces_of,
+    well_formed,
+)
 from orbitproof.verify.atlas.conclusion import Watch, conclusion_of
 from orbitproof.verify.atlas.kinds import BranchKind, kind_of
 from orbitproof.verify.atlas.results import Result, Settings, condition_of, covers, results_from_json
@@ -361,3 +369,15 @@ def ends_of(interval: Interval) -> str:
 
 def _time(result: Result) -> arb:
     return arb(float("nan")) if result.time is None else result.time
+
+
+OF_ANY_BRANCH: Mapping[str, Any] = {
+    "schema": SCHEMA,
+    "part": "arc",
+    "levels": (form, conclusion, integration),
+    "more": SAID,
+    "extent": pieces_of,
+    "well_formed": well_formed,
+    "one_a_line": ONE_A_LINE,
+}
+"""What is the same of all kinds of branches."""

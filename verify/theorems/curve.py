@@ -6,11 +6,11 @@ from collections.abc import Iterator, Sequence
 
 from orbitproof.shared.claims import CLAIMS, SURFACE, Atlas
 from orbitproof.shared.formats import Piece
-from orbitproof.verify.atlas.certificate import ONE_A_LINE, SAID, SCHEMA, pieces_of, statement_of, well_formed
+from orbitproof.verify.atlas.certificate import statement_of
 from orbitproof.verify.atlas.curve_conclusion import conclude_curve
 from orbitproof.verify.atlas.document import BranchStatement
 from orbitproof.verify.atlas.kinds import BranchKind
-from orbitproof.verify.atlas.recheck import conclusion, ends_of, form, integration
+from orbitproof.verify.atlas.recheck import OF_ANY_BRANCH, ends_of
 from orbitproof.verify.atlas.results import Result
 from orbitproof.verify.certificate.levels import Finding
 from orbitproof.verify.curve import CurveTheorem, IntervalResult, PieceLimits
@@ -49,8 +49,6 @@ def _unconfirmed(stored: Result, fresh: Result, place: str) -> Iterator[Finding]
 
 KIND = BranchKind(
     names=tuple(name for name in CLAIMS if name != SURFACE),
-    schema=SCHEMA,
-    part="arc",
     titles={
         "arc": "A curve of symmetric periodic orbits",
         "loop": "A closed curve of symmetric periodic orbits",
@@ -58,11 +56,7 @@ KIND = BranchKind(
         "symmetric-loop": "A closed curve of symmetric periodic orbits, mapped to itself by {symmetry}",
     },
     said=lambda k, kind: "a curve of symmetric orbits",
-    levels=(form, conclusion, integration),
-    more=SAID,
-    extent=pieces_of,
-    well_formed=well_formed,
-    one_a_line=ONE_A_LINE,
+    **OF_ANY_BRANCH,
     theorem=CurveTheorem,
     limits=PieceLimits,
     about="a curve of symmetric orbits",

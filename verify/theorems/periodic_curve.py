@@ -7,10 +7,9 @@ from typing import Any
 
 from orbitproof.shared.claims import PERIODIC_CURVES
 from orbitproof.shared.formats import PeriodicAtlas, atlas_to_json
-from orbitproof.verify.atlas.certificate import ONE_A_LINE, SAID, SCHEMA, pieces_of, well_formed
 from orbitproof.verify.atlas.document import PeriodicCurveStatement
 from orbitproof.verify.atlas.kinds import BranchKind
-from orbitproof.verify.atlas.recheck import conclusion, form, integration
+from orbitproof.verify.atlas.recheck import OF_ANY_BRANCH
 from orbitproof.verify.atlas.whole_as_json import whole_to_json
 from orbitproof.verify.certificate import stated_functions
 from orbitproof.verify.certificate.document import Names
@@ -62,15 +61,9 @@ def _unconfirmed(stored: Any, fresh: Any, place: str) -> Iterator[Finding]:
 
 KIND = BranchKind(
     names=PERIODIC_CURVES,
-    schema=SCHEMA,
-    part="arc",
     titles={"periodic-arc": "A curve of periodic orbits", "periodic-loop": "A closed curve of periodic orbits"},
     said=lambda k, kind: "orbits without symmetry",
-    levels=(form, conclusion, integration),
-    more=SAID,
-    extent=pieces_of,
-    well_formed=well_formed,
-    one_a_line=ONE_A_LINE,
+    **OF_ANY_BRANCH,
     theorem=PeriodicCurveTheorem,
     limits=PeriodicLimits,
     about="orbits without symmetry",

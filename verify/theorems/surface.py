@@ -7,9 +7,9 @@ from typing import Any
 
 from orbitproof.shared.claims import SURFACE, Atlas
 from orbitproof.shared.formats import SurfacePiece
-from orbitproof.verify.atlas.certificate import ONE_A_LINE, SAID, SCHEMA, pieces_of, statement_of, well_formed
+from orbitproof.verify.atlas.certificate import statement_of
 from orbitproof.verify.atlas.kinds import BranchKind
-from orbitproof.verify.atlas.recheck import conclusion, ends_of, form, integration
+from orbitproof.verify.atlas.recheck import OF_ANY_BRANCH, ends_of
 from orbitproof.verify.atlas.results import Result, covers
 from orbitproof.verify.atlas.whole_as_json import whole_to_json
 from orbitproof.verify.certificate.levels import Finding, confirmed
@@ -85,15 +85,9 @@ def _part_findings(stored: ProvedPart, fresh: ProvedPart, place: str) -> Iterato
 
 KIND = BranchKind(
     names=(SURFACE,),
-    schema=SCHEMA,
-    part="arc",
     titles={SURFACE: "Symmetry breaking over a range of parameters"},
     said=lambda k, kind: "a surface",
-    levels=(form, conclusion, integration),
-    more=SAID,
-    extent=pieces_of,
-    well_formed=well_formed,
-    one_a_line=ONE_A_LINE,
+    **OF_ANY_BRANCH,
     theorem=SurfaceTheorem,
     limits=SurfaceLimits,
     about="a surface",
