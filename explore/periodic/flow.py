@@ -50,6 +50,7 @@ class Arc:
 
 
 _COMPILED: dict[int, tuple[System, Callable[..., Any]]] = {}
+_COMPILED_STIFF: dict[int, tuple[System, Callable[..., Any]]] = {}
 
 
 def arc_of(system: System, point: Sequence[float] | Vector, time: float, parameters: Sequence[float]) -> Arc:
@@ -70,6 +71,23 @@ def arc_of(system: System, point: Sequence[float] | Vector, time: float, paramet
         raise FlowFailure(f"the orbit could not be integrated over time {float(time):.6g}")
     m = len(start)
     return Arc(extended[0], velocity, extended[1 : 1 + m].T, extended[1 + m :].T, samples)
+
+
+def stiff_path(
+    system: System, point: Sequence[float] | Vector, time: float, parameters: Sequence[float]
+) -> tuple[Vector, Matrix]:
+    """The end of an orbit over a positive time, and its states at equal times, by an implicit method; no derivatives.
+
+    To some 8 digits, also where the field is stiff. Raises `FlowFailure`.
+    """
+    configure_jax()
+    if id(system) not in _COMPILED_STIFF:
+        _COMPILED_STIFF[id(system)] = system, compiled(_stiff_integrator(system))
+    start, values = np.asarray(point, dtype=float), np.asarray(parameters, dtype=float)
+    end, samples, done = map(np.asarray, _COMPILED_STIFF[id(system)][1](start, float(time), values))
+    if not done or not np.all(np.isfinite(samples)):
+        raise FlowFailure(f"the orbit could not be integrated over time {float(time):.6g}")
+    return end, samples
 
 
 def velocity_at(system: System, point: Sequence[float] | Vector, parameters: Sequence[float]) -> Vector:
@@ -165,5 +183,18 @@ def _integrator(system: System) -> Callable[..., Any]:
         start = jnp.concatenate([initial[None], jnp.eye(m + count, m)])
         end, solution, reached = integrate(slopes, start, time, save=keep)
         return end, slopes(None, end, None)[0], solution.ys[1], reached
+
+    return run
+
+
+def _stiff_integrator(system: System) -> Callable[..., Any]:
+    field = given_field(system)
+
+    def run(initial: jax.Array, time: jax.Array, parameters: jax.Array) -> tuple[jax.Array, ...]:
+        keep = diffrax.SubSaveAt(ts=time * jnp.linspace(0.0, 1.0, SAMPLES))
+        end, solution, reached = integrate(
+            lambda _time, state, values: field(state, values), initial, time, parameters, save=keep, implicit=True
+        )
+        return end, solution.ys[1], reached
 
     return run

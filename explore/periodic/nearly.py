@@ -9,7 +9,7 @@ import numpy as np
 
 from orbitproof.explore.flow import FlowFailure
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, correct
-from orbitproof.explore.periodic.flow import SAMPLES, Matrix, Vector, arc_of
+from orbitproof.explore.periodic.flow import SAMPLES, Matrix, Vector, arc_of, stiff_path
 from orbitproof.explore.periodic.section import AffineSection
 
 _PIECES = 40
@@ -17,6 +17,8 @@ _NEAR = 0.1
 """Distance, relative to the size of the orbit, from which Newton's method is tried."""
 _TRIED = 12
 _SAME = 1e-6
+_AT_REST = 1e-6
+"""An orbit that moves less than this, relative to where it is and was, is at an equilibrium."""
 
 
 @dataclass(frozen=True)
@@ -40,16 +42,36 @@ def follow(
     problem: PeriodicProblem, start: Sequence[float] | Vector, time: float, progress: Callable[[float], None]
 ) -> tuple[Matrix, Vector]:
     """States at equal times over a long time, shape (K, N), and these times. Raises `PeriodicFailure`."""
-    x, states, piece = np.array(start, dtype=float), [], time / _PIECES
+    x, states, piece, is_stiff = np.array(start, dtype=float), [], time / _PIECES, False
     try:
         for number in range(_PIECES):
-            arc = arc_of(problem.system, x, piece, problem.values)
-            states.append(arc.samples[:-1])
-            x = arc.end
+            x, samples, is_stiff = _piece(problem, x, piece, is_stiff)
+            states.append(samples[:-1])
             progress((number + 1) / _PIECES)
     except FlowFailure as failure:
         raise PeriodicFailure(f"{failure}, after {number} of {_PIECES} pieces") from None
     return np.concatenate(states), np.arange(_PIECES * (SAMPLES - 1)) * (piece / (SAMPLES - 1))
+
+
+def _piece(problem: PeriodicProblem, x: Vector, time: float, is_stiff: bool) -> tuple[Vector, Matrix, bool]:
+    """The end and the states of a piece, and whether it takes an implicit method. Raises `FlowFailure`."""
+    if not is_stiff:
+        try:
+            arc = arc_of(problem.system, x, time, problem.values)
+            return arc.end, arc.samples, False
+        except FlowFailure as failure:
+            explicit = failure
+    try:
+        return *stiff_path(problem.system, x, time, problem.values), True
+    except FlowFailure as failure:
+        raise failure if is_stiff else explicit from None
+
+
+def equilibrium_of(states: Matrix) -> Vector | None:
+    """Where a followed orbit has come to rest, shape (N,); `None` if it still moves."""
+    last = states[-len(states) // _PIECES :]
+    scale = np.maximum(np.max(np.abs(last), axis=0), np.ptp(states, axis=0))
+    return states[-1] if np.all(np.ptp(last, axis=0) <= _AT_REST * scale) else None
 
 
 def recurrences(

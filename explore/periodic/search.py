@@ -16,7 +16,7 @@ from orbitproof.explore.periodic.births import families
 from orbitproof.explore.periodic.continuation import PeriodicFamily, StepControl
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, correct
 from orbitproof.explore.periodic.flow import growth_of_bounds, velocity_at
-from orbitproof.explore.periodic.nearly import follow, nearby_orbits, recurrences
+from orbitproof.explore.periodic.nearly import equilibrium_of, follow, nearby_orbits, recurrences
 from orbitproof.explore.periodic.refinement import PeriodicTask, digits_of_centre, refine_periodic
 from orbitproof.explore.periodic.section import AffineSection, suggested, through_the_middle
 from orbitproof.explore.periodic.symmetries import Symmetry, is_symmetry
@@ -126,6 +126,13 @@ def find_periodic(request: PeriodicRequest, progress: Progress) -> Iterator[Foun
         x = states[-1]
     states, times = follow(problem, x, request.followed, lambda done: progress("following", done))
     section = request.section or through_the_middle(states)
+    at_rest = equilibrium_of(states)
+    if at_rest is not None:
+        place = ", ".join(
+            f"{name} = {value:.6g}" for name, value in zip(problem.system.given_state, at_rest, strict=True)
+        )
+        remedy = "begin elsewhere, or choose parameters at which it is not stable"
+        raise PeriodicFailure(f"the orbit comes to rest at the equilibrium {place}; {remedy}")
     why = f"within time {request.followed:g} nothing repeats after up to {request.returns} returns to the section"
     failure = PeriodicFailure(f"{why}; follow it longer, allow more returns, or give a period to begin with")
     some = False

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from fractions import Fraction
 from math import exp, pi
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from orbitproof import explore
 from orbitproof.explore.__main__ import main
@@ -32,6 +34,7 @@ from orbitproof.explore.periodic import (
 )
 from orbitproof.explore.periodic.bifurcations import digits_of_box
 from orbitproof.explore.periodic.flow import growth_of_bounds, stretching
+from orbitproof.explore.periodic.nearly import equilibrium_of
 from orbitproof.explore.periodic.refinement import box_exponent, digits_of_centre
 from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.formats import define_system, read_claims
@@ -357,3 +360,31 @@ def test_no_box_is_narrower_than_what_the_verifier_bounds() -> None:
     assert Fraction(1, 2 ** box_exponent(10**6, 1e9)) > 1000 * Fraction(LEAST_ERROR)
     with pytest.raises(RefinementFailure, match="narrower than the verifier's bounds"):
         digits_of_box(bifurcation_in({"x": "60*x", "y": "-60*y"}))
+
+
+ENZYME = define_system(
+    {
+        "name": "enzyme", "state": "s a", "parameters": "S0 A0 AL RH RK",
+        "where": {"v": "RH*s*a/(1 + s + RK*s**2)"},
+        "field": {"s": "S0 - s - v", "a": "AL*(A0 - a) - v"},
+    }
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("start", [(1.0, 500.0), (100.0, 10.0)])
+def test_a_stiff_orbit_is_followed_to_where_it_rests(start: tuple[float, float]) -> None:
+    # Far from rest an explicit method would take tens of thousands of steps.
+    numbers = {"S0": 110, "A0": 500, "AL": Fraction(1, 5), "RH": 13, "RK": Fraction(1, 10)}
+    values = {name: Fraction(value) for name, value in numbers.items()}
+    with pytest.raises(PeriodicFailure, match="comes to rest at the equilibrium") as failure:
+        next(find_periodic(PeriodicRequest(ENZYME, values, start), _nothing))
+    found = [float(text) for text in re.findall(r"= ([\d.]+)", str(failure.value))]
+
+    def rates(_time: float, state: np.ndarray) -> np.ndarray:
+        s, a = state
+        v = 13 * s * a / (1 + s + s**2 / 10)
+        return np.array([110 - s - v, (500 - a) / 5 - v])
+
+    other = solve_ivp(rates, (0.0, 100.0), start, method="LSODA", rtol=1e-10, atol=1e-10)
+    assert found == pytest.approx(other.y[:, -1], rel=1e-5)
+    assert equilibrium_of(other.y.T[:200]) is None

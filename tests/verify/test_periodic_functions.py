@@ -8,8 +8,10 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
 import pytest
 from flint import acb, arb
+from scipy.integrate import solve_ivp
 from support import function_cases as cases
 
 from orbitproof.shared import define_system
@@ -101,6 +103,65 @@ def test_a_box_beside_the_circle_has_no_orbit(kind: str) -> None:
     outcome = _refused(replace(claim, centre=(claim.centre[0] + 10 * cases.RADIUS, claim.centre[1])))
     assert outcome.reason.condition == "periodic"
     assert outcome.reason.excluded
+
+
+THOMAS = define_system(
+    {
+        "name": "thomas", "state": "x y z", "parameters": "b",
+        "field": {"x": "sin(y) - b*x", "y": "sin(z) - b*y", "z": "sin(x) - b*z"},
+    }
+)  # fmt: skip
+NEURON = define_system(
+    {
+        "name": "neuron", "state": "v w", "parameters": "I",
+        "where": {
+            "m": "1/(1 + exp(-(v + 1.2)/9))", "n": "1/(1 + exp(-(v - 2)/15))",
+            "r": "(exp((v - 2)/60) + exp(-(v - 2)/60))/2",
+        },
+        "field": {"v": "(I - 2*(v + 60) - 4.4*m*(v - 120) - 8*w*(v + 84))/20", "w": "0.04*r*(n - w)"},
+    }
+)  # fmt: skip
+"""Morris and Lecar's, in mV and ms."""
+
+
+def _thomas(_time: float, state: np.ndarray) -> np.ndarray:
+    return np.sin(np.roll(state, -1)) - 0.3 * state
+
+
+def _neuron(_time: float, state: np.ndarray) -> np.ndarray:
+    v, w = state
+    m, n = 1 / (1 + np.exp(-(v + 1.2) / 9)), 1 / (1 + np.exp(-(v - 2) / 15))
+    current = 100 - 2 * (v + 60) - 4.4 * m * (v - 120) - 8 * w * (v + 84)
+    return np.array([current / 20, 0.04 * np.cosh((v - 2) / 60) * (n - w)])
+
+
+@pytest.mark.parametrize(
+    ("system", "parameters", "place", "texts", "rates"),
+    [
+        (THOMAS, {"b": Q(3, 10)}, 0, ("2.2", "1.725514369020055", "2.903535087413425"), _thomas),
+        (NEURON, {"I": Q(100)}, 0, ("-9", "0.1539105282314114"), _neuron),
+    ],
+)
+def test_published_systems_are_proved_with_the_period_of_another_integrator(
+    system: System, parameters: dict[str, Q], place: int, texts: tuple[str, ...], rates: Any
+) -> None:
+    centre = [Q(text) for text in texts]
+    claims = (
+        cases.in_plane(system, place, centre, cases.RADIUS, parameters=parameters, direction=direction)
+        for direction in (1, -1)
+    )
+    (found,) = (outcome.results for outcome in map(_outcome, claims) if isinstance(outcome, Proved))
+
+    def height(_time: float, state: np.ndarray) -> float:
+        return float(state[place]) - float(centre[place])
+
+    point = [float(value) for value in centre]
+    height.direction = np.sign(rates(0.0, np.array(point))[place])  # type: ignore[attr-defined]
+    other = solve_ivp(rates, (0.0, 200.0), point, method="DOP853", rtol=1e-12, atol=1e-12, events=height)
+    first = next(time for time in other.t_events[0] if time > 1)
+    assert float(found.period.mid()) == pytest.approx(first, abs=1e-8)
+    assert found.period.rad() < 1e-8
+    assert found.multipliers.is_attracting
 
 
 def _by_hand(rates: Any, defined: tuple[tuple[str, str, Any], ...]) -> System:
