@@ -84,6 +84,12 @@ def order_of(system: System, change: Change) -> tuple[str, ...]:
     return (*given, *system.state[len(system.given_state) :])
 
 
+def given_order_of(system: System, change: Change) -> tuple[str, ...]:
+    """The same without those that are functions of others."""
+    whole = order_of(system, change)
+    return whole[: len(whole) - len(system.defined)]
+
+
 def _parameters(system: System, change: Change) -> tuple[str, ...]:
     names = [*change.unused, *system.parameters]
     return tuple(names if change.shuffle is None else reversed(names))
@@ -283,8 +289,8 @@ def _candidate(claim: Candidate, change: Change) -> Candidate:
 
 
 def _in_section(claim: PeriodicOrbit | PeriodicBifurcation, change: Change) -> PeriodicOrbit | PeriodicBifurcation:
-    system, order = claim.system, order_of(claim.system, change)
-    affine = _affine(system.state, claim.centre, claim.frame, change.beside or ())
+    system, order = claim.system, given_order_of(claim.system, change)
+    affine = _affine(system.given_state, claim.centre, claim.frame, change.beside or ())
     centre, frame = affine.told(order, change)
     more = len(change.beside or ())
     known: dict[str, Any] = {
@@ -306,20 +312,20 @@ def _in_section(claim: PeriodicOrbit | PeriodicBifurcation, change: Change) -> P
 
 
 def _normal(normal: Vector, system: System, change: Change) -> Vector:
-    known = dict(zip(system.state, normal, strict=True))
-    return tuple(known.get(name, ZERO) / change.factor(name) for name in order_of(system, change))
+    known = dict(zip(system.given_state, normal, strict=True))
+    return tuple(known.get(name, ZERO) / change.factor(name) for name in given_order_of(system, change))
 
 
 def _matrix(matrix: Rows, system: System, change: Change) -> Rows:
     """A linear map of the state; coordinates beside stay."""
-    places = {name: i for i, name in enumerate(system.state)}
+    places = {name: i for i, name in enumerate(system.given_state)}
 
     def entry(row: str, column: str) -> Fraction:
         if row not in places or column not in places:
             return Fraction(int(row == column))
         return matrix[places[row]][places[column]] * change.factor(row) / change.factor(column)
 
-    order = order_of(system, change)
+    order = given_order_of(system, change)
     return tuple(tuple(entry(row, column) for column in order) for row in order)
 
 
@@ -367,8 +373,8 @@ def _piece(atlas: Atlas | PeriodicAtlas, told: Any, piece: Piece, change: Change
 
 def _with_pivot(atlas: PeriodicAtlas, affine: _Affine) -> _Affine:
     """With the coordinate that follows from the others on the section."""
-    normal = dict(zip(atlas.system.state, atlas.claim.normal, strict=True))
-    pivot = atlas.system.state[atlas.claim.pivot]
+    normal = dict(zip(atlas.system.given_state, atlas.claim.normal, strict=True))
+    pivot = atlas.system.given_state[atlas.claim.pivot]
     value, row = atlas.claim.offset, [ZERO] * affine.size
     for name, factor in normal.items():
         if name != pivot:
