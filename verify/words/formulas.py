@@ -37,8 +37,10 @@ class _Formulas:
         self.texts: dict[int, tuple[str, int]] = {}
         self.definitions: list[str] = []
         uses = [0] * len(steps)
-        for step in steps:
-            for operand in step.operands:
+        needed = {*program.outputs}
+        for index in range(len(steps) - 1, -1, -1):
+            for operand in steps[index].operands if index in needed else ():
+                needed.add(operand)
                 uses[operand] += 1
         names = iter(_unused((*program.inputs, *taken)))
         sizes: list[int] = []
