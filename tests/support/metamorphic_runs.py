@@ -27,7 +27,7 @@ from orbitproof.verify.lasting import conclude_lasting
 from orbitproof.verify.periodic_curve import conclude_periodic
 from orbitproof.verify.run.branches import limits_of
 from orbitproof.verify.run.second_proofs import compare
-from orbitproof.verify.second_proof import second_proof
+from orbitproof.verify.second_proof import CannotFollow, second_proof
 from orbitproof.verify.stability import conclude_list
 
 LIMITS = Limits(max_precision=512)
@@ -64,7 +64,10 @@ class Told:
         """What the second proof says, in short."""
         if self.document is None or isinstance(self.case, Curve):
             return ""
-        return compare(self.document, second_proof(self.document)).verdict
+        try:
+            return compare(self.document, second_proof(self.document)).verdict
+        except CannotFollow as without:
+            return str(without)
 
 
 def tell(case: Case) -> Told:
