@@ -29,6 +29,10 @@ _KINDS = {
 _DOUBLING = "$k=2$, period doubling"
 
 
+_DASHES = 2.7
+"""Length of the sample of a dashed line, in sizes of its letters."""
+
+
 def legend_handles(claims: Iterable[tuple[int, str]]) -> list[Line2D]:
     """One legend entry for each claim (k, kind), by k; one for those of a k > 1, which look alike."""
     labels: dict[tuple[int, str, str, str], str] = {}
@@ -69,6 +73,9 @@ def legend_below(
 def legend_row(figure: Figure, handles: Sequence[Any], height: float, **look: Any) -> None:
     """One row of a legend in the middle of a figure, `height` inches above its foot."""
     place = (0.5, height / figure.get_figheight())
+    # Dashes have to be told from a whole line.
+    if any(isinstance(each, Line2D) and each.is_dashed() for each in handles):
+        look = {"handlelength": _DASHES, **look}
     figure.legend(
         handles=handles, loc="lower center", ncols=len(handles), borderaxespad=0.0, bbox_to_anchor=place, **look
     )
