@@ -197,6 +197,21 @@ def test_coordinates_that_do_not_stay_the_functions_they_are_called_are_refused(
         assert _refused(replace(claim, system=_by_hand(rates, defined))).reason.condition == "functions"
 
 
+def test_functions_under_other_names_than_their_coordinates_are_refused() -> None:
+    """One of itself among them: w = exp(5 w) has no solution, and w' = 0 is the rate of both sides."""
+    right = _by_hand(lambda x, y, s, c: (c * y, -s * y), SINE_AND_COSINE)
+    exchanged = replace(right, state=("x", "y", "c", "s"))
+    assert _refused(replace(cases.pendulum(level=None), system=exchanged)).reason.condition == "functions"
+
+    def field(values: Any, parameters: Any) -> Any:
+        x, y, w = values
+        return (y, -x - y * (x * x + y * y - w) / 10, 0 * w)
+
+    own = Defined("v", "exp", lambda values, parameters: (5 * values[2],))
+    system = System("own", "its own", ("x", "y", "w"), {}, field, defined=(own,))
+    assert _refused(cases.in_plane(system, 0, [Q(0), Q(1)], cases.RADIUS)).reason.condition == "functions"
+
+
 def test_claims_know_the_given_coordinates_alone() -> None:
     claim = cases.swing()
     assert claim.coordinates == ("x", "y")

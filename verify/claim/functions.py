@@ -98,11 +98,14 @@ def keeps_functions(system: ReversibleSystem, signs: Sequence[int]) -> bool:
 def keeps_its_functions(system: System) -> bool:
     """Whether the last coordinates are shown to be functions of earlier ones all along an orbit that begins so.
 
-    False also where that takes a relation between the bases of different powers, or polynomials that are too large.
+    False also where that takes a relation between the bases of different powers, or polynomials that are too large, and
+    where they have other names than the last coordinates.
     """
-    names = [each.name for each in system.defined]
     programs, kinds = system.argument_programs, [each.function for each in system.defined]
     given = len(system.given_state)
+    names = system.state[given:]
+    if names != tuple(each.name for each in system.defined):
+        return False
     for place, (kind, argument) in enumerate(zip(kinds, programs, strict=True)):
         if argument.used_inputs & set(names[place:]):
             return False
