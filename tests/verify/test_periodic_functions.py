@@ -398,6 +398,13 @@ def test_a_symmetry_is_one_of_the_given_coordinates(field: dict[str, str], symme
     assert respects(system, symmetry, with_integral=False) == (holds, True)
 
 
+def test_a_symmetry_is_shown_where_steps_of_an_argument_divide_by_later_functions() -> None:
+    for rate, holds in (("x*r", True), ("x*r + y**2/10**9", False)):
+        where, field = {"r": "sin(y)/exp(x)"}, {"x": "r*r", "y": rate}
+        system = described_plainly({"name": "any", "state": "x y", "where": where, "field": field})
+        assert respects(system, _diagonal(1, -1), with_integral=False) == (holds, True)
+
+
 def test_arguments_are_written_by_those_that_stay() -> None:
     field = {"x": "sin(x) + sin(x - 2*y) + sin(x - y) + cos(y)", "y": "exp(x)*exp(2*x)*exp(-x)"}
     system = described_plainly({"name": "sums", "state": "x y", "field": field})

@@ -218,8 +218,8 @@ def with_moved_functions(field: Program, functions: Functions, symmetry: Rows) -
         ring, zero = arguments.ring, arguments.ring.polynomials.constant(0)
         moved = [AlongFlow(ring, _combined(ring, row[:first]), zero) for row in rows]
         for kind, argument in functions.calls:
-            missing = [ring.constant(Fraction(0))] * (size - len(moved))
-            (value,) = argument.evaluate([*moved, *missing, *ring.inputs[size:]], ring.constant, AlongFlow.power)
+            # Of later ones it is no function, though its program may have steps that divide by them.
+            (value,) = argument.evaluate([*moved, *ring.inputs[len(moved) :]], ring.constant, AlongFlow.power)
             found = _same_up_to_sign(functions, arguments, kind, value.value)
             if found is None:
                 return None
