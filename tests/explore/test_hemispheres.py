@@ -94,8 +94,13 @@ def test_names_tell_the_two_apart() -> None:
 
 @pytest.mark.parametrize(("words", "side"), [([], "south"), (["--branch", "north"], "north")])
 def test_tables_and_files_of_the_search_say_the_side(
-    words: list[str], side: Branch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    words: list[str],
+    side: Branch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setenv("COLUMNS", "300")
     output, family, table = (tmp_path / name for name in ("c.json", "f.json", "rows.json"))
     arguments = ["candidates", "--system", "cr3bp", "--mass", "jpl-earth-moon", "--family", "nrho", "--vy-max", "0.6"]
     arguments += ["-k", "3", "--digits", "15", "--jobs", "1", *words]

@@ -83,12 +83,14 @@ def test_tables_have_a_column_for_everything(told: str, tmp_path: Path) -> None:
     found.to_csv(tmp_path / "family.csv")
     head, first, *_ = (tmp_path / "family.csv").read_text().splitlines()
     columns = head.split(",")
-    assert len({*columns}) == len(columns) == len(found.system.state) + 4
+    assert len({*columns}) == len(columns) == len(found.system.state) + 5
     row = dict(zip(columns, map(float, first.split(",")), strict=True))
     assert [row[name] for name in found.system.state] == orbit.point.tolist()
+    rest = ["stability index", "s1", "arclength"]
+    values = [orbit.stability_index, orbit.stability[0].real, orbit.arclength]
     ours = dict(list(row.items())[len(found.system.state) :])
-    assert [key.strip("()") for key in ours] == ["period", str(found.system.first_integral_name), "s1", "arclength"]
-    assert list(ours.values()) == [orbit.period, orbit.first_integral, orbit.stability[0].real, orbit.arclength]
+    assert [key.strip("()") for key in ours] == ["period", str(found.system.first_integral_name), *rest]
+    assert list(ours.values()) == [orbit.period, orbit.first_integral, *values]
     assert not {*ours} & {*names}
 
 

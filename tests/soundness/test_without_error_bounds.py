@@ -6,6 +6,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
 import pytest
 from flint import ctx
 from support.claims import (
@@ -35,7 +36,7 @@ HONEST = orbitproof.verify.flow.step._tube
 def without_errors(*arguments: Any) -> Any:
     """What `verify.flow.step` finds, with every error bound replaced by one that is as good as zero."""
     bound, slopes = HONEST(*arguments)
-    return [[LITTLE] * len(row) for row in bound], slopes
+    return np.full_like(bound, LITTLE), slopes
 
 
 LOW = Limits(max_precision=64, digits=5)
