@@ -212,6 +212,8 @@ def test_a_false_claim_is_not_proved_and_says_why_in_one_line(name: str, tmp_pat
 
 FREE_OF_CURVES = ("statement.atlas.title", "statement.atlas.pieces.*.tube.*", "results.*.computation.")
 """A title and a wider tube are another claim that follows too; how an interval was proved is as for boxes."""
+LONG = ("list", "periodic-arc-functions", "periodic-arc-functions-levels")
+"""Curves whose proofs take seconds."""
 SEEN_BY_INTEGRATION = ("deviation.*", "error", "coefficients.*")
 """Numbers in results from which everything else is concluded."""
 
@@ -222,7 +224,7 @@ def told(name: str) -> Told:
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow if name == "list" else ()) for name in CURVES]
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in LONG else ()) for name in CURVES]
 )
 def test_an_honest_certificate_of_a_curve_stands_at_each_level(name: str) -> None:
     assert told(name).verdict == "proved"
@@ -254,7 +256,9 @@ def test_bounds_of_a_curve_that_are_too_small_are_found_by_integrating(name: str
     assert not checked(forgery, prove_task).stands
 
 
-@pytest.mark.parametrize("name", CURVES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in LONG[1:] else ()) for name in CURVES]
+)
 def test_a_false_claim_of_a_curve_is_not_proved(name: str) -> None:
     curve = CURVES[name]()
     piece = curve.atlas.pieces[0]

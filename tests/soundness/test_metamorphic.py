@@ -18,7 +18,7 @@ from orbitproof.verify.atlas import places_on
 from orbitproof.verify.certificate import certify
 from orbitproof.verify.evidence import ball_from_json
 
-LONG = ("tori", "list")
+LONG = ("tori", "list", "periodic-arc-functions", "periodic-arc-functions-levels")
 """Cases that take seconds."""
 
 
