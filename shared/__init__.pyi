@@ -1,11 +1,16 @@
+from .claims.index_along import IndexAlong as IndexAlong
+from .claims.web import Web as Web
 from .formats import KINDS as KINDS
 from .formats import Atlas as Atlas
 from .formats import Candidate as Candidate
+from .formats import CatalogueRows as CatalogueRows
 from .formats import InputError as InputError
 from .formats import define_system as define_system
 from .formats import load_system as load_system
 from .formats import read_atlas as read_atlas
 from .formats import read_candidates as read_candidates
+from .formats import read_catalogue_rows as read_catalogue_rows
+from .formats import read_web as read_web
 from .formats import write_atlas as write_atlas
 from .formats import write_candidates as write_candidates
 from .numbers import format_exact as format_exact

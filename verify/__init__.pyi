@@ -1,4 +1,5 @@
 from . import enclose as enclose
+from .atlas.catalogue_table import rows_of_curve as rows_of_curve
 from .atlas.listed import ListedInterval as ListedInterval
 from .atlas.listed import ListedPoint as ListedPoint
 from .atlas.places import Placed as Placed
@@ -11,13 +12,9 @@ from .evidence.balls_as_text import certain_digits as certain_digits
 from .evidence.balls_as_text import decimal_interval as decimal_interval
 from .evidence.outcome import Hypothesis as Hypothesis
 from .evidence.outcome import Reason as Reason
-from .run.index_command import certify_index as certify_index
 from .run.second_proofs import Comparison as Comparison
 from .scripting import InputError as InputError
 from .scripting import certify as certify
-from .scripting import certify_atlas as certify_atlas
-from .scripting import certify_catalogue as certify_catalogue
-from .scripting import certify_web as certify_web
 from .scripting import places as places
 from .scripting import prove_again as prove_again
 from .scripting import read as read

@@ -7,26 +7,10 @@ from contextlib import closing, suppress
 from fractions import Fraction
 from pathlib import Path
 
-from orbitproof.shared.claims.web import Web
-from orbitproof.shared.codec import to_json
-from orbitproof.shared.formats import (
-    AnyAtlas,
-    BoxClaim,
-    Candidate,
-    CatalogueRows,
-    InputError,
-    InSection,
-    check_writable,
-    read_catalogue_rows,
-    table_form,
-    web_from_json,
-)
-from orbitproof.shared.formats import read_web as read_claim_of_web
-from orbitproof.shared.numbers import parse_exact
-from orbitproof.verify.atlas import WITHIN, Placed, certified_table, claiming_indices, kind_of, rows_of_curve
+from orbitproof.shared.formats import InputError
+from orbitproof.verify.atlas import Placed
 from orbitproof.verify.certificate import (
     Certificate,
-    Limits,
     Recheck,
     read_any,
     repeated,
@@ -35,53 +19,78 @@ from orbitproof.verify.certificate import (
 )
 from orbitproof.verify.run import GIBIBYTE, CheckLimits, Workplace
 from orbitproof.verify.run.branch_checks import places_on_apart
-from orbitproof.verify.run.branch_tasks import RunLimits
-from orbitproof.verify.run.branches import conclude_run, limits_of, prove_pieces, started
-from orbitproof.verify.run.catalogue_command import certify_rows
 from orbitproof.verify.run.checking_again import checked_again
-from orbitproof.verify.run.rows import RowRun
+from orbitproof.verify.run.proofs import AnyClaim, Asked, certified, read_any_claims
 from orbitproof.verify.run.second_proofs import Comparison, SecondProofs, problem_of
-from orbitproof.verify.run.web_command import certify_the_web
 
 
 def certify(
-    claims: BoxClaim | Iterable[BoxClaim],
+    claims: AnyClaim | Iterable[AnyClaim] | str | Path,
     *,
-    jobs: int = 1,
-    digits: int = Limits.digits,
-    max_precision: int = Limits.max_precision,
-    timeout: float | None = None,
-    level: str = Limits.level,
-    other_boxes: int = Limits.other_boxes,
+    rests_on: Certificate | Iterable[Certificate] = (),
     output: str | Path | None = None,
     fresh: bool = False,
+    jobs: int = 1,
     scheduler: str | None = None,
+    timeout: float | None = None,
+    memory: float = CheckLimits.memory / GIBIBYTE,
     quiet: bool = False,
+    digits: int | None = None,
+    max_precision: int | None = None,
+    level: str | None = None,
+    other_boxes: int | None = None,
+    complete: int | None = None,
+    combinations: bool | None = None,
+    lasting: bool | None = None,
+    max_splits: int | None = None,
+    precision: int | None = None,
+    order: int | None = None,
+    width: int | None = None,
+    top: int | None = None,
+    indices: bool | None = None,
+    within: Fraction | float | str | None = None,
+    table: str | Path | None = None,
 ) -> list[Certificate]:
-    """Prove what can be proved.
+    """Prove what can be proved, of claims of any kind.
 
-    Each claim is checked in a process of its own. Nothing that is wrong with a claim raises: it is not proved, and
-    its certificate says why.
+    What a claim is decides how it is proved. Each box and each interval of a branch is looked at in a process of its
+    own. Nothing that is wrong with a claim raises: it is not proved, and its certificate says why.
 
     Arguments:
-        claims: candidates, each with an id of its own; in nondimensional units.
+        claims: one or several, or a file of them; in nondimensional units. Of boxes: candidates, each with an id of its
+            own. Of branches: atlases, from `shared.read_atlas`. Of curves that meet: a `shared.Web`. Of the index along
+            a proved curve: a `shared.IndexAlong`. Rows of a catalogue: what `shared.read_catalogue_rows` reads, or
+            `rows_of_curve` makes.
+        rests_on: certificates on which a claim rests, checked up to their conclusions first. Of a branch: those of
+            bifurcations that are looked for on it. Of a web: its arcs, vertices and indices. Of an index, and of rows:
+            the curve.
+        output: a file that keeps each certificate, or each result of a branch, as soon as it is there; the same call
+            goes on from it, and proves nothing again that is proved in it.
+        fresh: begin anew all the same, and replace the file, whatever it holds.
         jobs: processes side by side.
-        digits: certain decimal digits of the parameter to aim for; a proof with fewer stands all the same.
-        max_precision: bits that are never exceeded.
-        timeout: seconds for each claim, or `None`.
-        level: parameter of Hamiltonian claims: "integral", "coordinates", or "auto" for what suits the claim.
-        other_boxes: so many boxes that failures ask for are tried where a claim is not proved; a certificate is about
-            the box in its statement.
-        output: a file that keeps each certificate as soon as it is there; what is proved in it already is not proved
-            again, so that the same call goes on after an interrupt.
-        fresh: prove again all the same, and replace the file, whatever it holds.
-        scheduler: address of a dask scheduler, whose cluster proves in place of `jobs`.
+        scheduler: address of a dask scheduler, whose cluster proves boxes and branches in place of `jobs`.
+        timeout: seconds for each box, each interval of a branch, and each check; `None` for what is usual.
+        memory: GiB for each check.
         quiet: nothing on standard error; else progress with the time that is left.
+        digits: of a box: certain decimal digits of the parameter to aim for; a proof with fewer stands all the same.
+        max_precision: of a box: bits that are never exceeded.
+        level: of a box: the parameter of Hamiltonian claims: "integral", "coordinates", or "auto" for what suits.
+        other_boxes: of a box: so many boxes that failures ask for are tried where a claim is not proved; a certificate
+            is about the box in its statement.
+        complete: of a curve: all resonances 1:1 to 1:`complete` on it, and where its orbits are linearly stable.
+        combinations: with `complete`: combination resonances up to order 4 of linearly stable orbits, for n = 2.
+        lasting: with `complete`, at least 4: which of them are stable for ever, with all exceptions, for n = 1.
+        max_splits: of a branch: how often an interval is halved at most.
+        precision, order, width, top: of a branch: bits, and degree in time, along the curve, and across it, at first.
+        indices: of a web: claim the index of each arc of which a certificate of that is given, whatever it says.
+        within: of rows: an orbit certifies a row from which it starts no farther than this; nondimensional.
+        table: of rows: a file for them with what is proved of each, .json, .csv or .parquet.
 
     Returns the certificates in the order of the claims.
 
-    Raises `InputError` if an id appears twice, `TypeError` for what is no candidate, `ValueError` for a limit that
-    makes no sense. After an interrupt (`KeyboardInterrupt`) no process is left.
+    Raises `InputError` if an id appears twice, for what cannot be asked of such a claim and for certificates that are
+    missing or do not stand; `TypeError` for what is no claim, `ValueError` for a limit that makes no sense. After an
+    interrupt (`KeyboardInterrupt`) no process is left, and `output` holds what was done.
 
     A wrong claim, here a 1:2 resonance of the Falkner-Skan equation where there is none:
 
@@ -94,77 +103,25 @@ def certify(
     ...     centre=(Fraction(450), Fraction("0.93")), frame=((one, zero), (zero, one)), kernel_frame=((one,),),
     ...     radii=(Fraction(1, 10**6), Fraction(1, 10**6)),
     ... )
-    >>> (proof,) = verify.certify([claim], quiet=True)
+    >>> (proof,) = verify.certify(claim, quiet=True)
     >>> proof
     <Certificate 'nothing here': not proved>
     >>> proof.reason.condition
     'family'
     """
-    candidates = [claims] if isinstance(claims, (Candidate, InSection)) else list(claims)
-    for claim in candidates:
-        if not isinstance(claim, (Candidate, InSection)):
-            raise TypeError(
-                f"claims: {type(claim).__name__} is no Candidate; explore.refine and read_candidates give some"
-            )
-    names = _ids(candidates, "claims", "give each candidate its own id")
-    limits = Limits(max_precision, digits, timeout, level, other_boxes)
-    run = RowRun(candidates, candidates, limits, None if output is None else Path(output), fresh, fresh)
-    run.prove(Workplace(_jobs(jobs), scheduler, timeout, quiet=quiet))
-    return [run.done[name] for name in names]
-
-
-def certify_atlas(
-    claim: AnyAtlas,
-    *,
-    complete: int | None = None,
-    combinations: bool = False,
-    lasting: bool = False,
-    bifurcations: Iterable[Certificate] = (),
-    jobs: int = 1,
-    timeout: float | None = None,
-    max_splits: int = RunLimits.max_splits,
-    precision: int | None = None,
-    order: int | None = None,
-    width: int | None = None,
-    top: int | None = None,
-    output: str | Path | None = None,
-    fresh: bool = False,
-    scheduler: str | None = None,
-    quiet: bool = False,
-) -> Certificate:
-    """Prove a whole branch, piece by piece: a curve, a libration family, a surface, a curve without symmetry.
-
-    A piece that fails is tried with more precision, then split in two. Nothing that is wrong with a claim raises: it is
-    not proved, and its certificate says why.
-
-    Arguments:
-        claim: an atlas, from `shared.read_atlas`.
-        complete: with it, all resonances 1:1 to 1:`complete` on a curve, and where its orbits are linearly stable.
-        combinations: with it and `complete`, combination resonances up to order 4 of linearly stable orbits, for n = 2.
-        lasting: which of them are stable for ever, with all exceptions; n = 1, and `complete` at least 4.
-        bifurcations: certificates that are looked for on a curve, each with an id of its own.
-        jobs: processes side by side.
-        timeout: seconds for an interval of a piece, or `None`.
-        max_splits: how often an interval is halved at most.
-        precision, order, width, top: of the first attempt: bits, degree in time, along the curve, and across it.
-        output: a file that keeps every result as soon as it is there; the same call goes on from it.
-        fresh: begin anew all the same, and replace the file, whatever it holds.
-        scheduler: address of a dask scheduler, whose cluster proves in place of `jobs`.
-        quiet: nothing on standard error; else progress with the time that is left.
-
-    Raises `InputError` for what cannot be asked of this atlas, `ValueError` for a limit that makes no sense. After an
-    interrupt (`KeyboardInterrupt`) no process is left, and `output` holds what was done.
-    """
-    given = list(bifurcations)
-    _ids(given, "bifurcations")
-    if given and not kind_of(claim).holds_points:
-        raise InputError("bifurcations: are looked for on curves of symmetric orbits only; leave them out")
-    settings = {"precision": precision, "order": order, "width": width, "top": top}
-    limits = limits_of(claim, complete, max_splits, timeout, combinations, lasting, **settings)
-    run = started(claim, limits, None if output is None else Path(output), fresh)
-    workplace = Workplace(_jobs(jobs), scheduler, timeout, quiet=quiet)
-    prove_pieces(run, workplace)
-    return conclude_run(run, given, workplace)
+    options = {
+        "scheduler": scheduler, "digits": digits, "max_precision": max_precision, "level": level,
+        "other_boxes": other_boxes, "complete": complete, "combinations": combinations, "lasting": lasting,
+        "max_splits": max_splits, "precision": precision, "order": order, "width": width, "top": top,
+        "indices": indices, "within": within, "table": table,
+    }  # fmt: skip
+    if isinstance(claims, (str, Path)):
+        asked = read_any_claims(Path(claims))
+    else:
+        asked = [claims] if isinstance(claims, AnyClaim) else list(claims)
+    workplace = Workplace(_jobs(jobs), scheduler, timeout, int(memory * GIBIBYTE), quiet)
+    where = None if output is None else Path(output)
+    return certified(asked, Asked(_several(rests_on), workplace, where, fresh, options))
 
 
 def recheck(
@@ -183,7 +140,7 @@ def recheck(
     all that it does.
 
     Arguments:
-        certificates: from `certify`, `certify_atlas` and so on, or `read`.
+        certificates: from `certify` or `read`.
         rests_on: certificates on which these rest, checked as far as they are: the curve on which certified orbits have
             their places, the curve of an index or of a catalogue, the arcs, vertices and indices of a web.
         integrate: enclose again, at another precision and order, and prove again from that.
@@ -217,88 +174,6 @@ def places(curve: Certificate, orbits: Iterable[Certificate], *, timeout: float 
     shown.
     """
     return places_on_apart(curve, list(orbits), Workplace(timeout=timeout).branch_checks)
-
-
-def certify_catalogue(
-    catalogue: str | Path | CatalogueRows | int,
-    curve: Certificate,
-    *,
-    within: Fraction | float | str = WITHIN,
-    output: str | Path | None = None,
-    table: str | Path | None = None,
-    timeout: float | None = None,
-    memory: float = CheckLimits.memory / GIBIBYTE,
-    quiet: bool = False,
-) -> Certificate:
-    """Which rows of a catalogue a proved curve certifies, and what it says of the orbits that start near them.
-
-    Arguments:
-        catalogue: a file, JSON or CSV in the form of the JPL catalogue, or what `shared.read_catalogue_rows` reads;
-            or how many orbits of the curve itself are to be the rows.
-        curve: with a list (`certify_atlas(.., complete=1)`); its certificate is checked up to its conclusion first.
-        within: an orbit certifies a row from which it starts no farther than this; nondimensional.
-        output: a file for the certificate.
-        table: a file for the rows with what is proved of each, .json, .csv or .parquet.
-        timeout: seconds for each of both; without one, an hour.
-        memory: GiB for each.
-        quiet: nothing on standard error.
-
-    Returns the certificate; `rows` are its rows. Raises `InputError` for a curve that is of no such system, has
-    another mass parameter, or does not stand.
-    """
-    for path in (output, table):
-        if path is not None:
-            check_writable(Path(path))
-    if table is not None:
-        table_form(Path(table))
-    if isinstance(catalogue, int):
-        rows = rows_of_curve(curve, catalogue)
-    else:
-        rows = catalogue if isinstance(catalogue, CatalogueRows) else read_catalogue_rows(Path(catalogue))
-    distance = parse_exact(within) if isinstance(within, str) else Fraction(within)
-    if not distance > 0:
-        raise ValueError(f"within: {within} is not positive")
-    certificate = certify_rows(
-        rows, curve, distance, Workplace(timeout=timeout, memory=int(memory * GIBIBYTE), quiet=quiet)
-    )
-    if output is not None:
-        write_certificate(Path(output), certificate.document)
-    if table is not None:
-        certified_table(rows, certificate.document).write(Path(table))
-    return certificate
-
-
-def certify_web(
-    web: str | Path | Web,
-    certificates: Iterable[Certificate],
-    *,
-    indices: bool = False,
-    output: str | Path | None = None,
-    jobs: int = 1,
-    timeout: float | None = None,
-    memory: float = CheckLimits.memory / GIBIBYTE,
-    quiet: bool = False,
-) -> Certificate:
-    """Whether proved curves meet in certified orbits as a web claims, and hang together.
-
-    Arguments:
-        web: a file, or a `Web`.
-        certificates: of its arcs, vertices and indices, checked up to their conclusions first; others are left out.
-        indices: claim the index of each arc of which a certificate of that is given, whatever the web says of it.
-        output: a file for the certificate.
-        jobs, timeout, memory, quiet: as for `recheck`.
-
-    Returns the certificate, whatever is proved. Raises `InputError` if a certificate that the web names is not given.
-    """
-    if output is not None:
-        check_writable(Path(output))
-    claim = web_from_json(to_json(web), "web") if isinstance(web, Web) else read_claim_of_web(Path(web))
-    workplace = Workplace(_jobs(jobs), None, timeout, int(memory * GIBIBYTE), quiet)
-    given = list(certificates)
-    certificate = certify_the_web(claiming_indices(claim, given) if indices else claim, given, workplace)
-    if output is not None:
-        write_certificate(Path(output), certificate.document)
-    return certificate
 
 
 def prove_again(
@@ -370,7 +245,7 @@ def _several(certificates: Certificate | Iterable[Certificate]) -> list[Certific
 
 
 def _ids(
-    entries: Sequence[BoxClaim | Certificate],
+    entries: Sequence[Certificate],
     where: str,
     remedy: str = "give each certificate once",
 ) -> list[str]:

@@ -184,7 +184,7 @@ def periodic_atlas(
     name: str = "curve",
     quiet: bool = False,
 ) -> PeriodicAtlas:
-    """The curve of an orbit in a parameter, or over the levels of the first integral, for `verify.certify_atlas`.
+    """The curve of an orbit in a parameter, or over the levels of the first integral, for `verify.certify`.
 
     It is followed through its folds, both ways, until it leaves the interval; where no further piece is found it ends
     before, and its title and pieces are of what there is.

@@ -56,6 +56,8 @@ class Web:
     arcs: Annotated[tuple[WebArc, ...], rules(minItems=1, maxItems=10000)]
     connected: bool = True
 
+    kind = "web"
+
     @property
     def vertices(self) -> tuple[str, ...]:
         """The ids of the vertices, each once, in the order in which arcs meet them."""

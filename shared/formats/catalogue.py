@@ -75,6 +75,8 @@ class CatalogueRows:
     details: Mapping[str, Any] = field(default_factory=dict)
     more: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
 
+    kind = "catalogue"
+
     @property
     def title(self) -> str:
         """Point, family and branch in one word: L2-halo-S; "orbits" if the file names none of them."""

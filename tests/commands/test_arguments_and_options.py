@@ -73,13 +73,13 @@ CASES: dict[str, tuple[Python, Words, str, str]] = {
         "--scheduler nowhere: not an address",
     ),
     "a list on a surface": (
-        lambda folder: verify.certify_atlas(read_atlas(SURFACE), complete=3, quiet=True),
+        lambda folder: verify.certify(read_atlas(SURFACE), complete=3, quiet=True),
         lambda folder: ["verify", "atlas", str(SURFACE), "--complete", "3"],
         "complete: lists what is on a curve",
         "--complete: lists what is on a curve",
     ),
     "few bits": (
-        lambda folder: verify.certify_atlas(read_atlas(CURVE), precision=1, quiet=True),
+        lambda folder: verify.certify(read_atlas(CURVE), precision=1, quiet=True),
         lambda folder: ["verify", "atlas", str(CURVE), "--precision", "1"],
         "precision, order, width, top: ",
         "--precision, --order, --width, --top: ",

@@ -282,7 +282,7 @@ def test_bad_arguments_of_the_verifier_are_refused() -> None:
     claim = known("fs2")
     with pytest.raises(InputError, match="appears twice"):
         verify.certify([claim, claim])
-    with pytest.raises(TypeError, match="no Candidate"):
+    with pytest.raises(TypeError, match="no claim"):
         verify.certify(["earth-moon"])  # type: ignore[list-item]
     with pytest.raises(ValueError, match="jobs"):
         verify.certify([claim], jobs=0, quiet=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ import pytest
 from support.claims import known
 
 from orbitproof import verify
-from orbitproof.shared import InputError, read_atlas
+from orbitproof.shared import IndexAlong, InputError, read_atlas, write_candidates
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate import Certificate
 
@@ -30,7 +31,8 @@ def row() -> verify.Certificate:
 
 @pytest.fixture(scope="module")
 def curve(folder: Path, row: verify.Certificate) -> verify.Certificate:
-    return verify.certify_atlas(read_atlas(SOURCE), bifurcations=[row], output=folder / "curve.json", quiet=True)
+    (found,) = verify.certify(read_atlas(SOURCE), rests_on=row, output=folder / "curve.json", quiet=True)
+    return found
 
 
 def told(document: Any) -> Any:
@@ -54,7 +56,7 @@ def test_a_branch_is_proved_as_by_the_command(curve: verify.Certificate, folder:
 
 
 def test_a_run_goes_on_from_its_file(curve: verify.Certificate, folder: Path, capsys: Any) -> None:
-    again = verify.certify_atlas(read_atlas(SOURCE), output=folder / "curve.json")
+    (again,) = verify.certify(read_atlas(SOURCE), output=folder / "curve.json")
     assert "pieces settled already, kept" in capsys.readouterr().err
     assert again.document["results"] == curve.document["results"]
     verify.write(folder / "curve.json", curve)
@@ -96,16 +98,29 @@ def test_what_one_rests_on_has_to_be_given_and_files_hold_one_or_rows(
 def test_what_cannot_be_asked_is_refused_in_a_line(row: verify.Certificate) -> None:
     atlas = read_atlas(SOURCE)
     for given, words in (
-        ({"bifurcations": [row, row]}, "appears twice"),
+        ({"rests_on": [row, row]}, "appears twice"),
+        ({"digits": 20}, "digits: is not asked of a claim about a branch"),
+        ({"within": "1"}, "within: is not asked of a claim about a branch"),
         ({"precision": 1}, "give larger numbers"),
     ):
         with pytest.raises(InputError, match=words):
-            verify.certify_atlas(atlas, quiet=True, **given)
+            verify.certify(atlas, quiet=True, **given)
     for wrong in ({"complete": 0}, {"complete": 100}, {"max_splits": -1}, {"timeout": -1.0}):
         with pytest.raises(ValueError, match=f"{next(iter(wrong))}: {next(iter(wrong.values()))}"):
-            verify.certify_atlas(atlas, quiet=True, **wrong)
+            verify.certify(atlas, quiet=True, **wrong)
+    for claims, more, words in (
+        (known("fs3"), {"rests_on": row}, "a claim about a box rests on nothing"),
+        (known("fs3"), {"complete": 3}, "complete: is not asked of a claim about a box"),
+        ([atlas, known("fs3")], {"complete": 3}, "complete: is not asked of a claim about a box"),
+        ([atlas, known("fs3")], {"output": "out.json"}, "output: holds rows, or one certificate of another kind"),
+        ([atlas, atlas], {"output": "out.json"}, "prove these claims one by one"),
+        (IndexAlong("x"), {"scheduler": "tcp://nowhere:1"}, "scheduler: is not asked of a claim about an index"),
+        (IndexAlong("x"), {"rests_on": row}, "rests_on: the claim rests on the curve x, once; give its certificate"),
+    ):
+        with pytest.raises(InputError, match=words):
+            verify.certify(claims, quiet=True, **more)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="jobs: 0"):
-        verify.certify_atlas(atlas, jobs=0, quiet=True)
+        verify.certify(atlas, jobs=0, quiet=True)
     with pytest.raises(InputError, match="appears twice"):
         verify.prove_again([row, row], quiet=True)
 
@@ -133,3 +148,12 @@ def test_a_second_proof_agrees_and_a_changed_certificate_does_not(folder: Path) 
     (other,) = verify.prove_again(verify.Certificate.from_json(entry), quiet=True)
     assert other.verdict == "disagrees"
     assert "side" in other.reason
+
+
+def test_claims_of_several_kinds_and_files_of_claims_are_proved_by_one_function(folder: Path) -> None:
+    write_candidates(folder / "claims.json", [known("fs2")])
+    (alone,) = verify.certify(folder / "claims.json", quiet=True)
+    atlas = replace(read_atlas(SOURCE), pieces=read_atlas(SOURCE).pieces[:1])
+    branch, row = verify.certify([atlas, known("fs2")], quiet=True)
+    assert told(row.to_json()) == told(alone.to_json())
+    assert (branch.id, branch.kind) == (atlas.id, atlas.claim.kind)

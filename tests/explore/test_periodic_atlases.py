@@ -63,7 +63,7 @@ def test_a_closed_curve_is_found_to_be_closed() -> None:
 @pytest.mark.slow
 def test_a_closed_curve_is_proved() -> None:
     atlas = explore.periodic_atlas(found(ISOLA, "0", x=1.118, y=0.0), ("a", -1.0, 1.0), quiet=True)
-    certificate = verify.certify_atlas(atlas, precision=104, order=40, width=32, quiet=True)
+    (certificate,) = verify.certify(atlas, precision=104, order=40, width=32, quiet=True)
     assert certificate.proved, certificate.reason
     assert len(certificate.document["conclusion"]["turns"]) == 2
 

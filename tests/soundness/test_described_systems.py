@@ -43,7 +43,7 @@ def drifting(x: Any, _: Any) -> Any:
 def verdict(system: ReversibleSystem) -> str:
     """Of the claim that the orbits have u = 1."""
     atlas = Atlas("arc", "an arc", system, {}, Claim("arc", None), (LINE,))
-    found = verify.certify_atlas(atlas, precision=104, order=30, width=12, max_splits=1, quiet=True)
+    (found,) = verify.certify(atlas, precision=104, order=30, width=12, max_splits=1, quiet=True)
     return str(found.document["verdict"])
 
 

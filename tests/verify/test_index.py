@@ -22,6 +22,7 @@ from support.graph_index import index_of_orbit
 from support.stored import values
 
 from orbitproof import verify
+from orbitproof.shared import IndexAlong
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.formats import InputError, atlas_from_json, read_atlas
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, FALKNER_SKAN, LIFTED, MASS_PARAMETERS, VERTICAL
@@ -900,7 +901,7 @@ def test_curves_without_an_index_are_refused_before_they_are_checked(
     message = f"error: {curve}: field statement.atlas.system: no index is counted of falkner-skan; give the certificate"
     assert message in capsys.readouterr().err
     with pytest.raises(InputError, match="no index is counted"):
-        verify.certify_index(*verify.read(curve), quiet=True)
+        verify.certify(IndexAlong("parabola"), rests_on=verify.read(curve), quiet=True)
 
 
 def test_the_command_and_python_say_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -915,6 +916,11 @@ def test_the_command_and_python_say_the_same(tmp_path: Path, capsys: pytest.Capt
     assert [orbit.index for orbit in known.orbits] == [2, 3]
     assert known.theorem is not None
     assert " ".join(known.theorem.split()) in " ".join(said.split())
+    claim, file = IndexAlong(known.id), tmp_path / "python.json"
+    (found,) = verify.certify(claim, rests_on=verify.read(curve), output=file, quiet=True)
+    assert found.document == known.document == verify.read(file)[0].document
+    with pytest.raises(InputError, match="rests on the curve another, once; give its certificate"):
+        verify.certify(IndexAlong("another"), rests_on=verify.read(curve), quiet=True)
     assert verify.recheck(verify.read(output), rests_on=verify.read(curve), quiet=True)[0].stands
     write_certificate(output, forged(known.document, FORGERIES["another index"]))
     assert main(["index", "--recheck", str(output), "--curve", str(curve), "--quiet"]) == 1

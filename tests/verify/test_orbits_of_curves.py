@@ -526,7 +526,7 @@ def test_the_command_and_python_say_the_same(tmp_path: Path, capsys: pytest.Capt
     shorter.write_text(json.dumps({**stored, "count": "4", "data": stored["data"][:4]}))
     assert main(["catalogue", str(shorter), "--curve", str(curve), "--quiet"]) == 0
     capsys.readouterr()
-    found = verify.certify_catalogue(catalogue, *verify.read(curve), within=1e-6, quiet=True)
+    (found,) = verify.certify(catalogue, rests_on=verify.read(curve), within=1e-6, quiet=True)
     assert found.rows[:1] == verify.read(output)[0].rows[:1] or str(found.rows) == str(verify.read(output)[0].rows)
     assert verify.recheck(found, rests_on=verify.read(curve), quiet=True)[0].stands
 

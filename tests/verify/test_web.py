@@ -574,7 +574,7 @@ def test_a_claim_names_each_arc_and_each_meeting_once(tmp_path: Path) -> None:
             read_web(file)
     assert web_from_json({"id": "w", "title": "w", "arcs": [one]}, "it").connected
     with pytest.raises(InputError, match="name at least one arc"):
-        verify.certify_web(Web("w", "w", ()), [], quiet=True)
+        verify.certify(Web("w", "w", ()), quiet=True)
 
 
 def test_the_theorem_says_what_it_is_about() -> None:
@@ -622,7 +622,7 @@ def test_the_command_and_python_say_the_same(tmp_path: Path, capsys: pytest.Capt
     given = ["--certificates", files["curve"], files["point"], "--quiet"]
     assert main(["web", files["web"], *given, "-o", files["out"]]) == 0
     assert "PROVED" in capsys.readouterr().out
-    found = verify.certify_web(claim, [curve, point], output=files["python"], quiet=True)
+    (found,) = verify.certify(claim, rests_on=[curve, point], output=files["python"], quiet=True)
     assert found.document == verify.read(files["out"])[0].document == verify.read(files["python"])[0].document
     assert main(["web", "--recheck", files["out"], *given]) == 0
     assert verify.recheck(found, rests_on=[curve, point], quiet=True)[0].stands

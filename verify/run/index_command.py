@@ -11,12 +11,7 @@ from orbitproof.shared.formats import InputError, about, check_writable
 from orbitproof.shared.interrupts import run_command
 from orbitproof.verify.atlas import certified_index, indexed_atlas
 from orbitproof.verify.certificate import Certificate, Recheck, read_certificate, write_certificate
-from orbitproof.verify.run import (
-    GIBIBYTE,
-    ArgumentParser,
-    CheckLimits,
-    Workplace,
-)
+from orbitproof.verify.run import ArgumentParser, Workplace
 from orbitproof.verify.run.proof_command import add_checking_options, by_curve, check_of, prove_or_check, told
 
 _EXAMPLES = """\
@@ -86,35 +81,6 @@ def certify_the_index(curve: Certificate, workplace: Workplace) -> Certificate:
     """
     indexed_atlas(curve)
     return Certificate(by_curve(curve, certified_index, (), workplace, {"index": 1.0}, "the index was not found"))
-
-
-def certify_index(
-    curve: Certificate,
-    *,
-    output: str | Path | None = None,
-    timeout: float | None = None,
-    memory: float = CheckLimits.memory / GIBIBYTE,
-    quiet: bool = False,
-) -> Certificate:
-    """The Conley-Zehnder index of the orbits of a proved curve of the CR3BP, between the points of its list.
-
-    Arguments:
-        curve: with a list (`certify_atlas(.., complete=2)`), or else the index of one of its orbits is found; its
-            certificate is checked up to its conclusion first.
-        output: a file for the certificate.
-        timeout: seconds for each of both; without one, an hour.
-        memory: GiB for each.
-        quiet: nothing on standard error.
-
-    Returns the certificate, whatever is proved; `orbits` are the orbits with their intervals. Raises `InputError` for
-    a curve that is of no such system, or does not stand.
-    """
-    if output is not None:
-        check_writable(Path(output))
-    certificate = certify_the_index(curve, Workplace(1, None, timeout, int(memory * GIBIBYTE), quiet))
-    if output is not None:
-        write_certificate(Path(output), certificate.document)
-    return certificate
 
 
 if __name__ == "__main__":
