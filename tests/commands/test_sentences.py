@@ -16,7 +16,7 @@ DOCUMENTS = [
     ROOT / "CODE_OF_CONDUCT.md",
     ROOT / "CHANGELOG.md",
     ROOT / "paper" / "paper.md",
-    ROOT / "shared" / "README.md",
+    *sorted(path for room in ("shared", "verify") for path in (ROOT / room).rglob("README.md")),
     *sorted(path for path in (ROOT / "docs").rglob("*.md") if path.parent.name not in ("theorems", "site")),
 ]
 """What people write: pages of theorems have the words of certificates."""
