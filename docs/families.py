@@ -10,10 +10,11 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
-from orbitproof.explore.catalogues.without_symmetry import triangular_catalogue
-from orbitproof.explore.families import Limits, trace_family
+from orbitproof.explore.families import Limits
 from orbitproof.explore.flow import flow_batch
-from orbitproof.explore.names import FAMILY_NAMES, WITHOUT_SYMMETRY
+from orbitproof.explore.three_body.catalogues.without_symmetry import triangular_catalogue
+from orbitproof.explore.three_body.families import trace_family
+from orbitproof.explore.three_body.names import FAMILY_NAMES, WITHOUT_SYMMETRY
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 
 MASS = MASS_PARAMETERS["jpl-earth-moon"]

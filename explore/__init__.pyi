@@ -1,8 +1,6 @@
 from .branches import NoBranch as NoBranch
 from .branches.scripting import follow_branch as follow_branch
 from .branches.scripting import refine_new_orbit as refine_new_orbit
-from .catalogues import Catalogue as Catalogue
-from .catalogues.scripting import catalogue as catalogue
 from .families import FamilyFailure as FamilyFailure
 from .names import Contradiction as Contradiction
 from .names import NoOrbit as NoOrbit
@@ -19,8 +17,10 @@ from .scripting import refine as refine
 from .scripting import resonances as resonances
 from .scripting import trace as trace
 from .scripting import trace_from as trace_from
-from .seeds import triangular_orbit as triangular_orbit
-from .trajectories import Units as Units
+from .three_body.catalogues import Catalogue as Catalogue
+from .three_body.catalogues.scripting import catalogue as catalogue
+from .three_body.seeds import triangular_orbit as triangular_orbit
+from .three_body.trajectories import Units as Units
 from .values import Orbit as Orbit
 from .values import OrbitFamily as OrbitFamily
 from .values import read_orbit as read_orbit

@@ -21,26 +21,23 @@ from orbitproof.explore.families import (
     TraceTask,
     detect,
     limited_names,
-    trace_family,
     trace_task,
 )
-from orbitproof.explore.names import (
+from orbitproof.explore.names import exact_parameters, exchanged, label_of
+from orbitproof.explore.refinement import RefinementFailure, refine_tasks
+from orbitproof.explore.search import POINTS, Target, targets_of
+from orbitproof.explore.seeds import FirstOrbit
+from orbitproof.explore.three_body.families import branch_of, trace_family
+from orbitproof.explore.three_body.names import (
     DEFAULT_BRANCH,
     FAMILY_NAMES,
-    POINTS,
     Branch,
-    exact_parameters,
-    exchanged,
     families_to_give,
     family_name,
     is_family_name,
-    label_of,
     name_on,
 )
-from orbitproof.explore.refinement import RefinementFailure, refine_tasks
-from orbitproof.explore.search import Target, targets_of
-from orbitproof.explore.seeds import FirstOrbit
-from orbitproof.explore.trajectories import units_of
+from orbitproof.explore.three_body.trajectories import units_of
 from orbitproof.explore.values import Orbit, OrbitFamily, level_text, orbit_value
 from orbitproof.shared.formats import Candidate, InputError
 from orbitproof.shared.numbers import parse_exact
@@ -149,7 +146,7 @@ def trace(
         family = trace_family(system, name, parameters, limits, branch=branch, progress=report.update)
     if family.outcome == "interrupted":
         raise KeyboardInterrupt
-    traced = TracedFamily(name_on(name, branch), label, family)
+    traced = TracedFamily(name_on(name, branch), label, family, branch=branch_of(family))
     return OrbitFamily(traced.name, system, family.outcome, family.reason, traced, units_of(parameters.get("mu")))
 
 
@@ -195,7 +192,7 @@ def trace_from(
         parameters=exact,
         limits=Limits(max_orbits, bounds=dict(bounds or {})),
         multiplicities=(),
-        first=FirstOrbit(tuple(float(start[key]) for key in wanted), half_period),
+        start=FirstOrbit(tuple(float(start[key]) for key in wanted), half_period),
     )
     with Reporter(quiet) as report:
         report.stage(name)
@@ -205,7 +202,8 @@ def trace_from(
     if found.item is None:
         raise FamilyFailure(f"{name}: {found.failure}")
     family = found.item.family
-    return OrbitFamily(name, system, family.outcome, family.reason, found.item)
+    traced = replace(found.item, branch=branch_of(family))
+    return OrbitFamily(name, system, family.outcome, family.reason, traced)
 
 
 def resonances(

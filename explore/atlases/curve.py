@@ -9,9 +9,7 @@ import numpy as np
 from orbitproof.explore.atlases.complex_flow import LANES, HalfReturns
 from orbitproof.explore.families import Family
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
-from orbitproof.explore.orbits import CorrectionFailure
-from orbitproof.explore.seeds import primaries
-from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR
+from orbitproof.explore.orbits import CorrectionFailure, singular_places
 
 BEYOND, DOUBLINGS = 1.25, 30
 """The time of an orbit is first searched up to so many times that of the last one; this range is doubled so often."""
@@ -76,10 +74,8 @@ class Curve:
     def scale(self, point: Vector) -> float:
         """A typical length near a point: the distance from the nearest primary, 1 in other systems."""
         problem = self.family.problem
-        if problem.system not in (CR3BP, CR3BP_PLANAR):
-            return 1.0
-        place = np.array([point[0], 0.0, point[1] if problem.system is CR3BP else 0.0])
-        return min(float(np.linalg.norm(place - primary)) for primary in primaries(float(problem.parameters["mu"])))
+        places = singular_places(problem.system, problem.parameters)
+        return 1.0 if places is None else places.distance(problem.initial_state(np.append(point, 1.0)))
 
 
 def coordinate_time(returns: HalfReturns, point: Vector, half_period: float, guess: float) -> float:

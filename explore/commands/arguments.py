@@ -24,7 +24,9 @@ from orbitproof.explore.commands import (
     trajectory,
 )
 from orbitproof.explore.families import CONTROL, SAMPLING_TIMEOUT
-from orbitproof.explore.names import FAMILY_NAMES, POINTS, PRESETS, family_name, mass_name
+from orbitproof.explore.names import mass_name
+from orbitproof.explore.search import POINTS, PRESETS
+from orbitproof.explore.three_body.names import FAMILY_NAMES, family_name
 from orbitproof.shared.answers import add_json_option
 from orbitproof.shared.help_text import HelpFormatter
 from orbitproof.shared.misspelt import with_remedy

@@ -9,16 +9,13 @@ from typing import Any
 
 from orbitproof.explore.atlases import Source, check_names
 from orbitproof.explore.commands import common
-from orbitproof.explore.names import (
+from orbitproof.explore.names import exact_number, given_parameters, mass_name, system_named
+from orbitproof.explore.three_body.names import (
     FAMILY_NAMES,
-    exact_number,
     families_to_give,
     family_name,
-    given_parameters,
     has_branches,
     is_family_name,
-    mass_name,
-    system_named,
     system_with,
 )
 from orbitproof.shared.formats import Covers, InputError, check_writable
@@ -285,7 +282,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--coordinates regularised: {source.system.name} has none; leave it out")
     check_writable(options.output)
 
-    from orbitproof.explore.atlases import run_source
+    from orbitproof.explore.commands.atlas_of_family import run_source
 
     return run_source(source, options)
 

@@ -107,15 +107,15 @@ def run(options: argparse.Namespace) -> int:
     side = {"left": -1, "right": 1, None: 1 if options.point == "L3" else -1}[options.side]
 
     # Only now: JAX takes a moment to load.
-    from orbitproof.explore.atlases import (
-        LibrationFailure,
+    from orbitproof.explore.atlases import LibrationFailure
+    from orbitproof.explore.engines import Reporter
+    from orbitproof.explore.three_body.atlases import (
         LyapunovFamily,
         VerticalFamily,
         axial_atlas,
         lyapunov_atlas,
         vertical_atlas,
     )
-    from orbitproof.explore.engines import Reporter
 
     with Reporter(options.quiet) as report:
         kind = "axial" if options.axial else "vertical" if options.vertical else "planar"

@@ -131,10 +131,11 @@ def run(options: argparse.Namespace) -> int:
         ranges += [(LIGHT[0], highest, z)] if highest > LIGHT[1] else []
 
     # Only now: JAX takes a moment to load.
-    from orbitproof.explore.atlases import Births, LibrationFailure, intervals, piece, pieces_to, trace
+    from orbitproof.explore.atlases import LibrationFailure
     from orbitproof.explore.engines import Reporter
     from orbitproof.explore.families import FamilyFailure
     from orbitproof.explore.orbits import CorrectionFailure
+    from orbitproof.explore.three_body.atlases import Births, intervals, piece, pieces_to, trace
 
     births = Births(point, family)
     system = births.system
@@ -173,10 +174,11 @@ def run(options: argparse.Namespace) -> int:
 
 def _write_doublings(options: argparse.Namespace, lowest: Fraction, highest: Fraction) -> int:
     """Follow the period doublings and write their atlas; returns the exit code."""
-    from orbitproof.explore.atlases import LibrationFailure, doubling_atlas
+    from orbitproof.explore.atlases import LibrationFailure
     from orbitproof.explore.engines import Reporter
     from orbitproof.explore.families import FamilyFailure
     from orbitproof.explore.orbits import CorrectionFailure
+    from orbitproof.explore.three_body.atlases import doubling_atlas
 
     with Reporter(options.quiet) as report:
         report.stage(f"{options.point}, the curve of period doublings")

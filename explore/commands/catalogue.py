@@ -8,17 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands import common
-from orbitproof.explore.names import (
+from orbitproof.explore.names import given_parameters, label_of, mass_name, system_named
+from orbitproof.explore.three_body.names import (
     DEFAULT_BRANCH,
     FAMILY_NAMES,
     WITHOUT_SYMMETRY,
     families_to_give,
     family_name,
-    given_parameters,
     has_branches,
-    label_of,
-    mass_name,
-    system_named,
     system_with,
 )
 from orbitproof.shared.formats import InputError, check_writable, table_form
@@ -26,8 +23,8 @@ from orbitproof.shared.systems import CR3BP, THREE_BODY
 from orbitproof.shared.wording import counted
 
 if TYPE_CHECKING:
-    from orbitproof.explore.catalogues import Catalogue, CatalogueTask, MadeCatalogue
     from orbitproof.explore.engines import Reporter
+    from orbitproof.explore.three_body.catalogues import Catalogue, CatalogueTask, MadeCatalogue
 
 _EXAMPLES = """\
 examples:
@@ -117,7 +114,11 @@ def run(options: argparse.Namespace) -> int:
         raise InputError("--branch: none of these families has northern and southern orbits; leave it out")
 
     # Only now: JAX takes a moment to load.
-    from orbitproof.explore.catalogues import (
+    from orbitproof.explore.engines import Job, Lost, Reporter, run_all
+    from orbitproof.explore.families import Limits
+    from orbitproof.explore.flow import batches_on
+    from orbitproof.explore.records import read_families
+    from orbitproof.explore.three_body.catalogues import (
         CatalogueTask,
         catalogue_task,
         read_catalogue,
@@ -125,10 +126,6 @@ def run(options: argparse.Namespace) -> int:
         with_distances,
         without_contradictions,
     )
-    from orbitproof.explore.engines import Job, Lost, Reporter, run_all
-    from orbitproof.explore.families import Limits
-    from orbitproof.explore.flow import batches_on
-    from orbitproof.explore.records import read_families
 
     limits = {name: getattr(options, name) for name in ("period", "jacobi", "stability", "perilune", "altitude")}
     limits = {name: tuple(pair) for name, pair in limits.items() if pair is not None}
@@ -216,7 +213,7 @@ def _kept(
     catalogue: Catalogue, limits: Mapping[str, tuple[str, str]], everything: bool, title: str, report: Reporter
 ) -> Catalogue:
     """The rows between the limits that a spacecraft could fly, or all; says how many are left out."""
-    from orbitproof.explore.catalogues import chosen_rows, left_out, without_hits
+    from orbitproof.explore.three_body.catalogues import chosen_rows, left_out, without_hits
 
     between = chosen_rows(catalogue, limits)
     if len(between) < len(catalogue):
@@ -230,7 +227,7 @@ def _kept(
 
 def _write(catalogue: Catalogue, path: Path, title: str, report: Reporter, complete: bool = True) -> bool:
     """Whether there was a row to write, and the rows are complete."""
-    from orbitproof.explore.catalogues import libration_places, table_of
+    from orbitproof.explore.three_body.catalogues import libration_places, table_of
 
     if not len(catalogue):
         report.error(f"{title}: no row is left; nothing is written")

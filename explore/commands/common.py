@@ -12,7 +12,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from orbitproof.explore.names import BRANCHES, DEFAULT_BRANCH, FAMILY_NAMES
+from orbitproof.explore.three_body.names import BRANCHES, DEFAULT_BRANCH, FAMILY_NAMES
 from orbitproof.shared.help_text import HelpFormatter
 
 MAX_MULTIPLICITY = 1000

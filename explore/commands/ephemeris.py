@@ -77,14 +77,14 @@ def run(options: argparse.Namespace) -> int:
     import numpy as np
 
     from orbitproof.explore.engines import Reporter
-    from orbitproof.explore.ephemeris_model import (
+    from orbitproof.explore.three_body.ephemeris_model import (
         NotCarried,
         bodies_named,
         carry_over,
         kernels_loaded,
         real_ephemeris,
     )
-    from orbitproof.explore.trajectories import (
+    from orbitproof.explore.three_body.trajectories import (
         IN_KM,
         Choice,
         TooFine,

@@ -77,8 +77,8 @@ def run_tori(options: argparse.Namespace) -> int:
     check_writable(options.output)
     # Only now: JAX takes a moment to load.
     from orbitproof.explore.engines import Reporter
-    from orbitproof.explore.invariants import NoCurve, trace_tori, write_tori
-    from orbitproof.explore.trajectories import Choice, find_orbit, trajectory_of
+    from orbitproof.explore.three_body.invariants import NoCurve, trace_tori, write_tori
+    from orbitproof.explore.three_body.trajectories import Choice, find_orbit, trajectory_of
     from orbitproof.shared.systems import CR3BP
 
     with Reporter(options.quiet) as report:
@@ -131,8 +131,8 @@ def run_manifold(options: argparse.Namespace) -> int:
     import numpy as np
 
     from orbitproof.explore.engines import Reporter
-    from orbitproof.explore.invariants import NoManifold, Plane, manifold_of, write_manifold
-    from orbitproof.explore.trajectories import Choice, find_orbit, trajectory_of
+    from orbitproof.explore.three_body.invariants import NoManifold, Plane, manifold_of, write_manifold
+    from orbitproof.explore.three_body.trajectories import Choice, find_orbit, trajectory_of
     from orbitproof.shared.systems import THREE_BODY
 
     with Reporter(options.quiet) as report:

@@ -116,7 +116,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--tolerance {tolerance:g}: give a number from 1e-280 to 1e-10")
 
     # Only now: JAX takes a moment to load.
-    from orbitproof.explore.masses import MassCurveRequest, run_request
+    from orbitproof.explore.three_body.masses import MassCurveRequest, run_request
 
     request = MassCurveRequest(
         points=tuple(dict.fromkeys(options.points)),

@@ -14,17 +14,14 @@ from typing import TYPE_CHECKING, Any
 from orbitproof.explore.commands import common
 from orbitproof.explore.commands.orbit_lines import tell_corrected, tell_refined
 from orbitproof.explore.commands.orbit_options import equation_of, kind_of
-from orbitproof.explore.names import (
+from orbitproof.explore.names import given_parameters, label_of, mass_name, system_named
+from orbitproof.explore.three_body.names import (
     families_to_give,
     family_name,
-    given_parameters,
     has_branches,
     is_family_name,
-    label_of,
-    mass_name,
     name_on,
     on_branch,
-    system_named,
     system_with,
 )
 from orbitproof.shared.answers import tell
@@ -179,6 +176,7 @@ def _started(options: argparse.Namespace, system: ReversibleSystem) -> int:
     from orbitproof.explore.records import write_families
     from orbitproof.explore.refinement import OrbitTask
     from orbitproof.explore.search import started
+    from orbitproof.explore.three_body.families import branch_of
 
     found: list[TracedFamily] = []
     requests = started(options, system)
@@ -193,7 +191,7 @@ def _started(options: argparse.Namespace, system: ReversibleSystem) -> int:
             except FamilyFailure as error:
                 report.error(f"{request.name}: {error}")
                 continue
-            found.append(TracedFamily(request.name, request.label, family))
+            found.append(TracedFamily(request.name, request.label, family, branch=branch_of(family)))
             if request.first.half_period is not None:
                 times = round(request.first.half_period / float(family.orbits[0].half_period))
                 if times > 1:
@@ -237,8 +235,9 @@ def _of_families(options: argparse.Namespace, system: ReversibleSystem | None) -
 
     # Only now: JAX takes a moment to load.
     from orbitproof.explore.engines import Reporter
-    from orbitproof.explore.families import FamilyFailure, branch_of
+    from orbitproof.explore.families import FamilyFailure
     from orbitproof.explore.search import tasks_of_family
+    from orbitproof.explore.three_body.families import branch_of
 
     try:
         with Reporter(options.quiet) as report:
@@ -259,8 +258,9 @@ def _of_families(options: argparse.Namespace, system: ReversibleSystem | None) -
 
 def _family(options: argparse.Namespace, system: ReversibleSystem | None, report: Reporter) -> tuple[str, Family]:
     """The family that is meant, traced or read, and what it is called. Raises `FamilyFailure`, `InputError`."""
-    from orbitproof.explore.families import Limits, family_of, trace_reaching
+    from orbitproof.explore.families import Limits, family_of
     from orbitproof.explore.records import read_families
+    from orbitproof.explore.three_body.families import trace_reaching
 
     if system is None:
         records = read_families(options.from_family)
@@ -346,7 +346,7 @@ def _is_there(task: OrbitTask, kept: Mapping[str, Candidate], word: str) -> bool
 
 def _catalogue(options: argparse.Namespace) -> int:
     """Orbits near rows of a catalogue: refined, or compared with their certificates."""
-    from orbitproof.explore.catalogues import compare_certificates, read_catalogue
+    from orbitproof.explore.three_body.catalogues import compare_certificates, read_catalogue
 
     for option in ("system", "mass", "family", "branch", "start", "from_family", "half_period"):
         if getattr(options, option) is not None:

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from orbitproof.explore.names import NoOrbit, units_of_system
+from orbitproof.explore.names import NoOrbit
+from orbitproof.explore.three_body.names import units_of_system
 from orbitproof.shared.answers import tell
 from orbitproof.shared.printed_tables import filled, terminal_width
 from orbitproof.shared.systems import MASS_PARAMETERS, THREE_BODY, UNITS
@@ -114,7 +115,7 @@ class _Told:
     def nearest(self, state: Sequence[float], period: float, mass: float) -> None:
         import numpy as np
 
-        from orbitproof.explore.catalogues.distances import distances
+        from orbitproof.explore.three_body.catalogues import distances
 
         least = float(distances(np.array([state], float), np.array([period]), mass).least[0])
         result, far, units = {"least_distance": least}, "", units_of_system(mass)

@@ -29,7 +29,7 @@ from orbitproof.explore.names import (
     symmetry_of,
     varied,
 )
-from orbitproof.explore.seeds import TRIANGULAR
+from orbitproof.explore.three_body.seeds import TRIANGULAR
 from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.interrupts import INTERRUPTED
@@ -262,7 +262,7 @@ def _start(
         return tuple(map(float, given.values())), options.period
     if system is not CR3BP:
         raise InputError(f"--triangular: {system.name} is not cr3bp; give --start")
-    from orbitproof.explore.seeds import triangular_orbit
+    from orbitproof.explore.three_body.seeds import triangular_orbit
 
     try:
         found, period = triangular_orbit(float(parameters["mu"]), options.triangular)

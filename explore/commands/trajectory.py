@@ -10,13 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands.common import add_command, add_orbit_choice, positive
-from orbitproof.explore.names import NoOrbit, units_of_system
+from orbitproof.explore.names import NoOrbit
+from orbitproof.explore.three_body.names import units_of_system
 from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import InputError, check_writable, write_text
 from orbitproof.shared.printed_tables import wrapped
 
 if TYPE_CHECKING:
-    from orbitproof.explore.trajectories import Samples
+    from orbitproof.explore.three_body.trajectories import Samples
 
 _EXAMPLES = """\
 examples:
@@ -104,7 +105,7 @@ def run(options: argparse.Namespace) -> int:
     """Write the files asked for; returns the exit code. Raises `InputError`."""
     _check(options)
     # Only now: JAX takes a moment to load.
-    from orbitproof.explore.trajectories import (
+    from orbitproof.explore.three_body.trajectories import (
         Choice,
         Frame,
         TooFine,

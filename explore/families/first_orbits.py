@@ -10,7 +10,7 @@ from fractions import Fraction
 import numpy as np
 
 from orbitproof.explore.families.continuation import Family, crossings
-from orbitproof.explore.families.named import FamilyFailure
+from orbitproof.explore.families.following import FamilyFailure
 from orbitproof.explore.families.step_control import StepControl
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
 from orbitproof.explore.orbits import Correction, CorrectionFailure, ShootingProblem, fallen

@@ -8,9 +8,8 @@ from math import inf, isfinite
 
 from orbitproof.explore.flow import Matrix
 from orbitproof.explore.names import told_apart
-from orbitproof.explore.orbits import ShootingProblem, SymmetricOrbit
-from orbitproof.explore.seeds import distance_to_primaries
-from orbitproof.shared.systems import THREE_BODY, ReversibleSystem
+from orbitproof.explore.orbits import ShootingProblem, SingularPlaces, SymmetricOrbit, singular_places
+from orbitproof.shared.systems import ReversibleSystem
 
 SMALLEST_DISTANCE = 1e-5
 SMALLEST_RELATIVE_DISTANCE = 1e-4
@@ -66,19 +65,15 @@ class Limits:
         integral = orbit.first_integral
         if self.integral_min is not None and integral is not None and integral <= self.integral_min:
             return f"limit {system.first_integral_name} = {self.integral_min:g}"
-        if system in THREE_BODY:
-            mass = float(problem.parameters["mu"])
-            bound = self.distance(mass)
-            if distance_to_primaries(states, mass) <= bound:
-                return f"limit distance to a primary = {bound:g}"
+        places = singular_places(system, problem.parameters)
+        if places is not None and places.distance(states) <= (bound := self._distance(places)):
+            return f"limit distance to a primary = {bound:g}"
         return None
 
-    def distance(self, mass: float) -> float:
-        """The smallest distance to a primary for a mass parameter."""
+    def _distance(self, places: SingularPlaces) -> float:
         if self.min_distance is not None:
             return self.min_distance
-        smaller = min(mass, 1.0 - mass)
-        return min(SMALLEST_DISTANCE, SMALLEST_RELATIVE_DISTANCE * float((smaller / 3) ** (1 / 3)))
+        return min(SMALLEST_DISTANCE, SMALLEST_RELATIVE_DISTANCE * places.size)
 
     def fraction(self, problem: ShootingProblem, orbit: SymmetricOrbit, count: int) -> float:
         """How much of the way to the nearest limit is done, roughly, 0 to 1."""

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import cached_property
 
 from orbitproof.explore.engines import Job, Lost, Progress, run_all
 from orbitproof.explore.families.continuation import Family
 from orbitproof.explore.families.detection import Detection, detect
 from orbitproof.explore.families.first_orbits import first_family
-from orbitproof.explore.families.hemispheres import branch_of
+from orbitproof.explore.families.following import FamilyFailure, Following, continue_both_ways, continue_family
 from orbitproof.explore.families.limits import Limits
-from orbitproof.explore.families.named import FamilyFailure, continue_both_ways, continue_family, trace_family
 from orbitproof.explore.families.step_control import CONTROL, SAMPLING_TIMEOUT, StepControl
-from orbitproof.explore.names import DEFAULT_BRANCH, Branch, name_on
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.explore.seeds import FirstOrbit
 from orbitproof.shared.systems import ReversibleSystem
@@ -30,14 +27,15 @@ class TraceTask:
     """A family to trace, or to continue, and to search.
 
     Attributes:
-        name, system, parameters, branch: as for `explore.families.named.trace_family`.
+        name: of the family in files.
         label: the parameters as the user named them, or "".
+        parameters: exact fixed parameters of the system.
         multiplicities: the k to look for.
         folds: whether to look for folds as well.
-        start: a part that is traced already.
-        both_ways: whether that part is continued at both of its ends.
+        start: a part that is traced already, an approximate first orbit, or what traces the family from its birth. The
+            last goes to another process.
+        both_ways: whether a part is continued at both of its ends.
         of_catalogue: whether that part is a row of a catalogue.
-        first: an approximate first orbit, in place of `start`, for a family that has no name of its own.
         control: steps and tolerances.
         sampling_timeout: seconds for sampling the stability.
     """
@@ -48,44 +46,37 @@ class TraceTask:
     parameters: Mapping[str, Fraction]
     limits: Limits
     multiplicities: tuple[int, ...]
+    start: Family | FirstOrbit | Callable[[Following], Family]
     folds: bool = False
-    branch: Branch = DEFAULT_BRANCH
-    start: Family | None = None
     both_ways: bool = False
     of_catalogue: bool = False
-    first: FirstOrbit | None = None
     control: StepControl = CONTROL
     sampling_timeout: float = SAMPLING_TIMEOUT
 
     @property
-    def called(self) -> str:
-        """The name of the family in files: one that is not traced by its name has the one that it is given."""
-        return self.name if self.start is not None or self.first is not None else name_on(self.name, self.branch)
-
-    @property
     def title(self) -> str:
         """For messages."""
-        return f"{self.label} {self.called}" if self.label else self.called
+        return f"{self.label} {self.name}" if self.label else self.name
 
 
 @dataclass(frozen=True)
 class TracedFamily:
-    """A family with the name under which it was asked for and what was found on it."""
+    """A family with the name under which it was asked for and what was found on it.
+
+    Attributes:
+        branch: which of two mirror images it is, if it is one of two.
+    """
 
     name: str
     label: str
     family: Family
     detection: Detection = field(default_factory=lambda: Detection((), ()))
+    branch: str | None = None
 
     @property
     def system(self) -> ReversibleSystem:
         """The family's system."""
         return self.family.problem.system
-
-    @cached_property
-    def branch(self) -> Branch | None:
-        """Whether its orbits are northern or southern ones; `None` for others."""
-        return branch_of(self.family)
 
     @property
     def title(self) -> str:
@@ -123,23 +114,15 @@ def trace_task(task: TraceTask, progress: Progress) -> Traced:
 
     try:
         start, both_ways = task.start, task.both_ways
-        if start is None and task.first is not None:
-            start = first_family(task.system, task.parameters, task.first, task.control)
-            both_ways = task.first.direction is None
-        if start is None:
-            family = trace_family(
-                task.system,
-                task.name,
-                task.parameters,
-                task.limits,
-                branch=task.branch,
-                control=task.control,
-                progress=tracing,
-            )
-        else:
+        if isinstance(start, FirstOrbit):
+            both_ways = start.direction is None
+            start = first_family(task.system, task.parameters, start, task.control)
+        if isinstance(start, Family):
             go_on = continue_both_ways if both_ways else continue_family
             family = go_on(start, task.limits, control=task.control, progress=tracing)
-        item = TracedFamily(task.called, task.label, family)
+        else:
+            family = start(Following(task.system, task.parameters, task.limits, task.control, tracing))
+        item = TracedFamily(task.name, task.label, family)
         if family.outcome == "interrupted":
             return result(interrupted=True)
         if task.multiplicities or task.folds:

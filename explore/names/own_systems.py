@@ -8,22 +8,24 @@ from math import inf
 from pathlib import Path
 
 from orbitproof.explore.names.exact_numbers import NO_NUMBER, exact_number, exchanged, mass_parameter, number_in
-from orbitproof.explore.names.family_names import FAMILY_NAMES
 from orbitproof.shared.formats import ArgumentError, InputError, load_system, under_reversor
 from orbitproof.shared.systems import CR3BP_PLANAR, MASS_PARAMETERS, SYSTEMS, THREE_BODY, ReversibleSystem
+
+SEARCHED = ("cr3bp", "cr3bp-axial", "cr3bp-planar", "falkner-skan")
+"""Systems that a search may be asked for by name."""
 
 _OF_THREE_BODIES = (*THREE_BODY, CR3BP_PLANAR)
 
 
 def system_named(text: str) -> ReversibleSystem:
     """A system by its name or by its file, with a further reversor after a colon. Raises `InputError`."""
-    if text in FAMILY_NAMES:
+    if text in SEARCHED:
         return SYSTEMS[text]
     name, colon, reversor = text.rpartition(":")
     if colon and not Path(text).exists():
         return under_reversor(system_named(name), reversor, f"--system {text}")
     if Path(text).suffix not in (".py", ".json"):
-        known = ", ".join(FAMILY_NAMES)
+        known = ", ".join(SEARCHED)
         raise InputError(f"--system {text}: unknown; give one of {known}, or your own system's file (.py or .json)")
     system = load_system(text)
     if not isinstance(system, ReversibleSystem):

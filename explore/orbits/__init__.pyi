@@ -4,7 +4,6 @@ from .agreement import contradictions as contradictions
 from .batch import OrbitBatch as OrbitBatch
 from .batch import correct_batch as correct_batch
 from .fixed_spaces import fallen as fallen
-from .hemispheres import branch_at as branch_at
 from .loop_shooting import LoopShooting as LoopShooting
 from .multiple_shooting import MultipleShooting as MultipleShooting
 from .multiple_shooting import SegmentedOrbit as SegmentedOrbit
@@ -13,6 +12,8 @@ from .shooting import Correction as Correction
 from .shooting import CorrectionFailure as CorrectionFailure
 from .shooting import ShootingProblem as ShootingProblem
 from .shooting import SymmetricOrbit as SymmetricOrbit
+from .singular_places import SingularPlaces as SingularPlaces
+from .singular_places import singular_places as singular_places
 from .stability import HalfReturn as HalfReturn
 from .stability import Side as Side
 from .stability import multipliers as multipliers

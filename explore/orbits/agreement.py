@@ -9,8 +9,8 @@ from decimal import Decimal
 import numpy as np
 
 from orbitproof.explore.flow import Vector
-from orbitproof.explore.seeds import primaries
-from orbitproof.shared.systems import CR3BP_PLANAR, THREE_BODY, System
+from orbitproof.explore.orbits.singular_places import singular_places
+from orbitproof.shared.systems import System
 
 REMEDY = "mend the file, or take the orbit that was found: --accept"
 
@@ -92,15 +92,11 @@ def _last_unit(value: float) -> float:
 
 def sizes_at(system: System, parameters: Sequence[float], state: Vector) -> Vector:
     """Typical sizes of the coordinates, shape (m,): in space the distance from the nearest primary, and the speed."""
-    if system not in (*THREE_BODY, CR3BP_PLANAR):
+    places = singular_places(system, dict(zip(system.parameters, parameters, strict=True)))
+    if places is None:
         return np.full(len(state), float(np.abs(state).max()) or 1.0)
-    place = np.zeros(3)
-    speed = np.zeros(3)
-    for name, value in zip(system.state, state, strict=True):
-        (speed if name.startswith("v") else place)["xyz".index(name[-1])] = value
-    distance = min(float(np.linalg.norm(place - centre)) for centre in primaries(float(parameters[0])))
-    fast = max(float(np.linalg.norm(speed)), distance)
-    return np.array([fast if name.startswith("v") else distance for name in system.state])
+    distance, half = places.distance(state), len(state) // 2
+    return np.repeat([distance, max(float(np.linalg.norm(state[half:])), distance)], half)
 
 
 def _slopes(system: System, parameters: Sequence[float], state: Vector, sizes: Vector) -> float:

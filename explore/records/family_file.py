@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from orbitproof.explore.names import Branch, examined
+from orbitproof.explore.names import examined
 from orbitproof.explore.records.entries import Array, Entry, to_json
 from orbitproof.shared.formats import read_document, read_system, validate_document, write_text
 from orbitproof.shared.systems import ReversibleSystem
@@ -120,7 +120,7 @@ class FamilyRecord:
     curve: SamplesRecord | None = None
     extrema: tuple[ExtremumRecord, ...] = ()
     beginning: EndingRecord | None = None
-    branch: Branch | None = None
+    branch: str | None = None
 
 
 def write_families(path: Path, families: Sequence[FamilyRecord]) -> None:

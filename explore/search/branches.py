@@ -13,11 +13,11 @@ from orbitproof.explore.families import (
     TraceTask,
     branch_seed,
     breaking_at_end,
-    on_side,
     symmetry_breakings,
 )
-from orbitproof.explore.names import branch_name, branch_number, name_on
 from orbitproof.explore.orbits import CorrectionFailure
+from orbitproof.explore.three_body.families import on_side
+from orbitproof.explore.three_body.names import Branch, branch_name, branch_number, name_on
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ class Branches:
     failures: tuple[str, ...]
 
 
-def branches_of(results: Sequence[Traced]) -> Branches:
-    """The families to trace from the symmetry breakings of the planar families among the results."""
-    done = {(result.task.called, result.task.label) for result in results}
+def branches_of(results: Sequence[Traced], side: Branch) -> Branches:
+    """The families to trace from the symmetry breakings of the planar families among the results, to one side."""
+    done = {(result.task.name, result.task.label) for result in results}
     tasks, failures = [], []
     for result, item in _planar(results):
         task, problem = result.task, item.family.problem
@@ -45,8 +45,8 @@ def branches_of(results: Sequence[Traced]) -> Branches:
             failures.append(f"{item.title}: no branches: a symmetry breaking could not be located: {error}")
             continue
         for number, breaking in enumerate(breakings, start=1):
-            seed = on_side(branch_seed(problem, breaking, 1), task.branch)
-            name = name_on(branch_name(item.name, number), task.branch)
+            seed = on_side(branch_seed(problem, breaking, 1), side)
+            name = name_on(branch_name(item.name, number), side)
             branch = replace(task, name=name, start=seed, both_ways=False)
             if (branch.name, branch.label) not in done:
                 tasks.append(branch)

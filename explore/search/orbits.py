@@ -7,13 +7,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from orbitproof.explore.catalogues import ROW, Catalogue, correct_catalogue
-from orbitproof.explore.families import Family, branch_of, family_of
+from orbitproof.explore.families import Family, family_of
 from orbitproof.explore.flow import flow_batch
 from orbitproof.explore.numerics import bracketed_zero
 from orbitproof.explore.orbits import CorrectionFailure, SymmetricOrbit
 from orbitproof.explore.records import FamilyRecord
 from orbitproof.explore.refinement import OrbitTask
+from orbitproof.explore.three_body.catalogues import ROW, Catalogue, correct_catalogue
+from orbitproof.explore.three_body.families import branch_of
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, Equation
 from orbitproof.shared.systems import CR3BP
 

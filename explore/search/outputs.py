@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from orbitproof.explore.catalogues import (
+from orbitproof.explore.engines import Reporter
+from orbitproof.explore.families import TracedFamily, family_record
+from orbitproof.explore.records import write_families
+from orbitproof.explore.three_body.catalogues import (
     Catalogue,
     catalogue_of,
     libration_places,
     write_catalogue_csv,
     write_catalogue_json,
 )
-from orbitproof.explore.engines import Reporter
-from orbitproof.explore.families import TracedFamily, family_record
-from orbitproof.explore.records import write_families
 from orbitproof.shared.systems import THREE_BODY
 from orbitproof.shared.wording import counted
 

@@ -13,24 +13,17 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.explore.families import StepControl
-from orbitproof.explore.names import (
+from orbitproof.explore.names import Contradiction, NoOrbit, given_parameters, label_of, place_of, system_named
+from orbitproof.explore.search.presets import PRESETS, Preset, PresetFamilies
+from orbitproof.explore.seeds import FirstOrbit
+from orbitproof.explore.three_body.names import (
     FAMILY_NAMES,
-    PRESETS,
     WITHOUT_SYMMETRY,
-    Contradiction,
-    NoOrbit,
-    Preset,
-    PresetFamilies,
     families_to_give,
-    given_parameters,
     has_branches,
     is_family_name,
-    label_of,
-    place_of,
-    system_named,
     system_with,
 )
-from orbitproof.explore.seeds import FirstOrbit
 from orbitproof.shared.formats import InputError, check_writable, stated_format
 from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, THREE_BODY, ReversibleSystem
 
@@ -274,7 +267,7 @@ def _through(options: argparse.Namespace) -> FamilyRequest:
     if len(names) > 1:
         raise InputError("--family: --from-orbit is one orbit; give one name")
     # Only now: JAX takes a moment to load.
-    from orbitproof.explore.trajectories import Choice, find_orbit, trajectory_of
+    from orbitproof.explore.three_body.trajectories import Choice, find_orbit, trajectory_of
 
     in_families = stated_format(path, "give a file that names an orbit") == "family"
     names_of = (None, options.id) if in_families else (options.id, None)

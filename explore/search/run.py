@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from orbitproof.explore.catalogues import CatalogueStart, catalogue_start
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import (
     Limits,
@@ -23,13 +22,16 @@ from orbitproof.explore.families import (
     trace_tasks,
 )
 from orbitproof.explore.flow import Vector
-from orbitproof.explore.names import DEFAULT_BRANCH, bounds_of, name_on
+from orbitproof.explore.names import bounds_of
 from orbitproof.explore.records import BAND, FamilyRecord, read_families
 from orbitproof.explore.refinement import refine_tasks
 from orbitproof.explore.search.branches import branches_of, shared_branches
 from orbitproof.explore.search.outputs import write_catalogue, write_outputs, write_traced
 from orbitproof.explore.search.request import FamilyRequest, Request
 from orbitproof.explore.search.targets import Target, is_refined, merged, targets_of
+from orbitproof.explore.three_body.catalogues import CatalogueStart, catalogue_start
+from orbitproof.explore.three_body.families import branch_of, by_name
+from orbitproof.explore.three_body.names import DEFAULT_BRANCH, name_on
 from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import Candidate, InputError, read_candidates, write_candidates
 from orbitproof.shared.interrupts import INTERRUPTED
@@ -79,7 +81,7 @@ def _search(request: Request, tasks: list[TraceTask], kept: list[Candidate], rep
     """Trace, detect, refine and write; the exit code and the lines of the result table."""
     (results, interrupted), unlocated = _trace_all(tasks, request.options.jobs, report), False
     if request.options.branches and not interrupted:
-        branches = branches_of(results)
+        branches = branches_of(results, request.options.branch or DEFAULT_BRANCH)
         if branches.tasks:
             more, interrupted = _trace_all(branches.tasks, request.options.jobs, report)
             results += more
@@ -158,7 +160,8 @@ def _task(request: Request, family: FamilyRequest, records: list[FamilyRecord]) 
     for record in records:
         if record.name == name and dict(record.parameters) == dict(family.parameters):
             return _trace_task(request, record, limits, family.multiplicities, start=family_of(record))
-    return _trace_task(request, family, limits, family.multiplicities, branch=branch, first=family.first)
+    asked, start = replace(family, name=name), family.first or by_name(family.name, branch)
+    return _trace_task(request, asked, limits, family.multiplicities, start=start)
 
 
 def _trace_task(
@@ -203,6 +206,8 @@ def _trace_all(tasks: Sequence[TraceTask], jobs: int, report: Reporter) -> tuple
     interrupted = False
     try:
         for index, result in trace_tasks(tasks, jobs, report.update):
+            if result.item is not None:
+                result = replace(result, item=replace(result.item, branch=branch_of(result.item.family)))
             results[index] = result
             if result.item is not None:
                 family, seconds = result.item.family, result.seconds

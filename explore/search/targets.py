@@ -74,7 +74,7 @@ class Target:
 
 
 def targets_of(item: TracedFamily, points: str) -> list[Target]:
-    """The points to refine, in order along the family; `points` is one of `explore.names.family_names.POINTS`.
+    """The points to refine, in order along the family; `points` is one of `POINTS`.
 
     The ids count the resonances of a multiplicity, and the folds, from the birth of the family: they do not depend on
     which other multiplicities or points were asked for, nor on how far the family was traced.

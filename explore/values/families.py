@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from orbitproof.explore.catalogues import catalogue_of, write_catalogue_csv
 from orbitproof.explore.families import TracedFamily
-from orbitproof.explore.names import Branch, on_branch, time_given, told_apart
+from orbitproof.explore.names import time_given, told_apart
 from orbitproof.explore.orbits import SymmetricOrbit
-from orbitproof.explore.plots import draw_family, draw_orbits
-from orbitproof.explore.search.orbits import orbits_with
-from orbitproof.explore.trajectories import Units, units_named
+from orbitproof.explore.search import orbits_with
+from orbitproof.explore.three_body.catalogues import catalogue_of, write_catalogue_csv
+from orbitproof.explore.three_body.names import Branch, on_branch
+from orbitproof.explore.three_body.plots import draw_family, draw_orbits
+from orbitproof.explore.three_body.trajectories import Units, units_named
 from orbitproof.explore.values.orbits import File, Orbit, orbit_value
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Equation, InputError, write_text
 from orbitproof.shared.systems import THREE_BODY, ReversibleSystem

@@ -20,9 +20,9 @@ from numpy.typing import ArrayLike, NDArray
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.names import told_apart
 from orbitproof.explore.orbits import ShootingProblem, SymmetricOrbit, multipliers, stability_index
-from orbitproof.explore.plots import draw_orbits
 from orbitproof.explore.refinement import OrbitTask, refine_orbit
-from orbitproof.explore.trajectories import (
+from orbitproof.explore.three_body.plots import draw_orbits
+from orbitproof.explore.three_body.trajectories import (
     Choice,
     Frame,
     Samples,
@@ -49,8 +49,8 @@ from orbitproof.shared.systems import CR3BP, LEVEL_NAME, THREE_BODY, ReversibleS
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from orbitproof.explore.ephemeris_model import RealOrbit
-    from orbitproof.explore.invariants import Manifold, TorusFamily
+    from orbitproof.explore.three_body.ephemeris_model import RealOrbit
+    from orbitproof.explore.three_body.invariants import Manifold, TorusFamily
 
 File = str | PathLike[str]
 DAY = 86400.0
@@ -220,7 +220,7 @@ class Orbit:
 
         Raises `NoManifold`.
         """
-        from orbitproof.explore.invariants import Plane, manifold_of
+        from orbitproof.explore.three_body.invariants import Plane, manifold_of
 
         if self.system not in THREE_BODY or plane[0] not in ("x", "y", "z"):
             raise ValueError(f"manifold: of orbits of the CR3BP, to a plane of x, y or z; {plane[0]!r} is none")
@@ -239,7 +239,7 @@ class Orbit:
 
         Raises `NoCurve`.
         """
-        from orbitproof.explore.invariants import trace_tori
+        from orbitproof.explore.three_body.invariants import trace_tori
 
         if self.system is not CR3BP or self._trajectory.crossings != 1:
             raise ValueError("tori: of orbits of the CR3BP whose half meets the section y = 0 once")
@@ -265,7 +265,7 @@ class Orbit:
 
         Raises `NotCarried` and `InputError`. Its states are asked for while the kernels are loaded into SPICE or not.
         """
-        from orbitproof.explore.ephemeris_model import bodies_named, carry_over, kernels_loaded
+        from orbitproof.explore.three_body.ephemeris_model import bodies_named, carry_over, kernels_loaded
 
         with kernels_loaded([Path(kernel) for kernel in kernels]):
             named = bodies_named(bodies, gm or {})

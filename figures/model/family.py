@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from orbitproof.explore.names import Branch, on_branch
+from orbitproof.explore.three_body.names import Branch, on_branch
 from orbitproof.figures.orbits import Array, centre_on_fixed_set, parameter_values, parameters_of, state_on_fixed_set
 from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, read_document
 from orbitproof.shared.numbers import parse_exact

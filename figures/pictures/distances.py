@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
-from orbitproof.explore.catalogues.distances import PARTS, distances
+from orbitproof.explore.three_body.catalogues.distances import PARTS, distances
 from orbitproof.figures.model import SampledFamily
 from orbitproof.figures.orbits import state_on_fixed_set
 from orbitproof.figures.pictures.legends import legend_row

@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from orbitproof.explore.invariants import ManifoldRecord, ToriRecord
-from orbitproof.explore.names import units_of_system
+from orbitproof.explore.three_body.invariants import ManifoldRecord, ToriRecord
+from orbitproof.explore.three_body.names import units_of_system
 from orbitproof.figures.orbits import Array
 from orbitproof.figures.pictures.lines import NUMERICAL, Line, tube_lines
 from orbitproof.figures.pictures.plotly_script import for_lines_in_space

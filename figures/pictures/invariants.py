@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from orbitproof.explore.invariants import ManifoldRecord, ToriRecord
+from orbitproof.explore.three_body.invariants import ManifoldRecord, ToriRecord
 from orbitproof.figures.orbits import Array
 from orbitproof.figures.pictures.legends import legend_row
 from orbitproof.figures.pictures.space import bounds_of, mark_primaries, primary_handle, set_box, show_primaries

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from orbitproof.explore.catalogues import Catalogue
-from orbitproof.explore.catalogues.distances import PARTS, distances
 from orbitproof.explore.flow import flow_batch
-from orbitproof.explore.invariants import ManifoldRecord
 from orbitproof.explore.orbits import correct_batch, stability_index
-from orbitproof.explore.trajectories import Trajectory
+from orbitproof.explore.three_body.catalogues import Catalogue
+from orbitproof.explore.three_body.catalogues.distances import PARTS, distances
+from orbitproof.explore.three_body.invariants import ManifoldRecord
+from orbitproof.explore.three_body.trajectories import Trajectory
 from orbitproof.figures.certified import Curve, heading_of
 from orbitproof.figures.model import MarkedPoint, SampledFamily, level_of
 from orbitproof.figures.orbits import Array, OrbitNotClosed, symmetric_orbit

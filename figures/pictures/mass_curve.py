@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 from numpy.typing import NDArray
 
-from orbitproof.explore.masses import CurveRecord, PointRecord, read_curves
+from orbitproof.explore.three_body.masses import CurveRecord, PointRecord, read_curves
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import CR3BP

@@ -169,21 +169,21 @@ def _curve_in_space(path: Path) -> Any:
 
 
 def _tori_in_space(path: Path) -> Any:
-    from orbitproof.explore.invariants import read_tori
+    from orbitproof.explore.three_body.invariants import read_tori
     from orbitproof.figures.pictures.interactive import tori_figure
 
     return tori_figure(read_tori(path))
 
 
 def _tube_in_space(path: Path) -> Any:
-    from orbitproof.explore.invariants import read_manifold
+    from orbitproof.explore.three_body.invariants import read_manifold
     from orbitproof.figures.pictures.interactive import tube_figure
 
     return tube_figure(read_manifold(path))
 
 
 def _rows_in_space(path: Path) -> Any:
-    from orbitproof.explore.catalogues import read_catalogue
+    from orbitproof.explore.three_body.catalogues import read_catalogue
     from orbitproof.figures.pictures.interactive import orbits_figure
     from orbitproof.figures.pictures.lines import catalogue_lines
 
@@ -194,7 +194,7 @@ def _rows_in_space(path: Path) -> Any:
 
 def _orbit_in_space(path: Path, identifier: str | None, family: str | None, number: int | None) -> Any:
     from orbitproof.explore.names import NoOrbit
-    from orbitproof.explore.trajectories import Choice, find_orbit, trajectory_of
+    from orbitproof.explore.three_body.trajectories import Choice, find_orbit, trajectory_of
     from orbitproof.figures.pictures.interactive import orbits_figure
     from orbitproof.figures.pictures.lines import orbit_line
 

@@ -237,7 +237,7 @@ def draw_tori(
     sources: Sequence[Source], folder: Source, *, files: Files | None = None, told: Told = quietly
 ) -> list[Path]:
     """Tori and manifolds, from files of `orbitproof explore`, in space and on the section; they are numerical."""
-    from orbitproof.explore.invariants import read_manifold, read_tori
+    from orbitproof.explore.three_body.invariants import read_manifold, read_tori
     from orbitproof.figures.files import save
     from orbitproof.figures.pictures import draw_manifold
     from orbitproof.figures.pictures import draw_tori as draw

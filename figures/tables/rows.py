@@ -12,7 +12,7 @@ from typing import Any
 
 from flint import arb
 
-from orbitproof.explore.names import NORTH, SOUTH
+from orbitproof.explore.three_body.names import NORTH, SOUTH
 from orbitproof.figures.orbits import centre_on_fixed_set
 from orbitproof.figures.tables.intervals import Interval, parse_interval
 from orbitproof.shared.formats import (

@@ -11,6 +11,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +19,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from orbitproof.explore.flow import configure_jax, flow_batch, flow_of, use_accelerator
+from orbitproof.explore.flow import batches_on, flow_batch, flow_of
 from orbitproof.explore.flow.runge_kutta import RELATIVE_TOLERANCE
 from orbitproof.explore.orbits import correct_batch
+from orbitproof.shared.arguments import ArgumentError
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 
 REPEATS = 3
@@ -103,8 +105,8 @@ def main(count: int) -> None:
     """Print the rates, one a line."""
     import jax
 
-    use_accelerator()
-    configure_jax()
+    with suppress(ArgumentError):
+        batches_on("gpu")
     processor = jax.local_devices(backend="cpu")[0]
     rates: dict[str, float] = {}
     ends: dict[str, np.ndarray] = {}

@@ -16,10 +16,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from orbitproof.explore.catalogues.dense import _predicted
-from orbitproof.explore.families import Family, Limits, trace_family
+from orbitproof.explore.families import Family, Limits
 from orbitproof.explore.flow import batches_on
 from orbitproof.explore.orbits import correct_batch, stability_index
+from orbitproof.explore.three_body.catalogues.dense import _predicted
+from orbitproof.explore.three_body.families import trace_family
 from orbitproof.shared import InputError
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 

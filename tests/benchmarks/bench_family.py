@@ -46,7 +46,8 @@ def main() -> None:
         command_line("command line, 500 planar orbits, first run", Path(folder))
         command_line("  the same, compiled code at hand", Path(folder))
 
-    timed("import JAX and diffrax", lambda: importlib.import_module("orbitproof.explore.families.named"))
+    named = "orbitproof.explore.three_body.families.named"
+    trace_family = timed("import JAX and diffrax", lambda: importlib.import_module(named)).trace_family
     families = importlib.import_module("orbitproof.explore.families")
     detection = importlib.import_module("orbitproof.explore.families.detection")
     flow_of = importlib.import_module("orbitproof.explore.flow").flow_of
@@ -68,7 +69,7 @@ def main() -> None:
         parameters = {"mu": mass}
         family = timed(
             f"Earth-Moon L1 halo family from its birth to z = {bound}",
-            lambda limits=limits, parameters=parameters: families.trace_family(CR3BP, "L1-halo", parameters, limits),
+            lambda limits=limits, parameters=parameters: trace_family(CR3BP, "L1-halo", parameters, limits),
         )
         found = timed(
             f"  its resonances k = 1, 2, 3, 4 ({len(family.orbits)} orbits)",
@@ -85,9 +86,7 @@ def main() -> None:
         limits = families.Limits(coordinate_max={} if speed is None else {"vy": speed})
         family = timed(
             f"{label} {name} as far as the paper's tables go",
-            lambda name=name, parameters=parameters, limits=limits: families.trace_family(
-                CR3BP, name, parameters, limits
-            ),
+            lambda name=name, parameters=parameters, limits=limits: trace_family(CR3BP, name, parameters, limits),
         )
         found = timed(
             f"  its resonances k = 1, 2, 3, 4 ({len(family.orbits)} orbits)",
@@ -96,7 +95,7 @@ def main() -> None:
         print(f"  found: {len(found.resonances)} resonances, {len(found.samples)} samples")
     odd = timed(
         "Falkner-Skan family, beta 100 to 1000, with compiling",
-        lambda: families.trace_family(FALKNER_SKAN, "odd", {}, families.Limits()),
+        lambda: trace_family(FALKNER_SKAN, "odd", {}, families.Limits()),
     )
     found = timed(
         f"  its resonances k = 2, 3, 4 ({len(odd.orbits)} orbits)",

@@ -11,14 +11,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-import orbitproof.explore.families.tracing
 import orbitproof.explore.search.run
+import orbitproof.explore.three_body.families.named
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.commands.arguments import parser
-from orbitproof.explore.families import Limits, TracedFamily, family_of, family_record, trace_family
+from orbitproof.explore.families import Limits, TracedFamily, family_of, family_record
 from orbitproof.explore.records import read_families, write_families
 from orbitproof.explore.refinement import Refined, Task, refine_tasks
 from orbitproof.explore.search import check
+from orbitproof.explore.three_body.families import trace_family
 from orbitproof.shared import InputError, format_exact, parse_exact
 from orbitproof.shared.formats import read_candidates
 from orbitproof.shared.systems import FALKNER_SKAN, MASS_PARAMETERS
@@ -112,7 +113,7 @@ def test_interrupt_keeps_what_was_found(
 def test_interrupt_while_tracing_writes_the_part_that_can_be_resumed(
     tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plain = orbitproof.explore.families.tracing.trace_family
+    plain = orbitproof.explore.three_body.families.named.trace_family
 
     def stopped(*arguments: Any, progress: Any, **options: Any) -> Any:
         def interrupt(message: str, fraction: float) -> None:
@@ -121,7 +122,7 @@ def test_interrupt_while_tracing_writes_the_part_that_can_be_resumed(
 
         return plain(*arguments, progress=interrupt, **options)
 
-    monkeypatch.setattr(orbitproof.explore.families.tracing, "trace_family", stopped)
+    monkeypatch.setattr(orbitproof.explore.three_body.families.named, "trace_family", stopped)
     output, family = tmp_path / "candidates.json", tmp_path / "family.json"
     arguments = ["-k", "2", "-o", str(output), "--family-output", str(family), "--quiet"]
     assert main(["candidates", "--system", "falkner-skan", *arguments]) == 130

@@ -26,8 +26,9 @@ from orbitproof.explore.atlases.check import first_returns
 from orbitproof.explore.atlases.complex_flow import LANES, HalfReturns
 from orbitproof.explore.atlases.curve import Curve, coordinate_time
 from orbitproof.explore.atlases.expansion import Chart, Expansion, coefficient_transform, expand
-from orbitproof.explore.families import Family, Limits, TracedFamily, family_record, trace_family
+from orbitproof.explore.families import Family, Limits, TracedFamily, family_record
 from orbitproof.explore.records import write_families
+from orbitproof.explore.three_body.families import trace_family
 from orbitproof.shared.claims import Atlas, Covers
 from orbitproof.shared.formats import read_atlas, write_atlas
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS

@@ -7,9 +7,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from orbitproof.explore.atlases import LyapunovFamily, axial_atlas
-from orbitproof.explore.atlases.axial import AxialFamily
 from orbitproof.explore.flow import flow_of
+from orbitproof.explore.three_body.atlases import LyapunovFamily, axial_atlas
+from orbitproof.explore.three_body.atlases.axial import AxialFamily
 from orbitproof.shared.systems import CR3BP, LIFTED, MASS_PARAMETERS
 from orbitproof.verify.curve import PieceLimits, prove_birth_piece, prove_piece
 from orbitproof.verify.oracle import ORACLE

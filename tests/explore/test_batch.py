@@ -155,7 +155,7 @@ def test_orbits_that_fail_are_marked_and_leave_the_others_alone() -> None:
 
 
 def test_orbits_in_the_plane_stay_there_and_keep_their_stability_across_it() -> None:
-    from orbitproof.explore.seeds import libration_point, lyapunov_orbit
+    from orbitproof.explore.three_body.seeds import libration_point, lyapunov_orbit
 
     guesses = []
     for amplitude in (1e-3, 2e-3, 4e-3):

@@ -27,7 +27,7 @@ from orbitproof.explore.names import NoOrbit
 from orbitproof.explore.orbits import MultipleShooting, SegmentedOrbit, ShootingProblem
 from orbitproof.explore.records import read_families
 from orbitproof.explore.refinement import refine
-from orbitproof.explore.trajectories import Choice, find_orbit, trajectory_of
+from orbitproof.explore.three_body.trajectories import Choice, find_orbit, trajectory_of
 from orbitproof.figures.certified import CertifiedCurves
 from orbitproof.figures.model import read_families as read_sampled
 from orbitproof.figures.pictures import draw_branch, draw_certified, draw_overview

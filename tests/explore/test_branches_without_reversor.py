@@ -21,7 +21,7 @@ from orbitproof.explore.__main__ import main
 from orbitproof.explore.branches import Branch, branch_point, follow, read_branches, task_of, write_branches
 from orbitproof.explore.periodic import refine_periodic
 from orbitproof.explore.points import refine_at
-from orbitproof.explore.trajectories import Choice, find_orbit, trajectory_of
+from orbitproof.explore.three_body.trajectories import Choice, find_orbit, trajectory_of
 from orbitproof.figures.orbits import loop_through
 from orbitproof.figures.pictures import draw_branch
 from orbitproof.figures.style import close, use_style

@@ -13,7 +13,11 @@ import numpy as np
 import pytest
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.catalogues import (
+from orbitproof.explore.families import Family, Limits, continue_both_ways
+from orbitproof.explore.flow import flow_of
+from orbitproof.explore.orbits import stability_index
+from orbitproof.explore.records import read_families
+from orbitproof.explore.three_body.catalogues import (
     Catalogue,
     CorrectedCatalogue,
     correct_catalogue,
@@ -21,10 +25,7 @@ from orbitproof.explore.catalogues import (
     write_catalogue_csv,
     write_catalogue_json,
 )
-from orbitproof.explore.families import Family, Limits, continue_both_ways, trace_family
-from orbitproof.explore.flow import flow_of
-from orbitproof.explore.orbits import stability_index
-from orbitproof.explore.records import read_families
+from orbitproof.explore.three_body.families import trace_family
 from orbitproof.shared import InputError
 from orbitproof.shared.formats import decimal_text
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS

@@ -16,11 +16,11 @@ import pytest
 
 from orbitproof import explore
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.catalogues import Catalogue, MadeCatalogue, correct_catalogue, dense, read_catalogue
-from orbitproof.explore.catalogues.columns import CLOSING, HITS
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.names import time_given
 from orbitproof.explore.orbits import PeriodicSolution, ShootingProblem, stability_index
+from orbitproof.explore.three_body.catalogues import Catalogue, MadeCatalogue, correct_catalogue, dense, read_catalogue
+from orbitproof.explore.three_body.catalogues.columns import CLOSING, HITS
 from orbitproof.shared import InputError
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, MASS_PARAMETERS
 
@@ -182,7 +182,7 @@ def test_from_python_rows_that_hit_the_body_are_left_out_and_counted(
 ) -> None:
     hits = tuple("yes" if number < 3 else "no" for number in range(len(halo)))
     made = MadeCatalogue(replace(halo, more={**halo.more, HITS: hits}), "")
-    monkeypatch.setattr("orbitproof.explore.catalogues.scripting.catalogue_task", lambda *_: made)
+    monkeypatch.setattr("orbitproof.explore.three_body.catalogues.scripting.catalogue_task", lambda *_: made)
     assert len(explore.catalogue("L2-halo", "jpl-earth-moon")) == 37
     assert "3 of 40 rows hit the smaller primary and are left out; hits=True keeps them" in capsys.readouterr().err
     assert len(explore.catalogue("L2-halo", "jpl-earth-moon", hits=True)) == 40

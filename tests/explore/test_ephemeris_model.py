@@ -12,8 +12,8 @@ from scipy.integrate import solve_ivp
 from support import written_kernels as kernels
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.ephemeris_model import bodies_named, carry_over, kernels_loaded
-from orbitproof.explore.trajectories import Choice, Frame, Units, find_orbit, sample, trajectory_of
+from orbitproof.explore.three_body.ephemeris_model import bodies_named, carry_over, kernels_loaded
+from orbitproof.explore.three_body.trajectories import Choice, Frame, Units, find_orbit, sample, trajectory_of
 from orbitproof.shared import InputError
 
 ROWS = Path(__file__).resolve().parents[2] / "docs" / "examples" / "gateway-rows.json"

@@ -18,11 +18,11 @@ from orbitproof.explore.families import (
     continue_family,
     detect,
     symmetry_breakings,
-    trace_family,
 )
 from orbitproof.explore.families.continuation import Course, Start, trace
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.orbits import CorrectionFailure, ShootingProblem
+from orbitproof.explore.three_body.families import trace_family
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, FALKNER_SKAN, MASS_PARAMETERS
 
 EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}

@@ -26,12 +26,12 @@ from orbitproof.explore.families import (
     detect,
     family_of,
     symmetry_breakings,
-    trace_family,
 )
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.records import read_families
 from orbitproof.explore.search import Target
-from orbitproof.explore.seeds import LIBRATION_POINTS, distance_to_primaries, libration_point, vertical_orbit
+from orbitproof.explore.three_body.families import trace_family
+from orbitproof.explore.three_body.seeds import LIBRATION_POINTS, distance_to_primaries, libration_point, vertical_orbit
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
 EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}

@@ -7,11 +7,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from orbitproof.explore.families import Limits, trace_family
-from orbitproof.explore.families.resonant import half_turns
-from orbitproof.explore.names import FAMILY_NAMES, family_name, is_family_name
+from orbitproof.explore.families import Limits
 from orbitproof.explore.orbits import stability_index
 from orbitproof.explore.search.orbits import orbits_with
+from orbitproof.explore.three_body.families import trace_family
+from orbitproof.explore.three_body.families.resonant import half_turns
+from orbitproof.explore.three_body.names import FAMILY_NAMES, family_name, is_family_name
 from orbitproof.shared.formats import LEVEL, Equation
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 

@@ -16,9 +16,10 @@ from orbitproof import explore, shared
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.branches import NoBranch, branch_point
 from orbitproof.explore.commands.branches import read_claims
-from orbitproof.explore.families import Limits, folds, trace_family
+from orbitproof.explore.families import Limits, folds
 from orbitproof.explore.refinement import RefinementFailure, refine, resonance_slope
 from orbitproof.explore.refinement.resonance import Resonance, linearise
+from orbitproof.explore.three_body.families import trace_family
 from orbitproof.shared.formats import read_candidates
 from orbitproof.shared.systems import CR3BP
 

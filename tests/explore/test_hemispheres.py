@@ -10,13 +10,13 @@ import pytest
 
 from orbitproof import explore
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.catalogues import catalogue_of, read_catalogue
-from orbitproof.explore.families import Family, Limits, branch_of, mirrored, on_side, trace_family
-from orbitproof.explore.names import FAMILY_NAMES, Branch, family_name, has_branches, name_on
-from orbitproof.explore.orbits import branch_at
+from orbitproof.explore.families import Family, Limits
 from orbitproof.explore.records import read_families
-from orbitproof.explore.seeds import primaries
-from orbitproof.explore.trajectories import Choice, find_orbit, trajectory_of
+from orbitproof.explore.three_body.catalogues import catalogue_of, read_catalogue
+from orbitproof.explore.three_body.families import branch_at, branch_of, mirrored, on_side, trace_family
+from orbitproof.explore.three_body.names import FAMILY_NAMES, Branch, family_name, has_branches, name_on
+from orbitproof.explore.three_body.seeds import primaries
+from orbitproof.explore.three_body.trajectories import Choice, find_orbit, trajectory_of
 from orbitproof.figures.model import read_families as read_sampled
 from orbitproof.figures.pictures.halo_plane import family_title
 from orbitproof.figures.tables import build_tables, read_rows

@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.flow import flow_of
-from orbitproof.explore.invariants import (
+from orbitproof.explore.three_body.invariants import (
     NoCurve,
     NoManifold,
     Plane,
@@ -28,9 +28,9 @@ from orbitproof.explore.invariants import (
     write_manifold,
     write_tori,
 )
-from orbitproof.explore.invariants.curve import measured
-from orbitproof.explore.invariants.torus_family import first_curve
-from orbitproof.explore.trajectories import Choice, SourceOrbit, Trajectory, find_orbit, trajectory_of
+from orbitproof.explore.three_body.invariants.curve import measured
+from orbitproof.explore.three_body.invariants.torus_family import first_curve
+from orbitproof.explore.three_body.trajectories import Choice, SourceOrbit, Trajectory, find_orbit, trajectory_of
 from orbitproof.shared import InputError
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import CR3BP
@@ -104,7 +104,7 @@ def test_an_interrupted_family_is_written_as_far_as_it_came(tmp_path: Path, monk
             raise KeyboardInterrupt
         return 1e-12
 
-    monkeypatch.setattr("orbitproof.explore.invariants.torus_family.measured", interrupted)
+    monkeypatch.setattr("orbitproof.explore.three_body.invariants.torus_family.measured", interrupted)
     written = tmp_path / "tori.json"
     words = ["tori", str(CATALOGUE), "--orbit", "4", "-o", str(written), "--quiet"]
     assert main(words) == INTERRUPTED

@@ -15,7 +15,9 @@ from matplotlib.figure import Figure
 
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.flow import flow_of
-from orbitproof.explore.masses import (
+from orbitproof.explore.orbits import CorrectionFailure
+from orbitproof.explore.orbits.stability import half_return
+from orbitproof.explore.three_body.masses import (
     CurveRecord,
     ExtremumRecord,
     PointRecord,
@@ -35,12 +37,10 @@ from orbitproof.explore.masses import (
     trace_curve,
     write_curves,
 )
-from orbitproof.explore.masses.charts import evaluate
-from orbitproof.explore.masses.expansion import Settings
-from orbitproof.explore.masses.file import decimal_text, rounded
-from orbitproof.explore.orbits import CorrectionFailure
-from orbitproof.explore.orbits.stability import half_return
-from orbitproof.explore.seeds import LIBRATION_POINTS
+from orbitproof.explore.three_body.masses.charts import evaluate
+from orbitproof.explore.three_body.masses.expansion import Settings
+from orbitproof.explore.three_body.masses.file import decimal_text, rounded
+from orbitproof.explore.three_body.seeds import LIBRATION_POINTS
 from orbitproof.figures.pictures import draw_mass_curves, read_mass_curves
 from orbitproof.figures.style import close, use_style
 from orbitproof.figures.tables import default_published, read_published

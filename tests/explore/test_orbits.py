@@ -12,7 +12,8 @@ from orbitproof.explore.flow import FlowFailure, flow_of
 from orbitproof.explore.names import resonant_values
 from orbitproof.explore.orbits import CorrectionFailure, HalfReturn, ShootingProblem, SymmetricOrbit, tupling_sides
 from orbitproof.explore.orbits.stability import half_return
-from orbitproof.explore.seeds import LIBRATION_POINTS, libration_point, limit_orbit, lyapunov_orbit
+from orbitproof.explore.seeds import limit_orbit
+from orbitproof.explore.three_body.seeds import LIBRATION_POINTS, libration_point, lyapunov_orbit
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
 EARTH_MOON = MASS_PARAMETERS["earth-moon"]

@@ -12,7 +12,11 @@ import orbitproof.explore.refinement.tasks
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.commands.arguments import parser
 from orbitproof.explore.families import TraceTask
-from orbitproof.explore.names import (
+from orbitproof.explore.records import read_families
+from orbitproof.explore.refinement import Refined, Task, refine_tasks
+from orbitproof.explore.search import check
+from orbitproof.explore.search.run import _trace_tasks
+from orbitproof.explore.three_body.names import (
     FAMILY_NAMES,
     WITHOUT_SYMMETRY,
     families_to_give,
@@ -20,10 +24,6 @@ from orbitproof.explore.names import (
     is_family_name,
     system_with,
 )
-from orbitproof.explore.records import read_families
-from orbitproof.explore.refinement import Refined, Task, refine_tasks
-from orbitproof.explore.search import check
-from orbitproof.explore.search.run import _trace_tasks
 from orbitproof.shared.systems import FALKNER_SKAN
 
 

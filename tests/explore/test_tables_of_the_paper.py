@@ -26,7 +26,6 @@ from orbitproof.explore.families import (
     detect,
     family_record,
     largest_changes,
-    trace_family,
 )
 from orbitproof.explore.families.stability_curve import MAX_CHANGE, largest_change
 from orbitproof.explore.names import resonant_values
@@ -36,6 +35,7 @@ from orbitproof.explore.records import BAND, read_families, write_families
 from orbitproof.explore.refinement import Refined, Task, refine_tasks
 from orbitproof.explore.search import targets_of
 from orbitproof.explore.search.targets import is_refined, merged
+from orbitproof.explore.three_body.families import trace_family
 from orbitproof.figures.__main__ import main as figures_main
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.formats import candidate_to_json, read_candidates

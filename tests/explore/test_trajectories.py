@@ -19,10 +19,10 @@ from support import krein_cases
 
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.flow import flow_of
-from orbitproof.explore.masses import CurveRecord, PointRecord, write_curves
 from orbitproof.explore.names import NoOrbit
 from orbitproof.explore.orbits import multipliers, stability_index
-from orbitproof.explore.trajectories import (
+from orbitproof.explore.three_body.masses import CurveRecord, PointRecord, write_curves
+from orbitproof.explore.three_body.trajectories import (
     Choice,
     Frame,
     TooFine,

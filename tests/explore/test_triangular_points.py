@@ -11,7 +11,7 @@ import pytest
 from scipy.linalg import expm
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.seeds import TRIANGULAR, triangular_orbit
+from orbitproof.explore.three_body.seeds import TRIANGULAR, triangular_orbit
 from orbitproof.shared import EARTH_MOON
 from orbitproof.verify.__main__ import main as verify
 from orbitproof.verify.certificate import read_certificates

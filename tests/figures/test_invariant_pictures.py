@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from plotly.offline import get_plotlyjs
 from support.picture_texts import unreadable
 
-from orbitproof.explore.invariants import (
+from orbitproof.explore.three_body.invariants import (
     Plane,
     manifold_of,
     read_manifold,
@@ -26,7 +26,7 @@ from orbitproof.explore.invariants import (
     write_manifold,
     write_tori,
 )
-from orbitproof.explore.trajectories import Choice, SourceOrbit, find_orbit, trajectory_of
+from orbitproof.explore.three_body.trajectories import Choice, SourceOrbit, find_orbit, trajectory_of
 from orbitproof.figures.__main__ import main
 from orbitproof.figures.model import read_families
 from orbitproof.figures.pictures import draw_manifold, draw_tori

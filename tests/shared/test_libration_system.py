@@ -18,10 +18,10 @@ from support.conclusions import conclude
 from support.stored import entry_of
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.atlases import LyapunovFamily, lyapunov_atlas
 from orbitproof.explore.flow import flow_of
-from orbitproof.explore.masses import first_breaking
-from orbitproof.explore.seeds import libration_point, lyapunov_orbit
+from orbitproof.explore.three_body.atlases import LyapunovFamily, lyapunov_atlas
+from orbitproof.explore.three_body.masses import first_breaking
+from orbitproof.explore.three_body.seeds import libration_point, lyapunov_orbit
 from orbitproof.shared import InputError
 from orbitproof.shared.claims import Atlas, Covers, Piece
 from orbitproof.shared.formats import atlas_from_json, atlas_to_json, read_atlas, read_candidates

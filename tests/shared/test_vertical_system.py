@@ -18,11 +18,11 @@ from support.conclusions import conclude
 from support.stored import entry_of
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.atlases import VerticalFamily, vertical_atlas
-from orbitproof.explore.atlases.lyapunov import LEAST_DECAY, decay, expansion
-from orbitproof.explore.atlases.vertical import TurningVerticalFamily
 from orbitproof.explore.flow import flow_of
-from orbitproof.explore.seeds import libration_point
+from orbitproof.explore.three_body.atlases import VerticalFamily, vertical_atlas
+from orbitproof.explore.three_body.atlases.lyapunov import LEAST_DECAY, decay, expansion
+from orbitproof.explore.three_body.atlases.vertical import TurningVerticalFamily
+from orbitproof.explore.three_body.seeds import libration_point
 from orbitproof.shared.claims import REVERSOR_BREAKING, Atlas, Claim
 from orbitproof.shared.claims.web import How, Meeting, Web, WebArc
 from orbitproof.shared.formats import read_atlas, read_candidates

@@ -21,10 +21,10 @@ from support.joined import write_catalogue, write_indexed_web, write_web
 
 from orbitproof.explore.__main__ import main as explore
 from orbitproof.explore.branches import branch_point, follow, write_branches
-from orbitproof.explore.invariants import Plane, manifold_of, trace_tori, write_manifold, write_tori
-from orbitproof.explore.masses import CurveRecord, PointRecord, write_curves
 from orbitproof.explore.periodic import PeriodicProblem, continue_orbit, correct, write_periodic_family
-from orbitproof.explore.trajectories import SourceOrbit, trajectory_of
+from orbitproof.explore.three_body.invariants import Plane, manifold_of, trace_tori, write_manifold, write_tori
+from orbitproof.explore.three_body.masses import CurveRecord, PointRecord, write_curves
+from orbitproof.explore.three_body.trajectories import SourceOrbit, trajectory_of
 from orbitproof.shared.claims import BoxClaim
 from orbitproof.shared.formats import read_candidates, read_claims, write_candidates
 from orbitproof.shared.systems import CR3BP

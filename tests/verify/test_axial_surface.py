@@ -11,7 +11,7 @@ from flint import arb, ctx
 from support.stored import entry_of, values
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.masses import AXIAL, chart_of, correct_at
+from orbitproof.explore.three_body.masses import AXIAL, chart_of, correct_at
 from orbitproof.shared.claims import Candidate, evaluate
 from orbitproof.shared.formats import read_atlas, read_candidates
 from orbitproof.shared.systems import HILL, HILL_AXIAL

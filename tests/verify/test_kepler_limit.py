@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from flint import acb, arb, ctx
 
-from orbitproof.explore.masses import chart_of, correct_at
+from orbitproof.explore.three_body.masses import chart_of, correct_at
 from orbitproof.verify.evidence import enclose
 from orbitproof.verify.surface import kepler_limit as chapter
 from orbitproof.verify.surface.kepler_limit import LOWER, UPPER, kepler_limit, melnikov

@@ -23,7 +23,7 @@ from support.three_body import Orbits, problem_of
 
 from orbitproof import verify
 from orbitproof.explore.names import NoOrbit
-from orbitproof.explore.trajectories import Choice, find_orbit
+from orbitproof.explore.three_body.trajectories import Choice, find_orbit
 from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.formats import FIELDS, CatalogueRows, InputError, atlas_from_json, read_catalogue_rows

@@ -20,8 +20,8 @@ from support.forgeries import atlas_certificate, checked, forged, honest, notice
 from support.stored import values
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.atlases import LyapunovFamily
-from orbitproof.explore.seeds import libration_point
+from orbitproof.explore.three_body.atlases import LyapunovFamily
+from orbitproof.explore.three_body.seeds import libration_point
 from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Atlas, LibrationPiece, evaluate
 from orbitproof.shared.formats import read_atlas

@@ -19,7 +19,7 @@ from support.stored import entry_of, part_of, value_of, values
 from support.surface_cases import ONE, WHOLE, exactly, point_of
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.atlases import intervals
+from orbitproof.explore.three_body.atlases import intervals
 from orbitproof.shared import format_exact
 from orbitproof.shared.claims import SURFACE, Atlas, Claim, Covers, SurfacePiece, evaluate
 from orbitproof.shared.formats import read_atlas

@@ -1,0 +1,5 @@
+"""Covering curves of the restricted three-body problem with pieces for the verifier."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

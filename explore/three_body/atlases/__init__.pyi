@@ -1,0 +1,12 @@
+from .axial import axial_atlas as axial_atlas
+from .doubled import doubled_atlas as doubled_atlas
+from .doubling import doubling_atlas as doubling_atlas
+from .libration_sheet import pieces_to as pieces_to
+from .lyapunov import LyapunovFamily as LyapunovFamily
+from .lyapunov import lyapunov_atlas as lyapunov_atlas
+from .surface import Births as Births
+from .surface import intervals as intervals
+from .surface import piece as piece
+from .surface import trace as trace
+from .vertical import VerticalFamily as VerticalFamily
+from .vertical import vertical_atlas as vertical_atlas

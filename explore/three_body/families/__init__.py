@@ -1,0 +1,5 @@
+"""The families of the restricted three-body problem that have names."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,5 @@
+"""Names of families, branches and units of the restricted three-body problem."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

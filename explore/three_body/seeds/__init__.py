@@ -1,0 +1,5 @@
+"""Libration points and primaries, and small orbits about them."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,11 @@
+from .libration_points import LIBRATION_POINTS as LIBRATION_POINTS
+from .libration_points import LibrationPoint as LibrationPoint
+from .libration_points import LinearOrbit as LinearOrbit
+from .libration_points import detuning as detuning
+from .libration_points import distance_to_primaries as distance_to_primaries
+from .libration_points import libration_point as libration_point
+from .libration_points import lyapunov_orbit as lyapunov_orbit
+from .libration_points import primaries as primaries
+from .libration_points import vertical_orbit as vertical_orbit
+from .triangular import TRIANGULAR as TRIANGULAR
+from .triangular import triangular_orbit as triangular_orbit
