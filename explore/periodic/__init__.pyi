@@ -21,6 +21,15 @@ from .detection import FOLD as FOLD
 from .detection import PITCHFORK as PITCHFORK
 from .detection import TORUS as TORUS
 from .detection import Bifurcation as Bifurcation
+from .equilibria import Equilibrium as Equilibrium
+from .equilibria import equilibria as equilibria
+from .equilibria import equilibrium_near as equilibrium_near
+from .equilibrium_curve import EquilibriumControl as EquilibriumControl
+from .equilibrium_curve import EquilibriumCurve as EquilibriumCurve
+from .equilibrium_curve import continue_equilibrium as continue_equilibrium
+from .equilibrium_curve import curve_as_json as curve_as_json
+from .equilibrium_curve import curve_csv as curve_csv
+from .equilibrium_curve import curve_described as curve_described
 from .family import Family as Family
 from .family import FamilyMember as FamilyMember
 from .family_file import PERIODIC_FAMILY as PERIODIC_FAMILY
@@ -29,6 +38,10 @@ from .family_file import MemberRecord as MemberRecord
 from .family_file import PeriodicFamilyRecord as PeriodicFamilyRecord
 from .family_file import read_periodic_family as read_periodic_family
 from .family_file import write_periodic_family as write_periodic_family
+from .hopf import HOPF as HOPF
+from .hopf import Hopf as Hopf
+from .hopf_cycles import cycles_of as cycles_of
+from .hopf_cycles import families_from as families_from
 from .refinement import PeriodicTask as PeriodicTask
 from .refinement import refine_periodic as refine_periodic
 from .search import FOLLOWED as FOLLOWED

@@ -128,10 +128,23 @@ def families(
 
     A family that cannot be reached is left out. Raises `PeriodicFailure` if the first one has no first step.
     """
-    say = progress or (lambda _message, _fraction: None)
     if symmetries is None:
         symmetries = linear_symmetries(problem, name)
+    say = progress or (lambda _message, _fraction: None)
     family = continue_orbit(problem, orbit, name, bounds, control, lambda done: say("", done), symmetries, level)
+    yield from with_descendants(family, bounds, generations, control, progress, symmetries)
+
+
+def with_descendants(
+    family: PeriodicFamily,
+    bounds: tuple[float, float],
+    generations: int = 0,
+    control: StepControl | None = None,
+    progress: Callable[[str, float | None], None] | None = None,
+    symmetries: tuple[Symmetry, ...] | None = None,
+) -> Iterator[PeriodicFamily]:
+    """A family, then those born at its doublings and pitchforks, so many generations of them."""
+    say = progress or (lambda _message, _fraction: None)
     yield family
     if family.interrupted:
         return

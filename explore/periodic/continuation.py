@@ -26,6 +26,7 @@ from orbitproof.explore.periodic.detection import (
 )
 from orbitproof.explore.periodic.family import Family, FamilyMember
 from orbitproof.explore.periodic.flow import Vector
+from orbitproof.explore.periodic.hopf import Hopf, hopf_as_json, hopf_described, hopf_of_orbit
 from orbitproof.explore.periodic.symmetries import Symmetry, linear_symmetries
 
 _FARTHEST = 0.5
@@ -34,6 +35,11 @@ _SHRUNK = 1e-2
 """An orbit of this part of the first one's size is close to an equilibrium."""
 PATIENCE = 1e-4
 """Steps are not made shorter than this for the sake of multipliers."""
+_SMALL = 0.5
+"""A family that cannot be followed further may end at a Hopf point if its last orbit is smaller than this part of the
+largest one before."""
+_GROWN = 2.0
+"""Steps are measured anew where an orbit is so many times as large as the one that they were measured by."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +69,7 @@ class PeriodicFamily:
         born: the bifurcation from which it was followed; `None` for the family of a given orbit.
         generation: how many bifurcations led to it.
         interrupted: whether it was cut short by the user.
+        hopf: the Hopf points at which it ends, where its orbits shrink to an equilibrium.
     """
 
     problem: PeriodicProblem
@@ -70,9 +77,10 @@ class PeriodicFamily:
     members: tuple[FamilyMember, ...]
     bifurcations: tuple[Bifurcation, ...]
     reason: str
-    born: Bifurcation | None = None
+    born: Bifurcation | Hopf | None = None
     generation: int = 0
     interrupted: bool = False
+    hopf: tuple[Hopf, ...] = ()
 
     @property
     def name(self) -> str:
@@ -127,6 +135,7 @@ def continue_orbit(
         (*reversed(back.bifurcations), *ahead.bifurcations),
         f"{back.reason}; {ahead.reason}",
         interrupted=back.interrupted or ahead.interrupted,
+        hopf=(*back.hopf, *ahead.hopf),
     )
 
 
@@ -147,6 +156,7 @@ class Trace:
     bifurcations: list[Bifurcation]
     reason: str
     interrupted: bool = False
+    hopf: tuple[Hopf, ...] = ()
 
 
 def traced(
@@ -155,14 +165,21 @@ def traced(
     bounds: tuple[float, float],
     control: StepControl,
     progress: Callable[[float], None] | None,
+    grows: bool = False,
 ) -> Trace:
+    """A family one way.
+
+    Arguments:
+        grows: whether the first orbit is small, and steps are to be measured by larger ones as they come.
+    """
     members: list[FamilyMember] = []
     found: list[Bifurcation] = []
+    hopf: list[Hopf] = []
     try:
-        reason = _follow(family, start, bounds, control, progress, members, found)
+        reason = _follow(family, start, bounds, control, progress, members, found, hopf, grows)
     except KeyboardInterrupt:
         return Trace(members, found, "was interrupted", True)
-    return Trace(members, found, reason)
+    return Trace(members, found, reason, hopf=tuple(hopf))
 
 
 def _follow(
@@ -173,8 +190,10 @@ def _follow(
     progress: Callable[[float], None] | None,
     members: list[FamilyMember],
     found: list[Bifurcation],
+    hopf: list[Hopf],
+    grows: bool,
 ) -> str:
-    """Append to `members` and `found`, and say why the family ends."""
+    """Append to `members`, `found` and `hopf`, and say why the family ends."""
     low, high = bounds
 
     def last() -> FamilyMember:
@@ -201,14 +220,38 @@ def _follow(
             if progress is not None:
                 progress(_share(start.value, now.value, bounds, len(members) / control.most))
             if now.orbit.size < _SHRUNK * family.scale[0]:
-                return f"shrinks to an equilibrium near {now.value:.6g}"
+                return _hopf_end(family, now, hopf) or f"shrinks to an equilibrium near {now.value:.6g}"
             if not low <= now.value <= high:
                 return f"reaches {now.value:.6g}"
             if abs(now.value - start.value) < 1e-9 * (high - low) and _is_back(start, now) and len(members) > 3:
                 return "is closed"
+            if grows and now.orbit.size > _GROWN * family.scale[0]:
+                family, members[-1] = _rescaled(family, now, bounds)
     except NoStep as failure:
+        if last().orbit.size < _SMALL * max(each.orbit.size for each in (start, *members)):
+            end = _hopf_end(family, last(), hopf)
+            if end is not None:
+                return end
         return f"ends near {last().value:.10g}: {failure}"
     return f"has {control.most} orbits, the most that were asked for, at {last().value:.6g}"
+
+
+def _rescaled(family: Family, now: FamilyMember, bounds: tuple[float, float]) -> tuple[Family, FamilyMember]:
+    """Steps measured by an orbit, and that orbit."""
+    other = replace(family, scale=scale_of(now.orbit, family.name, bounds))
+    here, along = other.member_of(now.orbit), now.tangent * family.scale / other.scale
+    return other, here if here.tangent @ along > 0 else replace(here, tangent=-here.tangent)
+
+
+def _hopf_end(family: Family, member: FamilyMember, hopf: list[Hopf]) -> str | None:
+    """Why a family ends whose orbits shrink, if there is a Hopf point; that is appended to `hopf`."""
+    if family.name is None or family.problem.system.first_integral_program is not None:
+        return None
+    found = hopf_of_orbit(family.problem, family.name, member.value, member.orbit)
+    if found is None:
+        return None
+    hopf.append(found)
+    return f"ends at a Hopf point, {found.value:.15g}"
 
 
 def _share(start: float, now: float, bounds: tuple[float, float], orbits: float) -> float:
@@ -230,7 +273,7 @@ def family_described(family: PeriodicFamily) -> list[str]:
         f"it {family.reason}"
     ]
     if family.born is not None:
-        lines[0] = f"born at the {family.born.kind} at {family.name} = {family.born.member.value:.10g}: {lines[0]}"
+        lines[0] = f"born at the {family.born.kind} at {family.name} = {family.born.value:.10g}: {lines[0]}"
     names = family.problem.system.given_state
     for each in family.bifurcations:
         orbit, value = each.member.orbit, each.multiplier
@@ -240,6 +283,8 @@ def family_described(family: PeriodicFamily) -> list[str]:
             f"  {each.kind}: {family.name} = {each.member.value:.10g}, period {orbit.period:.10g}, multiplier {shown}"
             f"{under}"
         )
+    for point in family.hopf:
+        lines += hopf_described(point)
     return lines
 
 
@@ -252,7 +297,8 @@ def family_as_json(family: PeriodicFamily) -> dict[str, Any]:
         "first": family.members[0].value,
         "last": family.members[-1].value,
         "ends": family.reason,
-        "born": None if family.born is None else {"kind": family.born.kind, "value": family.born.member.value},
+        "born": None if family.born is None else {"kind": family.born.kind, "value": family.born.value},
+        "hopf": [hopf_as_json(each) for each in family.hopf],
         "bifurcations": [
             {
                 "kind": each.kind,

@@ -63,6 +63,11 @@ class Bifurcation:
     parts: int = 1
     ends: bool = False
 
+    @property
+    def value(self) -> float:
+        """Of the parameter or level."""
+        return self.member.value
+
 
 class UnresolvedError(Exception):
     """The multipliers moved too far to be followed; a shorter step may do."""
@@ -126,7 +131,7 @@ def _check_resolved(
 ) -> None:
     """Multipliers moved little, and those that were found to cross the circle are all that did."""
     old, new = before.orbit.multipliers, now.orbit.multipliers
-    for left, right in _followed(old, new):
+    for left, right in followed_one_by_one(old, new):
         if abs(left - right) > _FARTHEST * (1 + abs(left) + abs(right)):
             raise UnresolvedError
     # Multipliers that stay on the circle are on both sides of it by rounding.
@@ -137,7 +142,7 @@ def _check_resolved(
             raise UnresolvedError
 
 
-def _followed(old: Vector, new: Vector) -> list[tuple[complex, complex]]:
+def followed_one_by_one(old: Vector, new: Vector) -> list[tuple[complex, complex]]:
     """Each multiplier with the one that it becomes."""
     if not len(old):
         return []
@@ -160,7 +165,7 @@ def _crossings(
     before: FamilyMember, now: FamilyMember, conservative: bool
 ) -> Iterator[tuple[str, float | None, complex]]:
     """Which multipliers cross the circle: the kind, where they meet it, and which one before."""
-    for old, new in _followed(before.orbit.multipliers, now.orbit.multipliers):
+    for old, new in followed_one_by_one(before.orbit.multipliers, now.orbit.multipliers):
         left, right = (_half_trace(old), _half_trace(new)) if conservative else (old, new)
         if is_real(left) and is_real(right):
             for kind, goal in ((BRANCH, 1.0), (DOUBLING, -1.0)):
