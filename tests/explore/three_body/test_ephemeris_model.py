@@ -16,7 +16,7 @@ from orbitproof.explore.three_body.ephemeris_model import bodies_named, carry_ov
 from orbitproof.explore.three_body.trajectories import Choice, Frame, Units, find_orbit, sample, trajectory_of
 from orbitproof.shared import InputError
 
-ROWS = Path(__file__).resolve().parents[2] / "docs" / "examples" / "gateway-rows.json"
+ROWS = Path(__file__).resolve().parents[3] / "docs" / "examples" / "gateway-rows.json"
 GIVEN = [f"{name}={value}" for name, value in kernels.GRAVITY.items()]
 
 

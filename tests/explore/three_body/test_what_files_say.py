@@ -20,7 +20,7 @@ from orbitproof.explore.three_body.trajectories import Choice, find_orbit, traje
 from orbitproof.shared.formats import InputError, read_candidates
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, FALKNER_SKAN, MASS_PARAMETERS
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 DATA = ROOT / "tests" / "data"
 ROWS = ROOT / "docs" / "examples" / "gateway-rows.json"
 COLUMN = {"x": 0, "z": 2, "vy": 4, "jacobi": 6, "period": 7, "stability": 8}

@@ -30,7 +30,7 @@ from orbitproof.shared import InputError
 from orbitproof.shared.formats import decimal_text
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 
-HERE = Path(__file__).resolve().parents[1]
+HERE = Path(__file__).resolve().parents[2]
 OWN = {form: HERE / "data" / f"catalogue-halo.{form}" for form in ("json", "csv")}
 DATA = Path(os.environ.get("ORBITPROOF_DATA", HERE.parents[1] / "shared" / "data"))
 PUBLISHED = DATA / "jpl_earth_moon_L2_halo_south.json"

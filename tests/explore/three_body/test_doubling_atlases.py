@@ -11,7 +11,7 @@ from orbitproof.explore.__main__ import main
 from orbitproof.shared.formats import Atlas, read_atlas
 from orbitproof.shared.systems import HILL_VARIED
 
-PROVED = read_atlas(Path(__file__).resolve().parents[1] / "data" / "atlas-doublings.json")
+PROVED = read_atlas(Path(__file__).resolve().parents[2] / "data" / "atlas-doublings.json")
 assert isinstance(PROVED, Atlas)
 
 

@@ -23,7 +23,7 @@ from orbitproof.figures.tables import build_tables, read_rows
 from orbitproof.shared.formats import read_atlas, read_candidates
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 
-DATA = Path(__file__).resolve().parents[1] / "data"
+DATA = Path(__file__).resolve().parents[2] / "data"
 MASS = {"mu": MASS_PARAMETERS["jpl-earth-moon"]}
 
 

@@ -35,7 +35,7 @@ from orbitproof.shared import InputError
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import CR3BP
 
-CATALOGUE = Path(__file__).parents[1] / "data" / "catalogue-halo.json"
+CATALOGUE = Path(__file__).parents[2] / "data" / "catalogue-halo.json"
 MASS = Fraction("1.215058560962404e-2")
 HALO = [1.1380985313, -0.1661640169, -0.2240501116, 1.5452867791]
 """An L2 halo orbit with an elliptic pair (stability parameter -0.434) and a hyperbolic one (57.8), to ten digits."""
@@ -176,7 +176,7 @@ def test_a_plane_that_is_none_is_refused(plane: str, tmp_path: Path, capsys: pyt
 
 
 def test_a_tube_that_does_not_reach_the_plane_is_said_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    rows = Path(__file__).parents[2] / "docs" / "examples" / "gateway-rows.json"
+    rows = Path(__file__).parents[3] / "docs" / "examples" / "gateway-rows.json"
     words = ["--orbit", "1", "--plane", "x=0.5", "--lines", "2", "--longest", "0.1"]
     assert main(["manifold", str(rows), *words, "-o", str(tmp_path / "m.json")]) == 1
     said = capsys.readouterr().err
@@ -188,7 +188,7 @@ def test_a_tube_that_does_not_reach_the_plane_is_said_to(tmp_path: Path, capsys:
 def test_a_plane_through_the_periodic_orbit_is_refused(
     plane: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    rows = Path(__file__).parents[2] / "docs" / "examples" / "gateway-rows.json"
+    rows = Path(__file__).parents[3] / "docs" / "examples" / "gateway-rows.json"
     written = tmp_path / "m.json"
     assert main(["manifold", str(rows), "--orbit", "1", "-o", str(written), "--plane", plane, "--quiet"]) == 2
     assert f"--plane {plane}: meets the periodic orbit itself" in capsys.readouterr().err

@@ -35,7 +35,7 @@ from orbitproof.explore.three_body.trajectories import (
 from orbitproof.shared.formats import InputError, write_candidates
 from orbitproof.shared.systems import CR3BP
 
-DATA = Path(__file__).resolve().parents[1] / "data"
+DATA = Path(__file__).resolve().parents[2] / "data"
 CANDIDATES, CERTIFICATES = DATA / "figures-candidates.json", DATA / "figures-certificates.json"
 FALKNER_SKAN = DATA / "figures-falkner-skan-family.json"
 FAMILY, CATALOGUE = DATA / "figures-halo-family.json", DATA / "catalogue-halo.json"
