@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import argparse
 import re
+import sys
 from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
+from itertools import pairwise
 
 _ALIKE = 0.75
 """Share of letters that two words have in common if one may be the other, misspelt."""
@@ -27,6 +29,12 @@ def with_remedy(message: str, parser: argparse.ArgumentParser) -> str:
     choice = re.search(r"argument COMMAND: invalid choice: '(.*?)' \(choose from (.*)\)", line)
     if choice is not None:
         return line + meant(choice[1], re.findall(r"[\w-]+", choice[2]))
+    alone = re.search(r"argument (?:-\w, |-\w/)?(--[\w-]+).*: expected .* argument", line)
+    if alone is not None:
+        value = next(
+            (word for option, word in pairwise(sys.argv) if option == alone[1] and re.match(r"-[\d.]", word)), ""
+        )
+        return line + (f"; write {alone[1]}={value}" if value else "")
     unknown = re.search(r"unrecognized arguments: (?:.* )?(--[\w-]+)", line)
     known = set(_options(parser))
     return line if unknown is None or unknown[1] in known else line + meant(unknown[1], sorted(known))

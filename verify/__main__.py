@@ -8,6 +8,7 @@ from importlib import import_module
 from pathlib import Path
 
 from orbitproof.shared.interrupts import run_command
+from orbitproof.shared.misspelt import meant
 
 _COMMANDS: Mapping[str, str] = {
     "rows": "row_command",
@@ -27,18 +28,25 @@ _FORMATS: Mapping[str, str] = {
     "index-certificate": "index",
 }
 """Commands by the formats that files say they have; rows are the rest."""
+_UNNAMED = ("rows", "second-proof")
+"""Commands that no word asks for."""
 _FLAGS = ("--recheck", "--integrate", "--fresh", "--quiet", "--json", "--lasting", "--combinations", "--indices")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     words = sys.argv[1:] if arguments is None else list(arguments)
-    if words and words[0] in _COMMANDS and words[0] not in ("rows", "second-proof"):
+    if words and words[0] in _COMMANDS and words[0] not in _UNNAMED:
         name, words = words[0], words[1:]
     elif "--second-proof" in words:
         name, words = "second-proof", [word for word in words if word != "--second-proof"]
     else:
         name = _command_for(words)
+    if name == "rows" and words and words[0].isidentifier() and not Path(words[0]).exists():
+        remedy = meant(words[0], [command for command in _COMMANDS if command not in _UNNAMED])
+        if remedy:
+            print(f"error: {words[0]}: there is no such command and no such file{remedy}", file=sys.stderr)
+            return 2
     code: int = import_module(f"orbitproof.verify.run.{_COMMANDS[name]}").main(words)
     return code
 

@@ -9,8 +9,9 @@ from importlib import metadata
 from typing import Any
 
 from docutils import nodes
-from latex2mathml.converter import convert
 from sphinx.application import Sphinx
+
+from orbitproof.figures.report.formulas import to_mathml
 
 project = "orbitproof"
 author = "The orbitproof developers"
@@ -43,12 +44,12 @@ napoleon_custom_sections = [("Arguments", "params_style")]
 
 
 def _inline(writer: Any, node: nodes.math) -> None:
-    writer.body.append(convert(node.astext()))
+    writer.body.append(to_mathml(node.astext()))
     raise nodes.SkipNode
 
 
 def _display(writer: Any, node: nodes.math_block) -> None:
-    formula = convert(node.astext(), display="block")
+    formula = to_mathml(node.astext(), "block")
     writer.body.append(
         f'<div class="math" style="margin: .4rem 0; overflow-x: auto; overflow-y: hidden">{formula}</div>\n'
     )
@@ -64,12 +65,22 @@ def _without_rules(app: Sphinx, function: Any, bound: bool) -> None:
 def _short(
     _app: Sphinx, _what: str, _name: str, _object: Any, _options: Any, signature: str | None, result: str | None
 ) -> Any:
-    """Show names of types without those of their modules, as elsewhere, also where a default is shown in full."""
-    return (None if signature is None else re.sub(r"~(?:\w+\.)+", "", signature)), result
+    """Show names of types without those of their modules, in defaults too; arrays by their name."""
+    return (None if signature is None else _ARRAY.sub("ndarray", re.sub(r"~(?:\w+\.)+", "", signature))), result
+
+
+_ARRAY = re.compile(r"ndarray\[tuple\[Any, \.\.\.\], dtype\[\w+\]\]")
+
+
+def _whole(_app: Sphinx, what: str, _name: str, _object: Any, _options: Any, lines: list[str]) -> None:
+    """A property's sentence with a colon in it stays one; napoleon takes what is before the colon for a type."""
+    if what == "property" and len(lines) >= 2 and lines[-1].startswith(":type: "):
+        lines[:] = [f"{lines[-1].removeprefix(':type: ')}: {lines[0]}", *lines[1:-1]]
 
 
 def setup(app: Sphinx) -> None:
     """Formulas as MathML, which browsers show without any script and without a network; signatures to be read."""
     app.connect("autodoc-before-process-signature", _without_rules)
     app.connect("autodoc-process-signature", _short)
+    app.connect("autodoc-process-docstring", _whole, priority=600)
     app.add_html_math_renderer("mathml", (_inline, None), (_display, None))

@@ -77,7 +77,7 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("--min-distance", type=common.positive, metavar="R", help="to a primary, where the family ends")
     parser.add_argument("--distances", action="store_true", help="of a FILE: compute distances, altitudes and hits")
-    words = "keep rows whose orbits hit the smaller primary, which are left out otherwise"
+    words = "keep rows whose orbits hit the smaller primary; else they, and ends of a family that do, are left out"
     parser.add_argument("--all", action="store_true", help=words)
     common.add_accept(parser)
     rows = parser.add_argument_group(
@@ -150,13 +150,15 @@ def run(options: argparse.Namespace) -> int:
             if not records:
                 raise InputError(f"{options.from_family}: holds no family of the CR3BP; give one")
             tasks = [
-                CatalogueTask(each.system, each.name, each.label, each.parameters, bounds, *how, record=each)
+                CatalogueTask(
+                    each.system, each.name, each.label, each.parameters, bounds, *how, record=each, hits=options.all
+                )
                 for each in records
             ]
         else:
             branch = options.branch or DEFAULT_BRANCH
             tasks = [
-                CatalogueTask(system, name, label, parameters, bounds, *how, branch)
+                CatalogueTask(system, name, label, parameters, bounds, *how, branch, hits=options.all)
                 for system, name, label, parameters in requests
             ]
         report.stage(tasks[0].title if len(tasks) == 1 else f"{len(tasks)} families")
@@ -170,6 +172,8 @@ def run(options: argparse.Namespace) -> int:
                 complete = False
                 continue
             report.message(f"{task.title}: ends: {made.reason}")
+            if made.hitting:
+                report.message(f"{task.title}: {made.hitting}; --all covers them")
             if made.corrected:
                 report.message(f"{task.title}: {made.corrected}")
             if made.left_out:

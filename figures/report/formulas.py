@@ -1,8 +1,11 @@
-"""Formulas in plain text, as certificates and chapters write them, as LaTeX: sign for sign, nothing rearranged."""
+"""Formulas in plain text, as certificates and chapters write them, as LaTeX, sign for sign, and LaTeX as MathML."""
 
 from __future__ import annotations
 
 import re
+from xml.etree import ElementTree
+
+from latex2mathml.converter import convert
 
 from orbitproof.figures.report.document import Math, Run, Runs
 
@@ -20,6 +23,30 @@ _TOKEN = re.compile(
     r"|(?P<word>[^\W\d_]+[0-9]*)"
     r"|(?P<prime>'+)|(?P<raise>[_^])|(?P<sign><=>|=>|<=|>=|!=|->|\+-|\.\.\.|\.\.|.)"
 )
+
+
+_MATHML = "http://www.w3.org/1998/Math/MathML"
+_PRIMES = re.compile("[\u2032-\u2034\u2057]+")
+ElementTree.register_namespace("", _MATHML)
+
+
+def to_mathml(latex: str, display: str = "inline") -> str:
+    """MathML of a formula. Primes stand beside their letter: fonts raise them already, and raised twice they vanish."""
+    formula = ElementTree.fromstring(convert(latex, display=display))
+    for part in formula.iter():
+        name = part.tag.rpartition("}")[2]
+        if name not in ("msup", "msubsup") or not _PRIMES.fullmatch(part[-1].text or ""):
+            continue
+        *base, prime = part
+        prime.tag = f"{{{_MATHML}}}mo"
+        prime.attrib |= {"form": "postfix", "lspace": "0", "rspace": "0"}
+        if name == "msubsup":
+            letter = ElementTree.Element(f"{{{_MATHML}}}msub")
+            letter.extend(base)
+            base = [letter]
+        part.tag = f"{{{_MATHML}}}mrow"
+        part[:] = [*base, prime]
+    return ElementTree.tostring(formula, encoding="unicode")
 
 
 def to_latex(line: str) -> str:

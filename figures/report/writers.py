@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from latex2mathml.converter import convert
 from markupsafe import Markup, escape
 
 from orbitproof.figures.files import check_folder
 from orbitproof.figures.report.document import Code, Document, Link, Math, Picture, Place, Run, Runs
+from orbitproof.figures.report.formulas import to_mathml
 from orbitproof.shared.formats import InputError, write_bytes, write_text
 
 _LONG = 24
@@ -94,7 +94,7 @@ def text_of(document: Document, style: Format, folder: str) -> str:
 def _html(run: Run) -> str:
     match run:
         case Math():
-            return convert(run.latex)
+            return to_mathml(run.latex)
         case Code():
             return f"<code>{escape(run.text)}</code>"
         case Link():
@@ -114,7 +114,7 @@ def _data_uri(picture: Picture) -> str:
 
 
 def _display(latex: str) -> Markup:
-    return Markup(convert(latex, display="block"))
+    return Markup(to_mathml(latex, "block"))
 
 
 _TEX_CHARACTERS = {

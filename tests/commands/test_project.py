@@ -113,12 +113,16 @@ def test_what_is_misspelt_is_answered_with_what_may_be_meant(
         (["verify", "c.json", "--outptu", "x"], "did you mean --output?"),
         (["explore", "candidats"], "did you mean candidates?"),
         (["figures", "family", "c.json", "-o", "x", "--familly", "x"], "did you mean --family?"),
+        (["explore", "orbit", "--period", "-6.5d"], "write --period=-6.5d"),
     ):
+        monkeypatch.setattr(sys, "argv", ["orbitproof", *words])
         with pytest.raises(SystemExit):
             parse(words, monkeypatch)
         assert meant in capsys.readouterr().err
-    done = subprocess.run([sys.executable, "-m", "orbitproof", "verfy"], capture_output=True, text=True, check=False)
-    assert (done.returncode, "did you mean verify?" in done.stderr) == (2, True)
+    for words, meant in ((["verfy"], "did you mean verify?"), (["verify", "indx"], "did you mean index?")):
+        command = [sys.executable, "-m", "orbitproof", *words]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert (done.returncode, meant in done.stderr) == (2, True)
 
 
 @pytest.mark.parametrize(

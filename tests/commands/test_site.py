@@ -12,10 +12,9 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from latex2mathml.converter import convert
 from support.chapters import mathematics
 
-from orbitproof.figures.report.formulas import to_latex
+from orbitproof.figures.report.formulas import to_latex, to_mathml
 
 ROOT = Path(__file__).resolve().parents[2]
 SITE = ROOT / "docs" / "site"
@@ -57,6 +56,22 @@ def test_a_formula_in_plain_text_is_set_sign_for_sign(line: str, latex: str) -> 
     assert to_latex(line) == latex
 
 
+@pytest.mark.parametrize(
+    ("latex", "shown"),
+    [
+        ("x''' = c^2", "x\u2034=c2"),
+        ("c'_j", "cj\u2032"),
+        ("{x'}^2", "x\u20322"),
+        (r"\bar {C'}", "C\u2032\u00af"),
+        ("p_1'''", "p1\u2032\u2033"),
+    ],
+)
+def test_primes_stand_beside_their_letter(latex: str, shown: str) -> None:
+    formula = to_mathml(latex)
+    assert re.sub("<[^>]*>", "", formula) == shown
+    assert not re.search("<m[in]>[\u2032-\u2034]", formula)
+
+
 def test_a_formula_whose_index_is_not_closed_is_refused() -> None:
     for line in ("x_(i+1", "x^"):
         with pytest.raises(ValueError):
@@ -72,7 +87,7 @@ def test_all_mathematics_of_the_documents_can_be_set(site: dict[str, ModuleType]
             found["fenced"] += len(fenced)
             for formula in (*inline, *fenced):
                 # What the converter does not know it shows as it is written.
-                assert not re.search(r"<m[ion]>(&<|\\)", convert(formula)), f"{path}: {formula}"
+                assert not re.search(r"<m[ion]>(&<|\\)", to_mathml(formula)), f"{path}: {formula}"
     assert found["inline"] > 5000
     assert found["fenced"] > 100
 

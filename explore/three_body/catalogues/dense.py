@@ -31,13 +31,34 @@ CLOSES = 1e-9
 """Largest closing error of an orbit relative to the growth of errors over its period, the norm of its monodromy."""
 
 
-def dense_catalogue(item: TracedFamily, rows: int, progress: Progress | None = None) -> tuple[Catalogue, Counter[str]]:
-    """So many orbits of a family at equal arclengths, with distances; and of how many there are none, by the reason."""
+def between_hits(item: TracedFamily) -> tuple[float, float]:
+    """The arclengths between which lie all orbits that do not hit the smaller primary; the ends where none is known."""
+    family, lengths = item.family, item.family.arclengths
+    traced = catalogue_of(family, item.name, item.label)
+    told = with_distances(traced, max(orbit.crossings for orbit in family.orbits)).more.get(ALTITUDE, ())
+    heights = np.array([np.nan if value is None else value for value in told])
+    free = np.flatnonzero(heights >= 0)
+    if not len(free):
+        return lengths[0], lengths[-1]
+
+    def edge(last: int, outside: int) -> float:
+        """Where the altitude is 0, between an orbit that flies and the next one."""
+        if not 0 <= outside < len(heights) or np.isnan(heights[outside]):
+            return lengths[last]
+        share = heights[last] / (heights[last] - heights[outside])
+        return float(lengths[last] + share * (lengths[outside] - lengths[last]))
+
+    return edge(free[0], free[0] - 1), edge(free[-1], free[-1] + 1)
+
+
+def dense_catalogue(
+    item: TracedFamily, places: Vector, progress: Progress | None = None
+) -> tuple[Catalogue, Counter[str]]:
+    """The orbits of a family at arclengths, equally far apart, with distances; and how many are missing, by reason."""
     family = item.family
     if len(family.orbits) < 2:
         return with_distances(catalogue_of(family, item.name, item.label), family.orbits[0].crossings), Counter()
     problem = family.problem
-    places = np.linspace(0.0, family.orbits[-1].arclength, rows)
     guesses, normals = _predicted(family, places)
     batch = correct_batch(
         problem.system,
@@ -48,14 +69,14 @@ def dense_catalogue(item: TracedFamily, rows: int, progress: Progress | None = N
         normals=normals,
         progress=progress,
     )
-    step = places[1] - places[0]
+    step = places[1] - places[0] if len(places) > 1 else 0.0
     moved = np.linalg.norm((batch.unknowns - guesses) / problem.scales, axis=1)
     near = moved <= max(step, _longest(family))
     errors, closed = _closing(problem, batch.states, np.where(batch.converged, 2 * batch.unknowns[:, -1], 0.0))
     good = np.flatnonzero(batch.converged & near & closed)
     missing = Counter(
         batch.failures[i].partition(" over time ")[0] or ("it does not close" if near[i] else "another orbit was found")
-        for i in np.delete(np.arange(rows), good)
+        for i in np.delete(np.arange(len(places)), good)
     )
     assert batch.first_integrals is not None
     catalogue = replace(

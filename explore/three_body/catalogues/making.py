@@ -17,7 +17,7 @@ from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.explore.periodic import PeriodicFailure
 from orbitproof.explore.records import FamilyRecord
 from orbitproof.explore.three_body.catalogues.columns import CLOSING
-from orbitproof.explore.three_body.catalogues.dense import dense_catalogue
+from orbitproof.explore.three_body.catalogues.dense import between_hits, dense_catalogue
 from orbitproof.explore.three_body.catalogues.file import Catalogue
 from orbitproof.explore.three_body.catalogues.without_symmetry import triangular_catalogue
 from orbitproof.explore.three_body.families import trace_family
@@ -39,6 +39,8 @@ class CatalogueTask:
         rows: how many, unless `step` says how far, in arclength of the family, one is from the next.
         device: where they are corrected; the family is traced by the processor.
         record: the family, if it is traced already.
+        hits: whether rows are spread over the whole family. Else its ends are left out where all orbits hit the
+            smaller primary.
     """
 
     system: ReversibleSystem
@@ -51,6 +53,7 @@ class CatalogueTask:
     step: float | None = None
     branch: Branch = DEFAULT_BRANCH
     record: FamilyRecord | None = None
+    hits: bool = False
 
     @property
     def called(self) -> str:
@@ -72,12 +75,14 @@ class MadeCatalogue:
         reason: why the family ends, or why there is no catalogue.
         missing: how many rows were not found, by the reason.
         device: what the device calls itself that corrected the rows; "" where none were.
+        hitting: which part of the family was left out because it hits the smaller primary, in words; "" if none was.
     """
 
     catalogue: Catalogue | None
     reason: str
     missing: Counter[str] = field(default_factory=Counter)
     device: str = ""
+    hitting: str = ""
 
     @property
     def left_out(self) -> str:
@@ -113,14 +118,27 @@ def catalogue_task(task: CatalogueTask, progress: Progress) -> MadeCatalogue:
             )
         if family.outcome == "interrupted":
             raise KeyboardInterrupt
+        traced, length = TracedFamily(task.name, task.label, family), family.orbits[-1].arclength
+        low, high = (0.0, length) if task.hits else between_hits(traced)
         rows = task.rows
         if task.step is not None:
-            rows = min(MOST_ROWS, 1 + max(1, ceil(family.orbits[-1].arclength / task.step)))
+            rows = min(MOST_ROWS, 1 + max(1, ceil((high - low) / task.step)))
         with device as used:
-            made, missing = dense_catalogue(TracedFamily(task.name, task.label, family), rows, progress)
-        return MadeCatalogue(made, family.reason, missing, used)
+            made, missing = dense_catalogue(traced, np.linspace(low, high, rows), progress)
+        return MadeCatalogue(made, family.reason, missing, used, _hitting(low, high, length, rows))
     except (FamilyFailure, CorrectionFailure, PeriodicFailure) as failure:
         return MadeCatalogue(None, str(failure))
+
+
+def _hitting(low: float, high: float, length: float, rows: int) -> str:
+    """The ends of a family that are left out, and how many rows they would have had, in words."""
+    ends = [f"up to {low:.4g}"] * (low > 0) + [f"beyond {high:.4g}"] * (high < length)
+    if not ends:
+        return ""
+    many = round((length - (high - low)) * (rows - 1) / (high - low)) if high > low else 0
+    at_this_step = f", {counted(many, 'row')} at this step" if many else ""
+    where = " and ".join(ends)
+    return f"orbits at arclengths {where} of {length:.4g} hit the smaller primary and are left out{at_this_step}"
 
 
 def symmetric_about_plane(catalogue: Catalogue) -> bool:

@@ -42,7 +42,8 @@ def catalogue(
     Arguments:
         family: a name as for `trace`, or "L4-short", ..; or, without `mu`, the path of a catalogue (JSON or CSV).
         mu: mass parameter: a name such as "jpl-earth-moon", a `Fraction`, a decimal text or a float.
-        rows: at equal steps along the family; what cannot be computed is left out.
+        rows: at equal steps along the family, without ends where its orbits hit the smaller primary (`hits`); what
+            cannot be computed is left out.
         step: in place of that, the arclength of a step.
         max_orbits, min_distance: where the family ends: so many steps of the continuation, so close to a primary.
         branch: "north" or "south", of halo families and those that branch off from them.
@@ -74,13 +75,14 @@ def catalogue(
         (key for key, value in MASS_PARAMETERS.items() if value == parameters["mu"]), label_of(system, text, None)
     )
     limits = Limits(max_orbits, min_distance=min_distance)
-    task = CatalogueTask(system, name, label, parameters, limits, rows, device, step, branch)
+    task = CatalogueTask(system, name, label, parameters, limits, rows, device, step, branch, hits=hits)
     with Reporter(quiet) as report:
         report.stage(task.title)
         made = catalogue_task(task, report.update)
         if made.catalogue is None:
             raise FamilyFailure(f"{task.title}: {made.reason}")
-        for line in filter(None, (made.left_out, made.corrected)):
+        hitting = f"{made.hitting}; hits=True covers them" if made.hitting else ""
+        for line in filter(None, (made.left_out, hitting, made.corrected)):
             report.message(f"{task.title}: {line}")
         kept = made.catalogue if hits else without_hits(made.catalogue)
         if len(kept) < len(made.catalogue):

@@ -10,6 +10,7 @@ from dataclasses import replace
 from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,8 +20,15 @@ from orbitproof.explore.__main__ import main
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.names import time_given
 from orbitproof.explore.orbits import PeriodicSolution, ShootingProblem, stability_index
-from orbitproof.explore.three_body.catalogues import Catalogue, MadeCatalogue, correct_catalogue, dense, read_catalogue
-from orbitproof.explore.three_body.catalogues.columns import CLOSING, HITS
+from orbitproof.explore.three_body.catalogues import (
+    Catalogue,
+    MadeCatalogue,
+    correct_catalogue,
+    dense,
+    making,
+    read_catalogue,
+)
+from orbitproof.explore.three_body.catalogues.columns import ALTITUDE, CLOSING, HITS
 from orbitproof.shared import InputError
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, MASS_PARAMETERS
 
@@ -74,6 +82,33 @@ def test_rows_that_are_left_out_are_counted_with_the_reasons(
     assert main([*asked, "-o", str(tmp_path / "none.csv")]) == 1
     assert "7 rows not found, left out (7: it does not close)" in capsys.readouterr().err
     assert not (tmp_path / "none.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("altitudes", "ends", "told"),
+    [
+        (
+            (2.0, 1.0, 3.0, -1.0),
+            (0.0, 3.5),
+            "at arclengths beyond 3.5 of 4 hit the smaller primary and are left out, 1 row",
+        ),
+        ((-1.0, 1.0, 3.0, 5.0), (0.5, 4.0), "at arclengths up to 0.5 of 4 hit"),
+        ((None, 1.0, 3.0, None), (1.0, 2.0), "at arclengths up to 1 and beyond 2 of 4 hit"),
+        ((-1.0, -1.0, None, -1.0), (0.0, 4.0), ""),
+        ((1.0, -1.0, -1.0, 1.0), (0.0, 4.0), ""),
+    ],
+)
+def test_ends_of_a_family_that_hit_the_body_have_no_rows(
+    altitudes: tuple[float | None, ...], ends: tuple[float, float], told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    family = SimpleNamespace(arclengths=(0.0, 1.0, 2.0, 4.0), orbits=[SimpleNamespace(crossings=1)] * 4)
+    monkeypatch.setattr(dense, "catalogue_of", lambda *_: None)
+    monkeypatch.setattr(dense, "with_distances", lambda *_: SimpleNamespace(more={ALTITUDE: altitudes}))
+    found = dense.between_hits(SimpleNamespace(name="", label="", family=family))  # type: ignore[arg-type]
+    assert found == ends
+    words = making._hitting(*found, 4.0, 8)
+    assert told in words
+    assert bool(told) == bool(words)
 
 
 def test_orbits_that_are_corrected_one_at_a_time_are_refused_for_a_gpu(capsys: pytest.CaptureFixture[str]) -> None:
