@@ -33,6 +33,8 @@ CHAPTERS = {
     ),
     "curve": ("verify.curve.piece", "verify.curve.proved_curve"),
     "periodic": ("verify.periodic.following", "verify.periodic.proved_periodic"),
+    "equilibrium": ("verify.equilibrium.proved_equilibrium",),
+    "hopf": ("verify.equilibrium.proved_hopf",),
     "periodic-bifurcation": (
         "verify.periodic_bifurcation.following",
         "verify.periodic_bifurcation.proved_periodic_bifurcation",
@@ -60,6 +62,7 @@ OTHER_WORDS = {
     "double-resonance": ("two-resonances", "codimension-two"),
     "curve": ("branch", "branches", "family", "families", "loop", "piece", "atlas", "libration"),
     "periodic": ("periodic-orbit",),
+    "hopf": ("hopf-point", "hopf-bifurcation", "andronov-hopf"),
     "periodic-bifurcation": ("periodic-fold", "periodic-doubling", "periodic-pitchfork", "doubling", "pitchfork"),
     "torus": ("periodic-torus", "neimark-sacker"),
     "periodic-curve": ("periodic-atlas", "periodic-arc", "periodic-loop"),

@@ -18,6 +18,8 @@ from orbitproof.shared.formats import (
     KINDS,
     REVERSOR_BREAKING,
     Candidate,
+    Equilibrium,
+    HopfPoint,
     InSection,
     PeriodicAtlas,
     PeriodicBifurcation,
@@ -203,6 +205,8 @@ def box_table(entry: Checked) -> Table:
     """Parameters and box of a claim, exactly; with a level form also the candidate's own box."""
     if isinstance(entry.candidate, InSection):
         return _box_in_section(entry.candidate)
+    if isinstance(entry.candidate, Equilibrium | HopfPoint):
+        return _box_of_equilibrium(entry.candidate)
     assert isinstance(entry.claim, Candidate)
     claim, candidate = claim_in_words(entry.claim), claim_in_words(entry.candidate)
     rows: list[tuple[Runs, ...]] = [
@@ -237,6 +241,30 @@ def _box_in_section(claim: InSection) -> Table:
     rows += _box_rows(claim.centre, claim.frame, claim.radii, coordinates, "")
     title = f"The box of {shown(claim.id)}; entries of A, the frame, that are 0 are left out"
     return Table(("", "exact value"), tuple(rows), title, (0.26, 0.68))
+
+
+def _box_of_equilibrium(claim: Equilibrium | HopfPoint) -> Table:
+    """The box of a claim about an equilibrium, with the intervals of parameter, frequency and eigenvector."""
+    names = names_in_words(claim.system)
+    coordinates = [names.get(name, name) for name in claim.coordinates]
+    rows: list[tuple[Runs, ...]] = [
+        ((Math(to_latex(name)),), (Code(format_rational(value)),))
+        for name, value in keyed_in_words(claim.system, claim.parameters).items()
+    ]
+    if isinstance(claim, HopfPoint):
+        varying = names.get(claim.parameter, claim.parameter)
+        rows.append(((f"half-width of the interval of {varying}",), (Code(format_exact(claim.parameter_radius)),)))
+        rows.append((("frequency, about",), (Code(format_exact(claim.frequency)),)))
+        rows.append((("half-width of its interval",), (Code(format_exact(claim.frequency_radius)),)))
+        for part, row in zip(("real", "imaginary"), claim.kernel, strict=True):
+            rows += [
+                ((f"kernel, {part} part, component {place}",), (Code(format_exact(value)),))
+                for place, value in enumerate(row)
+                if value
+            ]
+        rows.append((("half-width of the box of the kernel",), (Code(format_exact(claim.kernel_radius)),)))
+    rows += _box_rows(claim.centre, (), claim.radii, coordinates, "")
+    return Table(("", "exact value"), tuple(rows), f"The box of {shown(claim.id)}", (0.26, 0.68))
 
 
 def _of_bifurcation(claim: PeriodicBifurcation) -> Iterator[tuple[Runs, ...]]:

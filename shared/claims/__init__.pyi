@@ -3,9 +3,10 @@ from .atlas import SURFACE as SURFACE
 from .atlas import Atlas as Atlas
 from .atlas import Claim as Claim
 from .atlas import Covers as Covers
-from .box_claims import KINDS_IN_SECTION as KINDS_IN_SECTION
+from .box_claims import KINDS_WITHOUT_REVERSOR as KINDS_WITHOUT_REVERSOR
 from .box_claims import BoxClaim as BoxClaim
 from .box_claims import InSection as InSection
+from .box_claims import WithoutReversor as WithoutReversor
 from .candidate import ACROSS_KINDS as ACROSS_KINDS
 from .candidate import BOX_KINDS as BOX_KINDS
 from .candidate import COORDINATE as COORDINATE
@@ -25,6 +26,10 @@ from .candidate import REVERSOR_BREAKING as REVERSOR_BREAKING
 from .candidate import STABLE_ORBIT as STABLE_ORBIT
 from .candidate import Candidate as Candidate
 from .candidate import Equation as Equation
+from .equilibria import EQUILIBRIUM as EQUILIBRIUM
+from .equilibria import HOPF as HOPF
+from .equilibria import Equilibrium as Equilibrium
+from .equilibria import HopfPoint as HopfPoint
 from .periodic import PERIODIC as PERIODIC
 from .periodic import PeriodicOrbit as PeriodicOrbit
 from .periodic_bifurcation import PERIODIC_BIFURCATIONS as PERIODIC_BIFURCATIONS

@@ -8,8 +8,8 @@ from fractions import Fraction
 from typing import Any, Literal
 
 from orbitproof.shared.claims.fields import Identifier, Pair, Rows
-from orbitproof.shared.claims.in_section import BoxInSection, check_numbers, check_positive, refuse
-from orbitproof.shared.errors import short
+from orbitproof.shared.claims.in_section import BoxInSection
+from orbitproof.shared.claims.without_symmetry import check_numbers, check_positive, refuse
 from orbitproof.shared.stored import Rational, stored
 
 PERIODIC_FOLD = "periodic-fold"
@@ -89,15 +89,8 @@ class PeriodicBifurcation(BoxInSection):
         if self.parameter is None:
             if self.level is None:
                 refuse("parameter", "there is none, and no level", "name the parameter that varies, or give the level")
-        elif self.parameter not in self.parameters:
-            known = ", ".join(self.parameters) or "none"
-            refuse(
-                "parameter", f"{self.system.name} has no {short(self.parameter)!r}; it has {known}", "name one of these"
-            )
         else:
-            interval, value = self.system.parameters[self.parameter], self.parameters[self.parameter]
-            if not all(interval.contains(value + side * self.parameter_radius) for side in (-1, 1)):
-                refuse("parameter_radius", f"the values leave {interval}", "give a smaller half-width")
+            self.check_varying(self.parameter, self.parameter_radius)
         fewest = 2 + (self.level is not None or self.kind == PERIODIC_TORUS)
         if len(self.system.given_state) < fewest:
             refuse("kind", f"{self.kind} takes a state of at least {fewest} coordinates", "give another kind")

@@ -10,15 +10,11 @@ from typing import Annotated, Any, NoReturn
 from orbitproof.shared.claims import (
     ACROSS_KINDS,
     DOUBLE_RESONANCE,
-    KINDS_IN_SECTION,
+    KINDS_WITHOUT_REVERSOR,
     ONCE,
     ORBIT_KINDS,
-    PERIODIC,
     BoxClaim,
     Candidate,
-    InSection,
-    PeriodicBifurcation,
-    PeriodicOrbit,
 )
 from orbitproof.shared.codec import from_json, register, to_json
 from orbitproof.shared.errors import InputError, short
@@ -52,14 +48,14 @@ def read_claims(path: Path) -> list[BoxClaim]:
     return claims
 
 
-_WITHOUT_SYMMETRY = "is about a periodic orbit without symmetry"
+_WITHOUT_SYMMETRY = "is about no symmetric orbit"
 
 
 def read_candidates(path: Path) -> list[Candidate]:
     """The candidates of a file whose claims are all about symmetric orbits. Raises `InputError` for others too."""
     candidates: list[Candidate] = []
     for claim in read_claims(path):
-        if isinstance(claim, InSection):
+        if not isinstance(claim, Candidate):
             raise InputError(f"{path}: {claim.id!r} {_WITHOUT_SYMMETRY}, which is not available here; leave it out")
         candidates.append(claim)
     return candidates
@@ -120,7 +116,7 @@ def claim_from_json(
     entry: Mapping[str, Any], source: str, systems: Mapping[str, ReversibleSystem] = SYSTEMS
 ) -> BoxClaim:
     """The claim of a schema-valid JSON object, about one of `systems` or one that it describes. Raises `InputError`."""
-    if entry["kind"] not in KINDS_IN_SECTION:
+    if entry["kind"] not in KINDS_WITHOUT_REVERSOR:
         return candidate_from_json(entry, source, systems)
     system: System
     described_alone = entry["system"]
@@ -131,9 +127,7 @@ def claim_from_json(
             raise InputError(f"{source}.system.{error}") from None
     else:
         system = find_system(described_alone, f"{source}.system", systems)
-    if entry["kind"] == PERIODIC:
-        return from_json(PeriodicOrbit, {**entry, "system": system}, source)
-    return from_json(PeriodicBifurcation, {**entry, "system": system}, source)
+    return from_json(KINDS_WITHOUT_REVERSOR[entry["kind"]], {**entry, "system": system}, source)
 
 
 def candidate_from_json(
@@ -144,7 +138,7 @@ def candidate_from_json(
     def refuse(name: str, why: str, remedy: str) -> NoReturn:
         raise InputError(f"{source}.{name}: {why}; {remedy}")
 
-    if entry["kind"] in KINDS_IN_SECTION:
+    if entry["kind"] in KINDS_WITHOUT_REVERSOR:
         refuse("kind", f"{_WITHOUT_SYMMETRY}, which is not available here", "leave it out")
     system, _ = read_system(entry, source, systems, int(entry["kind"] == DOUBLE_RESONANCE))
     kind, k = entry["kind"], entry["k"]

@@ -17,10 +17,11 @@ from support.metamorphic_cases import ROWS
 from support.told import in_full
 
 from orbitproof.shared.errors import InputError
-from orbitproof.shared.formats import BoxClaim, Candidate
+from orbitproof.shared.formats import BoxClaim, Candidate, Equilibrium, HopfPoint
 from orbitproof.shared.systems import FixedLevel, ReversibleSystem
 from orbitproof.verify.bifurcation import level_form
 from orbitproof.verify.certificate.kinds import kind_of
+from orbitproof.verify.equilibrium import Spectrum
 from orbitproof.verify.evidence import Reason
 from orbitproof.verify.orbit import STABLE, UNDECIDED, UNSTABLE, Extremum, Stability
 from orbitproof.verify.periodic import Multipliers
@@ -55,6 +56,13 @@ MULTIPLIERS = {
     "on": Multipliers((acb(ball(1), ball(2)), acb(ball(1), -ball(2))), 0, 2, 0, 0, 2),
     "one undecided": Multipliers((acb(ball(1)), acb(ball(7))), 1, 0, 0, 1, 1),
     "two undecided": Multipliers((acb(ball(7)), acb(ball(7)), acb(ball(8))), 0, 0, 1, 2, 1),
+}
+SPECTRA = {
+    "none": Spectrum((), 0, 0, 0),
+    "not enclosed": Spectrum((), 0, 0, 2),
+    "left": Spectrum((acb(-ball(1)),), 1, 0, 0),
+    "right": Spectrum((acb(ball(1)), acb(-ball(9), ball(2))), 1, 1, 0),
+    "undecided": Spectrum((acb(-ball(1)), acb(ball(7))), 1, 0, 1),
 }
 _TWO = (acb(ball(1)), acb(ball(2), ball(3)))
 FOUND: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
@@ -121,6 +129,20 @@ FOUND: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
             ]
         )
     },
+    "EquilibriumResults": {
+        name if number else "": {"eigenvalues": value} for number, (name, value) in enumerate(SPECTRA.items())
+    },
+    "HopfResults": {
+        f"{name}, {side}, {criticality}" if number else "": {
+            "eigenvalues": SPECTRA[name], "side": side, "criticality": criticality,
+        }
+        for number, (name, side, criticality) in enumerate(
+            (name, side, criticality)
+            for name in ("none", "left", "right")
+            for side in ("above", "below")
+            for criticality in ("supercritical", "subcritical")
+        )
+    },
     "TorusResults": {
         f"{multipliers}, {side}, {criticality}, {sign:+d}" if number else "": {
             "multiplier": _TWO[1], "multipliers": MULTIPLIERS[multipliers], "speed": sign * ball(5), "side": side,
@@ -169,6 +191,8 @@ def _of(claim: BoxClaim, fixed: Mapping[str, Any] | None = None, **changes: Any)
 
 
 def _variants(name: str, claim: BoxClaim) -> Iterator[tuple[str, Callable[[], BoxClaim]]]:
+    if isinstance(claim, Equilibrium | HopfPoint):
+        return
     for crossings in (2, 3):
         yield f"{crossings} crossings", partial(replace, claim, crossings=crossings)
     if not isinstance(claim, Candidate):

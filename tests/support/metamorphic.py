@@ -19,6 +19,8 @@ from orbitproof.shared.formats import (
     HALF_PERIOD,
     LEVEL,
     BoxClaim,
+    Equilibrium,
+    HopfPoint,
     PeriodicAtlas,
     PeriodicBifurcation,
     PeriodicOrbit,
@@ -246,6 +248,8 @@ def _affine(names: Sequence[str], centre: Vector, frame: Rows, beside: Sequence[
 
 def changed_claim(claim: BoxClaim, change: Change) -> BoxClaim:
     """The claim told otherwise."""
+    if isinstance(claim, Equilibrium | HopfPoint):
+        return _at_equilibrium(claim, change)
     return _candidate(claim, change) if isinstance(claim, Candidate) else _in_section(claim, change)
 
 
@@ -286,6 +290,31 @@ def _candidate(claim: Candidate, change: Change) -> Candidate:
         kernel_frame=rows, radii=radii, equation=equation, level_sign=sign,
         symmetry=None if claim.symmetry is None else change.name(claim.symmetry),
     )  # fmt: skip
+
+
+def _at_equilibrium(claim: Equilibrium | HopfPoint, change: Change) -> Equilibrium | HopfPoint:
+    system, order = claim.system, given_order_of(claim.system, change)
+    beside = change.beside or ()
+
+    def told(values: Sequence[Fraction], at_beside: Fraction, signed: bool = True) -> Vector:
+        known = dict(zip(system.given_state, values, strict=True)) | dict.fromkeys(beside, at_beside)
+        return tuple(known[name] * (change.factor(name) if signed else abs(change.factor(name))) for name in order)
+
+    known: dict[str, Any] = {
+        "system": changed_system(system, change),
+        "parameters": _numbers(claim.parameters, change),
+        "centre": told(claim.centre, ZERO),
+        "radii": told(claim.radii, claim.radii[-1], signed=False),
+    }
+    if isinstance(claim, HopfPoint):
+        known |= {
+            "parameter": change.name(claim.parameter),
+            "parameter_radius": claim.parameter_radius * abs(change.factor(claim.parameter)),
+            "frequency": claim.frequency / change.time,
+            "frequency_radius": claim.frequency_radius / change.time,
+            "kernel": tuple(told(row, ZERO) for row in claim.kernel),
+        }
+    return replace(claim, **known)
 
 
 def _in_section(claim: PeriodicOrbit | PeriodicBifurcation, change: Change) -> PeriodicOrbit | PeriodicBifurcation:

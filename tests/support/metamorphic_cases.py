@@ -8,7 +8,7 @@ from fractions import Fraction as Q
 from typing import Any
 
 import mpmath
-from support import breaking_cases, krein_cases, periodic_curves, springs, tori_cases, torus_cases
+from support import breaking_cases, equilibrium_cases, krein_cases, periodic_curves, springs, tori_cases, torus_cases
 from support import function_cases as functions
 from support import periodic_bifurcation_cases as bifurcations
 from support import periodic_cases as periodic
@@ -172,6 +172,10 @@ ROWS: Mapping[str, Callable[[], BoxClaim]] = {
     "periodic-level-fold": bifurcations.level_fold,
     "periodic-torus": torus_cases.round_claim,
     "periodic-torus-4": torus_cases.product_claim,
+    "equilibrium": equilibrium_cases.equilibrium,
+    "equilibrium-functions": equilibrium_cases.equilibrium_with_functions,
+    "hopf": equilibrium_cases.hopf,
+    "hopf-functions": equilibrium_cases.hopf_with_functions,
 }
 """By what is claimed."""
 

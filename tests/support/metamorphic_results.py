@@ -28,6 +28,7 @@ NAMED = ("point", "other_point", "direction", "start", "end", "value", "jacobian
 CALLED = ("parameter_name", "level_name", "along", "twist_coordinate", "twist_momentum")
 """Fields that hold a name."""
 TIMES = ("period", "half_period", "time", "times", "time_derivatives")
+RATES = ("frequency", "eigenvalues")
 OF_PARAMETER = ("parameter", "values", "all_values")
 OF_OTHER_UNITS = (
     "opening", "speed", "slope", "curvature", "unfolding", "coefficient", "gamma", "beta", "alpha", "twist", "defect",
@@ -37,7 +38,18 @@ OF_OTHER_UNITS = (
 units differ."""
 IN_ANY_ORDER = ("parameters", "multipliers", "values")
 LEFT_OUT = ("chain", "segments", "hypotheses", "computation", "theorem", "certificates", "reason", "steps", "bits")
-BESIDE = ("stability", "multipliers", "characteristic", "local", "coefficients", "defect", "on", "inside", "outside")
+BESIDE = (
+    "stability",
+    "multipliers",
+    "eigenvalues",
+    "characteristic",
+    "local",
+    "coefficients",
+    "defect",
+    "on",
+    "inside",
+    "outside",
+)
 """Of coordinates beside more is said."""
 
 
@@ -116,7 +128,8 @@ def _is_named(place: Sequence[str], number: int) -> bool:
 def _difference(place: tuple[str, ...], old: Any, new: Any, change: Change, named: Named) -> str:
     if isinstance(old, list):
         pairs = zip(old, new, strict=False)
-        found = (why for a, b in pairs for why in [_parts(a, b, Fraction(1), change)] if why)
+        unit = 1 / change.time if any(key in RATES for key in place) else Fraction(1)
+        found = (why for a, b in pairs for why in [_parts(a, b, unit, change)] if why)
         return f"{len(old)} and {len(new)} values" if len(old) != len(new) else next(found, "")
     if isinstance(old, (arb, acb)) and isinstance(new, (arb, acb)):
         return _parts(acb(old), acb(new), _unit(place, change, named), change)
@@ -139,6 +152,8 @@ def _unit(place: tuple[str, ...], change: Change, named: Named) -> Fraction | No
     varied = change.level if named.varies is None else change.factor(named.varies)
     if any(key in TIMES for key in place):
         return change.time
+    if any(key in RATES for key in place):
+        return 1 / change.time
     if place[-1] == "level":
         return varied if named.along_parameter else change.level
     if any(key in OF_PARAMETER for key in place):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from flint import arb
 
-from orbitproof.shared.formats import BoxClaim, Candidate, InSection, PeriodicBifurcation
+from orbitproof.shared.formats import BoxClaim, Candidate, Equilibrium, HopfPoint, InSection, PeriodicBifurcation
 from orbitproof.verify.bifurcation import coordinates_in_box
 from orbitproof.verify.evidence import (
     GREATEST_PRECISION,
@@ -119,6 +119,16 @@ def periodic_precision(claim: InSection, digits: int) -> int:
     return max(LEAST_PRECISION, -(-wanted // 8) * 8)
 
 
+def equilibrium_precision(claim: Equilibrium | HopfPoint, digits: int) -> int:
+    """Bits to begin with at an equilibrium: nothing is integrated, and few are lost."""
+    radii = claim.radii
+    if isinstance(claim, HopfPoint):
+        radii = (*radii, claim.parameter_radius, claim.frequency_radius, claim.kernel_radius)
+    widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in radii)
+    wanted = widths + ceil(digits * _BITS_PER_DIGIT) + 2 * _RESERVE
+    return max(LEAST_PRECISION, -(-wanted // 8) * 8)
+
+
 def breaking_precision(candidate: Candidate, digits: int) -> int:
     """Bits to begin with where R is lost: g is a derivative in q, over intervals of half as many bits as those of p.
 
@@ -172,6 +182,11 @@ class _WithPeriod(Protocol):
     def period(self) -> arb: ...
 
 
+class _AtPoint(Protocol):
+    @property
+    def point(self) -> Mapping[str, arb]: ...
+
+
 class _AtParameterWithPeriod(_AtParameter, _WithPeriod, Protocol): ...
 
 
@@ -188,6 +203,11 @@ def missing_of_period(found: _WithPeriod, digits: int) -> int:
 def missing_of_either(found: _AtParameterWithPeriod, digits: int) -> int:
     """How many digits the parameter lacks, or the period where the parameter may be 0."""
     return missing_of_parameter(found, digits) if excludes_zero(found.parameter) else missing_of_period(found, digits)
+
+
+def missing_of_point(found: _AtPoint, digits: int) -> int:
+    """How many digits the coordinates of a point lack that are not 0."""
+    return _missing(list(found.point.values()), digits)
 
 
 def missing_of_orbit(found: OrbitResults, digits: int) -> int:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from flint import arb
 
-from orbitproof.shared.claims import BOX_KINDS, KINDS_IN_SECTION
+from orbitproof.shared.claims import BOX_KINDS, KINDS_WITHOUT_REVERSOR
 from orbitproof.shared.claims.fields import Id, Identifier, Line, Numbers, PieceId, Title
 from orbitproof.shared.stored import rules, stored
 
@@ -121,9 +121,9 @@ class StatementWithoutSymmetry(Stated):
         functions: as in `StatedWithSymmetry`.
     """
 
-    claim: Annotated[Mapping[str, Any], rules(required=("kind",), properties={"kind": {"enum": KINDS_IN_SECTION}})] = (
-        stored("candidate")
-    )
+    claim: Annotated[
+        Mapping[str, Any], rules(required=("kind",), properties={"kind": {"enum": tuple(KINDS_WITHOUT_REVERSOR)}})
+    ] = stored("candidate")
     functions: Annotated[tuple[StatedFunction, ...], rules(minItems=1, maxItems=20)] | None = None
 
 

@@ -17,6 +17,8 @@ from flint import acb, arb
 from orbitproof.shared.claims import (
     CLAIMS,
     DOUBLE_RESONANCE,
+    EQUILIBRIUM,
+    HOPF,
     INVARIANT_TORI,
     KINDS,
     KREIN_COLLISION,
@@ -59,6 +61,8 @@ MODULES: Mapping[str, str] = {
     PERIODIC: "periodic_orbit",
     **dict.fromkeys(_PERIODIC_BIFURCATIONS, "periodic_bifurcation"),
     PERIODIC_TORUS: "periodic_torus",
+    EQUILIBRIUM: "equilibrium",
+    HOPF: "hopf",
 }
 """Modules of `verify.theorems`, by the kinds of claims about a box as candidates say them."""
 

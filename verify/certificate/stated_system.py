@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from orbitproof.shared.formats import Candidate, InSection, candidate_to_json
+from orbitproof.shared.formats import Candidate, WithoutReversor, candidate_to_json
 from orbitproof.shared.systems import (
     LEVEL_NAME,
     Defined,
@@ -73,7 +73,7 @@ def with_symmetry(candidate: Candidate, form: Candidate | None = None, with_dist
     )
 
 
-def without_symmetry(claim: InSection, form: InSection | None = None) -> StatementWithoutSymmetry:
+def without_symmetry(claim: WithoutReversor, form: WithoutReversor | None = None) -> StatementWithoutSymmetry:
     """The statement of a claim that uses no symmetry; such a one has no level form."""
     system = claim.system
     integral = None if claim.level is None else system.first_integral_program

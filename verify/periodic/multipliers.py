@@ -66,6 +66,13 @@ def multipliers_of(derivative: Matrix, trivial: int, keeps_volume: bool) -> Mult
     return Multipliers(tuple(values), inside, on, outside, size - inside - on - outside, trivial)
 
 
+def eigenvalues_of(matrix: Matrix) -> list[acb]:
+    """Enclosures of all eigenvalues of every real matrix in an interval matrix, with multiplicity, those as real
+    numbers that are certainly real; none if they are not found.
+    """
+    return _with_real_ones(_eigenvalues(matrix))
+
+
 def _eigenvalues(matrix: Matrix) -> list[acb]:
     """Enclosures of all eigenvalues of every real matrix in an interval matrix; none if they are not found.
 

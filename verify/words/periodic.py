@@ -122,7 +122,7 @@ def multipliers_in_words(found: Multipliers, known: int | None = None) -> Iterat
     if not found.values:
         yield "The other multipliers are not enclosed." if found.undecided else "There are no other multipliers."
         return
-    yield f"The other multipliers, with multiplicity, lie in: {'; '.join(map(_complex, found.values))}."
+    yield f"The other multipliers, with multiplicity, lie in: {'; '.join(map(complex_in_words, found.values))}."
     counts = [(found.inside, "inside"), (found.on, "on"), (found.outside, "outside")]
     yield "Of them " + ", ".join(f"{count} {_lie(count)} {where}" for count, where in counts) + " the unit circle."
     if found.undecided:
@@ -133,7 +133,8 @@ def _lie(count: int) -> str:
     return "lies" if count == 1 else "lie"
 
 
-def _complex(value: acb) -> str:
+def complex_in_words(value: acb) -> str:
+    """A complex number, or a real one."""
     if value.imag.is_zero():
         return decimal_interval(value.real, _DIGITS)
     return f"{decimal_interval(value.real, _DIGITS)} + i {decimal_interval(value.imag, _DIGITS)}"

@@ -1,0 +1,302 @@
+"""Equilibria and Hopf points: enclosures contain closed forms, and what is false is not proved (section 36)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction as Q
+from random import Random
+from typing import Any
+
+import pytest
+from flint import acb, acb_series, arb, ctx
+from support import equilibrium_cases as cases
+
+from orbitproof.shared.formats import Equilibrium, HopfPoint, define_system
+from orbitproof.verify.certificate import Certificate, Limits, certify
+from orbitproof.verify.equilibrium.enclosures import EquilibriumEnclosures, enclose_equilibrium, enclose_hopf
+from orbitproof.verify.equilibrium.expansions import expand
+from orbitproof.verify.equilibrium.proved_equilibrium import prove_equilibrium
+from orbitproof.verify.equilibrium.proved_hopf import prove_hopf
+from orbitproof.verify.evidence import Checklist, NotProved, Proved, enclose, guarded
+from orbitproof.verify.poincare import IntegratorSettings
+
+BITS = 200
+FAST = Limits(digits=10, max_precision=256)
+
+
+def reason_of(claim: Equilibrium | HopfPoint) -> str:
+    """The condition that is not shown."""
+    found = certify(claim, FAST)
+    assert found.reason is not None
+    return found.reason.condition
+
+
+# Derivatives of the field
+
+
+FORMULAS: dict[str, Callable[[acb_series], acb_series]] = {
+    "sin(x)": acb_series.sin,
+    "cos(x)": acb_series.cos,
+    "exp(x)": acb_series.exp,
+    "log(x)": acb_series.log,
+    "x**3 - 2*x**2 + x - 5": lambda x: x**3 - 2 * x**2 + x - 5,
+    "x**(1/2)": acb_series.sqrt,
+    "x**(-5/2)": lambda x: 1 / acb_series.sqrt(x) ** 5,
+    "(x - 1/3)/(x**2 + 1)": lambda x: (x - acb(1) / 3) / (x**2 + 1),
+    "sin(exp(x)/x)": lambda x: (x.exp() / x).sin(),
+}
+
+
+@pytest.mark.parametrize("formula", FORMULAS)
+def test_expansions_are_taylor_polynomials(formula: str) -> None:
+    """Of x along complex directions, against the power series of FLINT; of two directions at once, their sum."""
+    system = define_system({"name": "f", "state": "x y", "parameters": "b", "field": {"x": formula, "y": "b"}})
+    source = Random(formula)
+    with ctx.workprec(BITS):
+        for _ in range(5):
+            x = arb(source.randrange(1, 99)) / 32
+            d, e, s, t = (acb(source.randrange(-9, 9), source.randrange(-9, 9)) / 8 for _ in range(4))
+            along, _ = expand(system, [x, arb(0)], [arb(0)], [[d, acb(0)], [e, acb(0)]], 3)
+            with_series = acb_series([acb(x), s * d + t * e], prec=4)
+            right = FORMULAS[formula](with_series)
+            for degree in range(4):
+                value = sum((along[i, degree - i] * s**i * t ** (degree - i) for i in range(degree + 1)), acb(0))
+                assert value.overlaps(right[degree]), degree
+                assert abs(value - right[degree]) < arb(2) ** -150
+
+
+def test_expansions_over_a_ball_enclose_those_at_its_points() -> None:
+    system = define_system({"name": "f", "state": "x y", "field": {"x": "exp(x)*y/(1 + x**2)", "y": "x**(3/2)*cos(y)"}})
+    with ctx.workprec(BITS):
+        x, y = arb(1), arb(1) / 2
+        units = [[arb(1), arb(0)], [arb(0), arb(1)]]
+        wide = expand(system, [x + arb(0, 1) / 8, y + arb(0, 1) / 8], [], units, 3)
+        for _ in range(20):
+            source = Random(_)
+            point = [value + arb(source.randrange(-64, 65)) / 512 for value in (x, y)]
+            for inside, outside in zip(expand(system, point, [], units, 3), wide, strict=True):
+                assert set(inside.coefficients) == set(outside.coefficients)
+                assert all(outside[index].contains(value) for index, value in inside.coefficients.items())
+
+
+@pytest.mark.parametrize("formula", ["log(x)", "x**(1/2)", "1/x", "0/x", "log(x)*0", "x**(-1/2)"])
+def test_where_the_field_is_not_defined_nothing_is_finite(formula: str) -> None:
+    system = define_system({"name": "f", "state": "x y", "field": {"x": f"x + {formula}", "y": "y"}})
+    found, _ = expand(system, [arb(0, 1), arb(0)], [], [[arb(1), arb(0)]], 2)
+    assert not all(value.is_finite() for value in found.coefficients.values())
+    claim = Equilibrium("e", system, {}, (Q(0), Q(0)), (Q(1), Q(1)))
+    assert reason_of(claim) == "field"
+
+
+# Equilibria
+
+
+def test_the_equilibria_of_a_ring_have_their_eigenvalues() -> None:
+    found = certify(cases.equilibrium(radii=(Q(1, 2**90),) * 3)).results
+    assert [found.point[name].contains(value) for name, value in (("x", 2), ("y", 1), ("z", 1))] == [True] * 3
+    with ctx.workprec(BITS):
+        root = acb(0, arb(7).sqrt())
+        for value in (acb(-2), (-3 + root) / 2, (-3 - root) / 2):
+            assert sum(each.contains(value) for each in found.eigenvalues.values) == 1
+    assert (found.eigenvalues.left, found.eigenvalues.right, found.eigenvalues.undecided) == (3, 0, 0)
+    assert found.eigenvalues.is_stable
+
+
+def test_an_equilibrium_of_a_field_with_functions() -> None:
+    found = certify(cases.equilibrium_with_functions()).results
+    with ctx.workprec(BITS):
+        assert found.point["x"].contains(arb.pi() / 6)
+        root = acb(0, (4 * (arb.pi() / 6).cos() - 1).sqrt())
+        assert all(any(each.contains((-1 + sign * root) / 2) for each in found.eigenvalues.values) for sign in (1, -1))
+
+
+FALSE = {
+    "none, far away": ("x**2 + y**2 + 1", "y", Q(1, 4), "equilibrium"),
+    "none, near by": ("x**2 + 1/10000", "y", Q(1, 16), "equilibrium"),
+    "two": ("x**2 - 1/10000", "y", Q(1, 16), "equilibrium"),
+    "one that is double": ("x**2", "y", Q(1, 16), "equilibrium"),
+    "a line": ("x - y", "2*x - 2*y", Q(1, 16), "equilibrium"),
+    "at the edge": ("x - 1/16", "y", Q(1, 16), "equilibrium"),
+    "beside": ("x - 1/8", "y", Q(1, 16), "equilibrium"),
+}
+
+
+@pytest.mark.parametrize("name", FALSE)
+def test_false_claims_about_equilibria_are_not_proved(name: str) -> None:
+    first, second, radius, condition = FALSE[name]
+    system = define_system({"name": "f", "state": "x y", "field": {"x": first, "y": second}})
+    claim = Equilibrium("e", system, {}, (Q(0), Q(0)), (radius, radius))
+    assert reason_of(claim) == condition
+
+
+def test_which_eigenvalues_are_where_is_said_as_far_as_it_is_certain() -> None:
+    """A centre and a focus that hardly repels: of the box nothing is decided, of a small one more."""
+    system = define_system(
+        {"name": "f", "state": "x y", "parameters": "e", "field": {"x": "e*x - y + x**2", "y": "x + e*y"}}
+    )
+    counts = {}
+    for e, radius in ((Q(0), Q(1, 2**60)), (Q(1, 2**20), Q(1, 2**60)), (Q(1, 2**20), Q(1, 2**10))):
+        found = certify(Equilibrium("e", system, {"e": e}, (Q(0), Q(0)), (radius,) * 2), FAST).results.eigenvalues
+        counts[e, radius] = (found.left, found.right, found.undecided)
+    assert [*counts.values()] == [(0, 0, 2), (0, 2, 0), (0, 0, 2)]
+
+
+# Hopf points
+
+
+@pytest.mark.parametrize(("seed", "size", "functions"), [(1, 2, False), (2, 3, False), (3, 4, False), (4, 3, True)])
+def test_hopf_points_in_other_coordinates_are_those_of_the_normal_form(seed: int, size: int, functions: bool) -> None:
+    for more in range(2):
+        known = cases.at_random(100 * more + seed, size, functions)
+        found = certify(known.claim, FAST).results
+        for ball, value in (
+            (found.frequency, known.omega), (found.speed, known.speed), (found.lyapunov, known.lyapunov),
+        ):  # fmt: skip
+            assert ball.contains(enclose(value).mid()) or ball.overlaps(enclose(value))
+            assert ball.rad() < arb(2) ** -30
+        assert len(found.eigenvalues.values) == size - 2
+        for value in known.others:
+            assert sum(each.overlaps(acb(enclose(value))) for each in found.eigenvalues.values) == 1
+        assert found.side == ("above" if known.speed * known.lyapunov < 0 else "below")
+        assert found.criticality == ("supercritical" if known.lyapunov < 0 else "subcritical")
+        assert found.is_attracting == (known.lyapunov < 0 and all(value < 0 for value in known.others))
+        assert (found.eigenvalues.left, found.eigenvalues.right) == (
+            sum(value < 0 for value in known.others), sum(value > 0 for value in known.others),
+        )  # fmt: skip
+
+
+PAIR = {
+    "x": "(d*a + c*(x**2 + y**2))*x - y", "y": "x + (d*a + c*(x**2 + y**2))*y",
+    "u": "k*u - h*v + x**2", "v": "h*u + k*v",
+}  # fmt: skip
+"""A pair +- i with speed d and coefficient 2 c beside k +- i h."""
+
+
+def beside(d: Q = Q(1), c: Q = Q(-1), k: Q = Q(-1), h: Q = Q(0), **changes: Any) -> HopfPoint:
+    system = define_system({"name": "beside", "state": "x y u v", "parameters": "a c d k h", "field": PAIR})
+    radius, zero = Q(1, 2**70), (Q(0),) * 4
+    kernel = ((Q(1), Q(0), Q(0), Q(0)), (Q(0), Q(-1), Q(0), Q(0)))
+    numbers = {"a": Q(0), "c": c, "d": d, "k": k, "h": h}
+    claim = HopfPoint("h", system, numbers, "a", radius, zero, (radius,) * 4, Q(1), radius, kernel, radius)
+    return replace(claim, **changes)
+
+
+def test_a_pair_beside_another_one() -> None:
+    for k, attracting in ((Q(-1), True), (Q(-1, 2**40), True), (Q(1), False)):
+        for h in (Q(1), Q(2), Q(1, 2)):
+            found = certify(beside(k=k, h=h), FAST).results
+            assert found.is_attracting is attracting
+            assert found.lyapunov.contains(-2)
+
+
+FALSE_HOPF: dict[str, tuple[HopfPoint, str]] = {
+    "zero speed": (beside(d=Q(0)), "imaginary-pair"),
+    "zero coefficient": (beside(c=Q(0)), "lyapunov"),
+    "an eigenvalue 0": (beside(k=Q(0)), "imaginary-pair"),
+    "the same pair twice": (beside(k=Q(0), h=Q(1)), "imaginary-pair"),
+    "a pair +- 2i": (beside(k=Q(0), h=Q(2)), "others"),
+    "a pair +- 3i": (beside(k=Q(0), h=Q(3)), "others"),
+    "a pair +- i/2": (beside(k=Q(0), h=Q(1, 2)), "others"),
+    "another frequency": (beside(frequency=Q(2)), "imaginary-pair"),
+    "another vector": (beside(kernel=((Q(1), Q(1), Q(0), Q(0)), (Q(0), Q(-1), Q(0), Q(0)))), "imaginary-pair"),
+    "the conjugate vector": (beside(kernel=((Q(1), Q(0), Q(0), Q(0)), (Q(0), Q(1), Q(0), Q(0)))), "imaginary-pair"),
+    "another parameter": (beside(parameters={**beside().parameters, "a": Q(1, 8)}), "imaginary-pair"),
+    "a parameter that plays no part": (beside(parameter="h", parameter_radius=Q(1, 2**70)), "imaginary-pair"),
+    "elsewhere": (beside(centre=(Q(1, 4), Q(0), Q(0), Q(0))), "imaginary-pair"),
+    "a wide box": (beside(radii=(Q(2),) * 4), "imaginary-pair"),
+}
+
+
+@pytest.mark.parametrize("name", FALSE_HOPF)
+def test_false_claims_about_hopf_points_are_not_proved(name: str) -> None:
+    claim, condition = FALSE_HOPF[name]
+    assert reason_of(claim) == condition
+
+
+def test_a_speed_of_zero_is_seen_where_the_point_is_regular() -> None:
+    """The real part of the pair is a^2: the value 0 of the parameter is double, and no box around it is proved."""
+    field = {**PAIR, "x": PAIR["x"].replace("d*a", "d*a**2"), "y": PAIR["y"].replace("d*a", "d*a**2")}
+    system = define_system({"name": "touching", "state": "x y u v", "parameters": "a c d k h", "field": field})
+    assert reason_of(beside(system=system)) == "imaginary-pair"
+
+
+LORENZ = define_system(
+    {
+        "name": "lorenz", "state": "x y z", "parameters": "sigma rho beta",
+        "field": {"x": "sigma*(y - x)", "y": "rho*x - y - x*z", "z": "x*y - beta*z"},
+    }
+)  # fmt: skip
+
+
+def rounded(ball: arb) -> Q:
+    with ctx.workprec(400):
+        mantissa, exponent = ball.mid().man_exp()
+        return Q(round(Q(int(mantissa)) * Q(2) ** (int(exponent) + 160)), 2**160)
+
+
+def of_lorenz() -> HopfPoint:
+    """At rho = 470/19: omega^2 = beta (sigma + rho), in the plane of (x, y, z) with sigma y = (sigma + i omega) x."""
+    with ctx.workprec(400):
+        rho, beta = arb(470) / 19, arb(8) / 3
+        x, omega = (beta * (rho - 1)).sqrt(), (beta * (10 + rho)).sqrt()
+        first = acb(1, 0)
+        second = acb(10, omega) / 10
+        third = x * (first + second) / acb(beta, omega)
+        kernel = tuple(
+            tuple(map(rounded, (value.real if part else value.imag for value in (first, second, third))))
+            for part in (True, False)
+        )
+        radius = Q(1, 2**80)
+        return HopfPoint(
+            "lorenz", LORENZ, {"sigma": Q(10), "rho": rounded(rho), "beta": Q(8, 3)}, "rho", radius,
+            (rounded(x), rounded(x), rounded(rho - 1)), (radius,) * 3, rounded(omega), radius, kernel, radius,
+        )  # fmt: skip
+
+
+def test_orbits_of_the_lorenz_system_are_born_below_and_repel() -> None:
+    found = certify(of_lorenz()).results
+    assert found.parameter.overlaps(enclose(Q(470, 19)))
+    assert (found.side, found.criticality, found.is_attracting) == ("below", "subcritical", False)
+    # The trace is that of the matrix.
+    assert found.eigenvalues.values[0].real.overlaps(-arb(41) / 3)
+
+
+def test_enclosures_that_are_missing_prove_nothing() -> None:
+    claim, settings = cases.hopf(), IntegratorSettings(BITS)
+    found = enclose_hopf(claim, settings)
+    with guarded(BITS):
+        assert isinstance(prove_hopf(claim, Checklist(), found), Proved)
+        nan = acb("nan", 0)
+        wrong = [
+            None,
+            replace(found, field=found.field[:-1]),
+            replace(found, field=(replace(found.field[0], slopes=found.field[0].slopes[:-1]), *found.field[1:])),
+            replace(found, field=(replace(found.field[0], centre=arb("inf")), *found.field[1:])),
+            replace(found, linear=found.linear[:-1]),
+            replace(found, linear=(found.linear[0][:-1], *found.linear[1:])),
+            replace(found, second=found.second[:-1]),
+            replace(found, second=(found.second[0][:-1], *found.second[1:])),
+            replace(found, third=found.third[:-1]),
+            replace(found, third=(nan, *found.third[1:])),
+        ]
+        for each in wrong:
+            outcome = prove_hopf(claim, Checklist(), each)
+            assert isinstance(outcome, NotProved)
+            assert outcome.reason.condition == "field"
+    at_rest = cases.equilibrium()
+    known = enclose_equilibrium(at_rest, settings)
+    with guarded(BITS):
+        short: Sequence[EquilibriumEnclosures | None] = [None, replace(known, field=known.field[:-1])]
+        for given in short:
+            refused = prove_equilibrium(at_rest, Checklist(), given)
+            assert isinstance(refused, NotProved)
+            assert refused.reason.condition == "field"
+
+
+def test_what_a_certificate_says() -> None:
+    found: Certificate = certify(cases.hopf(), FAST)
+    assert (found.kind, found.parameter_name, found.side, found.claimed) == ("hopf", "a", "above", "Hopf bifurcation")
+    assert found.on_side == "periodic orbits above"
+    assert found.parameter is not None
+    assert found.parameter.contains(0)
