@@ -62,6 +62,7 @@ OTHER_WORDS = {
     "double-resonance": ("two-resonances", "codimension-two"),
     "curve": ("branch", "branches", "family", "families", "loop", "piece", "atlas", "libration"),
     "periodic": ("periodic-orbit",),
+    "equilibrium": ("one-equilibrium", "fixed-point"),
     "hopf": ("hopf-point", "hopf-bifurcation", "andronov-hopf"),
     "periodic-bifurcation": ("periodic-fold", "periodic-doubling", "periodic-pitchfork", "doubling", "pitchfork"),
     "torus": ("periodic-torus", "neimark-sacker"),
