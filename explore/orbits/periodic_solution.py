@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.integrate import solve_ivp
 
 from orbitproof.explore.flow import Matrix, Vector
 from orbitproof.shared.systems import ReversibleSystem, System
@@ -94,6 +93,9 @@ class PeriodicSolution:
         return [self._leg(start, duration) for start, duration in zip(self.starts, self.durations, strict=True)]
 
     def _leg(self, start: Vector, duration: float) -> Any:
+        # Only now: scipy takes a moment to load.
+        from scipy.integrate import solve_ivp
+
         def field(time: float, state: Vector) -> Sequence[float]:
             return [float(value) for value in self.system.vector_field(state.tolist(), self.parameters)]
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
-from scipy.optimize import brentq, linear_sum_assignment
 
 from orbitproof.explore.flow import FlowFailure
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, correct
@@ -144,6 +143,9 @@ def _check_resolved(
 
 def followed_one_by_one(old: Vector, new: Vector) -> list[tuple[complex, complex]]:
     """Each multiplier with the one that it becomes."""
+    # Only now: scipy takes a moment to load.
+    from scipy.optimize import linear_sum_assignment
+
     if not len(old):
         return []
     sizes = 1 + np.abs(old)[:, None] + np.abs(new)[None]
@@ -193,6 +195,9 @@ def _test(kind: str, near: complex, conservative: bool) -> Test:
 
 def _located(family: Family, before: FamilyMember, now: FamilyMember, length: float, test: Test) -> FamilyMember:
     """The orbit on a step at which a test changes its sign; the end of the step if it cannot be reached."""
+    # Only now: scipy takes a moment to load.
+    from scipy.optimize import brentq
+
     known = {0.0: before, length: now}
 
     def value(place: float) -> float:

@@ -11,7 +11,6 @@ from itertools import combinations, islice
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from orbitproof.explore import numerics
 from orbitproof.explore.flow import FlowFailure
@@ -305,6 +304,9 @@ def _located(
     equations: _Equations, before: CurvePoint, now: CurvePoint, length: float, test: Callable[[CurvePoint], float]
 ) -> CurvePoint:
     """The point on a step at which a test changes its sign; an end of the step if it cannot be reached."""
+    # Only now: scipy takes a moment to load.
+    from scipy.optimize import brentq
+
     known = {0.0: before, length: now}
 
     def value(place: float) -> float:

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
 from orbitproof.explore.three_body.ephemeris_model.kernels import Bodies
@@ -43,6 +42,9 @@ class PointMasses:
 
         States are in km and km/s. Raises `FlowFailure`.
         """
+        # Only now: scipy takes a moment to load.
+        from scipy.integrate import solve_ivp
+
         sizes = np.array([self.length] * 3 + [self.length / self.time] * 3)
         extended = np.concatenate([state / sizes, np.eye(6).ravel()])
         solution = solve_ivp(

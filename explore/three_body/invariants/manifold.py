@@ -11,7 +11,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from orbitproof.explore.flow import FlowFailure, Matrices, Matrix, Vector, flow_of
 from orbitproof.explore.orbits import PeriodicSolution
@@ -142,6 +141,8 @@ def _run(
     system: ReversibleSystem, start: Vector, mass: float, plane: Plane, time: float
 ) -> tuple[Vector, float, Matrix]:
     """The state on the plane and the time there, NaN if it is not reached, and places on the way."""
+    # Only now: scipy takes a moment to load.
+    from scipy.integrate import solve_ivp
 
     def field(_: float, state: Vector) -> Sequence[float]:
         return system.vector_field(state.tolist(), [mass])

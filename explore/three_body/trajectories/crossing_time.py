@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from orbitproof.explore.flow import Vector
 from orbitproof.shared.systems import System
@@ -26,6 +25,8 @@ def time_of_crossing(
 
     `None` if there are not so many.
     """
+    # Only now: scipy takes a moment to load.
+    from scipy.integrate import solve_ivp
 
     def field(_: float, state: Vector) -> Sequence[float]:
         return [float(value) for value in system.vector_field(state.tolist(), parameters)]
