@@ -16,7 +16,9 @@ from .expansion import Chart as Chart
 from .expansion import ExpansionFailure as ExpansionFailure
 from .expansion import newton_on_curve as newton_on_curve
 from .neighbours import FARTHEST as FARTHEST
+from .neighbours import NOT_FOUND as NOT_FOUND
 from .neighbours import LibrationFailure as LibrationFailure
 from .neighbours import orbit_at as orbit_at
+from .neighbours import zero_near as zero_near
 from .request import Source as Source
 from .request import check_names as check_names

@@ -14,16 +14,25 @@ from operator import attrgetter
 
 import numpy as np
 
-from orbitproof.explore.atlases import FARTHEST, HalfReturns, LibrationFailure, orbit_at
-from orbitproof.explore.flow import FlowFailure, Vector, flow_of
-from orbitproof.explore.three_body.atlases.births import VX, VY, VZ, OrbitsAtBirth, X, Y, Z, birth_piece
+from orbitproof.explore.atlases import FARTHEST, HalfReturns, LibrationFailure, orbit_at, zero_near
+from orbitproof.explore.flow import Matrix, Vector, flow_of
+from orbitproof.explore.three_body.atlases.births import (
+    VX,
+    VY,
+    VZ,
+    OrbitsAtBirth,
+    X,
+    Y,
+    Z,
+    birth_piece,
+    is_down_to_noise,
+)
 from orbitproof.explore.three_body.atlases.graphs import pieces_of
 from orbitproof.explore.three_body.atlases.lyapunov import LyapunovFamily
 from orbitproof.explore.three_body.atlases.vertical import VerticalFamily, VerticalOrbit
 from orbitproof.shared.formats import Atlas, Claim, Covers
 from orbitproof.shared.systems import CR3BP, LIFTED, ReversibleSystem
 
-NEWTON_STEPS, TOLERANCE, NOISE = 15, 1e-11, 1e-8
 """Newton's method ends with a step below the tolerance, or one below the noise that is no shorter than the last."""
 STEPS = 60
 """So many steps lead from the planar orbit to the end."""
@@ -109,26 +118,18 @@ class AxialFamily:
 
     def _correct(self, eps2: float, x: float, vy: float, time: float) -> AxialOrbit:
         """Newton's method for x, vy and the half period: y, z and vx vanish at its end."""
-        wanted, unknowns, longest = [Y, Z, VX], np.array([x, vy, time]), np.inf
-        for _ in range(NEWTON_STEPS):
+        wanted = [Y, Z, VX]
+
+        def linearised(unknowns: Vector) -> tuple[Vector, Matrix, Vector]:
             start = [unknowns[0], 0.0, 0.0, 0.0, unknowns[1], 1.0]
-            try:
-                result = flow_of(LIFTED).derivative(start, unknowns[2], [float(self.mu), eps2])
-            except FlowFailure as error:
-                raise LibrationFailure(f"at eps2 = {eps2:.6g}: {error}") from None
+            result = flow_of(LIFTED).derivative(start, unknowns[2], [float(self.mu), eps2])
             transition = result.state_transition
             columns = (transition[wanted, X], transition[wanted, VY], result.velocity[wanted])
-            jacobian = np.stack(columns, axis=1)
-            try:
-                step = np.linalg.solve(jacobian, result.state[wanted])
-            except np.linalg.LinAlgError:
-                raise LibrationFailure(f"at eps2 = {eps2:.6g}: the family turns around") from None
-            unknowns, length = unknowns - step, float(np.abs(step).max())
-            if length < TOLERANCE or longest <= length < NOISE:
-                slopes = -np.linalg.solve(jacobian, result.parameter_derivative[wanted])
-                return AxialOrbit(eps2, *map(float, unknowns), slopes)
-            longest = length
-        raise LibrationFailure(f"at eps2 = {eps2:.6g}: Newton's method does not converge")
+            return result.state[wanted], np.stack(columns, axis=1), result.parameter_derivative[wanted]
+
+        guess, where = np.array([x, vy, time]), f"at eps2 = {eps2:.6g}"
+        unknowns, jacobian, rates = zero_near(guess, linearised, is_down_to_noise, where)
+        return AxialOrbit(eps2, *map(float, unknowns), -np.linalg.solve(jacobian, rates))
 
 
 def axial_atlas(point: str, mu: Fraction, label: str, tube: float) -> Atlas:

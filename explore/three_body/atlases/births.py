@@ -12,14 +12,14 @@ from functools import cached_property
 
 import numpy as np
 
-from orbitproof.explore.atlases import LibrationFailure
-from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
+from orbitproof.explore.atlases import LibrationFailure, zero_near
+from orbitproof.explore.flow import Matrix, Vector, flow_of
 from orbitproof.explore.numerics import working_context
 from orbitproof.explore.refinement import IntegrationFailure, JetBasis, section_crossings
 from orbitproof.shared.formats import BirthPiece
 from orbitproof.shared.systems import CR3BP, REGULARISATIONS
 
-NEWTON_STEPS, TOLERANCE, NOISE = 15, 1e-11, 1e-8
+TOLERANCE, NOISE = 1e-11, 1e-8
 """Newton's method ends with a step below the tolerance, or one below the noise that is no shorter than the last."""
 NODES, COEFFICIENTS = 20, 12
 """Amplitudes at which the orbits are found; at most so many powers of their squares are fitted to these, and no more
@@ -99,15 +99,9 @@ class OrbitsAtBirth:
 
     def _corrected(self, unknowns: Vector, s: float) -> tuple[Vector, Vector, Matrix]:
         """The unknowns at an amplitude, the first four of them, and the ends."""
-        longest = np.inf
-        for _ in range(NEWTON_STEPS):
-            values, jacobian, ends = self._equations(unknowns, s)
-            step = np.linalg.solve(jacobian, values)
-            unknowns, length = unknowns - step, float(np.abs(step).max())
-            if length < TOLERANCE or longest <= length < NOISE:
-                return unknowns, unknowns[:4], ends
-            longest = length
-        raise LibrationFailure(f"Newton's method does not converge at the amplitude {s:.6g} of the birth")
+        where = f"at the amplitude {s:.6g} of the birth"
+        found, _, ends = zero_near(unknowns, lambda here: self._equations(here, s), is_down_to_noise, where)
+        return found, found[:4], ends
 
     def _equations(self, unknowns: Vector, s: float) -> tuple[Vector, Matrix, Vector]:
         """Means, and differences by s, of what vanishes at the ends of s and -s; their derivatives; the ends."""
@@ -117,10 +111,7 @@ class OrbitsAtBirth:
         values, slopes, ends = [], [], []
         for number, side in enumerate((s, -s)):
             start = [x, 0.0, z, side * velocity[0], vy, side * velocity[1]]
-            try:
-                result = flow_of(CR3BP).derivative(start, unknowns[4 + number], [float(self.mu)])
-            except FlowFailure as error:
-                raise LibrationFailure(f"at the amplitude {s:.6g} of the birth: {error}") from None
+            result = flow_of(CR3BP).derivative(start, unknowns[4 + number], [float(self.mu)])
             rates = result.state_transition[self._wanted]
             times = [result.velocity[self._wanted] if which == number else np.zeros(3) for which in (0, 1)]
             columns = [rates[:, X], rates[:, Z], rates[:, VY], side * rates[:, [VX, VZ]] @ turn, *times]
@@ -133,6 +124,12 @@ class OrbitsAtBirth:
     @property
     def _wanted(self) -> list[int]:
         return [Y, *self.vanishing]
+
+
+def is_down_to_noise(step: Vector, unknowns: Vector, before: float) -> bool:
+    """Whether a step is short enough, or no shorter than the one before as rounding is; see `zero_near`."""
+    length = float(np.abs(step).max())
+    return length < TOLERANCE or before <= length < NOISE
 
 
 def birth_piece(

@@ -13,9 +13,9 @@ from operator import attrgetter
 
 import numpy as np
 
-from orbitproof.explore.atlases import HalfReturns, LibrationFailure, orbit_at
+from orbitproof.explore.atlases import HalfReturns, LibrationFailure, orbit_at, zero_near
 from orbitproof.explore.families import Limits, detect
-from orbitproof.explore.flow import FlowFailure, Vector, flow_of
+from orbitproof.explore.flow import Matrix, Vector, flow_of
 from orbitproof.explore.three_body.atlases.graphs import pieces_of
 from orbitproof.explore.three_body.families import trace_family
 from orbitproof.explore.three_body.names import NORTH, SOUTH
@@ -25,7 +25,7 @@ from orbitproof.shared.systems import CR3BP, HILL_VARIED, ReversibleSystem
 START, NEAREST = Fraction(1, 100), 0.15
 """The mass at which the doubling is found on the halo family, and how near to the smaller primary that is followed, in
 units of h."""
-NEWTON_STEPS, TOLERANCE = 15, 1e-8
+TOLERANCE = 1e-8
 STEP = 0.01
 """Step of the continuation in h."""
 BEYOND = 2e-5
@@ -114,26 +114,23 @@ class DoublingFamily:
 
 def _correct(h: float, unknowns: Vector) -> Doubling:
     """Newton's method for the start and the half period."""
-    flow = flow_of(HILL_VARIED)
-    for _ in range(NEWTON_STEPS):
+
+    def linearised(unknowns: Vector) -> tuple[Vector, Matrix, Vector]:
         state = np.zeros(len(HILL_VARIED.state))
         state[FREE] = unknowns[:-1]
         for name, value in HILL_VARIED.normalised.items():
             state[HILL_VARIED.state.index(name)] = float(value)
-        try:
-            result = flow.derivative(state, unknowns[-1], [h])
-        except FlowFailure as error:
-            raise LibrationFailure(f"at h = {h:.6g}: {error}") from None
+        result = flow_of(HILL_VARIED).derivative(state, unknowns[-1], [h])
         jacobian = np.column_stack([result.state_transition[np.ix_(WANTED, FREE)], result.velocity[WANTED]])
-        try:
-            step = np.linalg.solve(jacobian, result.state[WANTED])
-        except np.linalg.LinAlgError:
-            raise LibrationFailure(f"at h = {h:.6g}: the curve turns around") from None
-        unknowns = unknowns - step
-        if np.abs(step).max() < TOLERANCE * np.abs(unknowns).max():
-            slopes = -np.linalg.solve(jacobian, result.parameter_derivative[WANTED])
-            return Doubling(h, unknowns[:-1], float(unknowns[-1]), slopes)
-    raise LibrationFailure(f"at h = {h:.6g}: Newton's method does not converge")
+        return result.state[WANTED], jacobian, result.parameter_derivative[WANTED]
+
+    found, jacobian, rates = zero_near(
+        unknowns,
+        linearised,
+        lambda step, found, _: np.abs(step).max() < TOLERANCE * np.abs(found).max(),
+        f"at h = {h:.6g}",
+    )
+    return Doubling(h, found[:-1], float(found[-1]), -np.linalg.solve(jacobian, rates))
 
 
 def doubling_atlas(point: str, lowest: Fraction, highest: Fraction, tube: float) -> Atlas:

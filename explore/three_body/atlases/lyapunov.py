@@ -16,8 +16,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from orbitproof.explore.atlases import FARTHEST, LibrationFailure, orbit_at
-from orbitproof.explore.flow import FlowFailure, Vector, flow_of
+from orbitproof.explore.atlases import FARTHEST, NOT_FOUND, LibrationFailure, orbit_at, zero_near
+from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
 from orbitproof.explore.numerics import bracketed_zero
 from orbitproof.explore.three_body.seeds import LibrationPoint, libration_point, lyapunov_orbit
 from orbitproof.shared.formats import Atlas, Claim, Covers, Piece
@@ -25,7 +25,7 @@ from orbitproof.shared.systems import AROUND, CR3BP, ReversibleSystem
 
 ComplexArray = NDArray[np.complex128]
 
-NEWTON_STEPS, VY_TOLERANCE = 12, 1e-11
+VY_TOLERANCE = 1e-11
 STEP = 0.02
 """Step of the continuation in eps, in units of the distance of the libration point from the nearest primary."""
 NODES = 48
@@ -113,23 +113,22 @@ class LyapunovFamily:
     def _correct(self, eps: float, vy: float, half_period: float) -> PlanarOrbit:
         """Newton's method for vy and the half period: y and vx vanish at its end."""
         flow, parameters = flow_of(self.system), [float(self.mu), self.libration.x, eps]
-        for _ in range(NEWTON_STEPS):
-            if half_period <= 0:
-                break
-            try:
-                result = flow.derivative([1.0, 0.0, 0.0, vy], half_period, parameters)
-            except FlowFailure as error:
-                raise LibrationFailure(f"at eps = {eps:.6g}: {error}") from None
+
+        def linearised(unknowns: Vector) -> tuple[Vector, Matrix, Vector]:
+            speed, time = unknowns.tolist()
+            if time <= 0:
+                raise FlowFailure(NOT_FOUND)
+            result = flow.derivative([1.0, 0.0, 0.0, speed], time, parameters)
             jacobian = np.stack([result.state_transition[1:3, 3], result.velocity[1:3]], axis=1)
-            try:
-                step = np.linalg.solve(jacobian, result.state[1:3])
-            except np.linalg.LinAlgError:
-                raise LibrationFailure(f"at eps = {eps:.6g}: the family turns around") from None
-            vy, half_period = vy - float(step[0]), half_period - float(step[1])
-            if abs(step[0]) < VY_TOLERANCE * abs(vy):
-                slopes = -np.linalg.solve(jacobian, result.parameter_derivative[1:3])
-                return PlanarOrbit(eps, vy, half_period, slopes)
-        raise LibrationFailure(f"at eps = {eps:.6g}: Newton's method does not converge")
+            return result.state[1:3], jacobian, result.parameter_derivative[1:3]
+
+        found, jacobian, rates = zero_near(
+            np.array([vy, half_period]),
+            linearised,
+            lambda step, found, _: abs(step[0]) < VY_TOLERANCE * abs(found[0]),
+            f"at eps = {eps:.6g}",
+        )
+        return PlanarOrbit(eps, *found.tolist(), -np.linalg.solve(jacobian, rates))
 
     def breaking_function(self, eps: float, born: str = "halo") -> float:
         """The variation of `BIRTHS`; zero where the symmetry S breaks and such orbits branch off. eps != 0."""

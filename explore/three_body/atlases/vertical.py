@@ -15,15 +15,15 @@ from operator import attrgetter
 
 import numpy as np
 
-from orbitproof.explore.atlases import FARTHEST, LibrationFailure, orbit_at
-from orbitproof.explore.flow import FlowFailure, flow_of
+from orbitproof.explore.atlases import FARTHEST, NOT_FOUND, LibrationFailure, orbit_at, zero_near
+from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
 from orbitproof.explore.numerics import bracketed_zero
 from orbitproof.explore.three_body.atlases.lyapunov import pieces_over
 from orbitproof.explore.three_body.seeds import LibrationPoint, libration_point, primaries
 from orbitproof.shared.formats import Atlas, Claim, Covers
 from orbitproof.shared.systems import CR3BP, VERTICAL, ReversibleSystem
 
-NEWTON_STEPS, TOLERANCE = 15, 1e-10
+TOLERANCE = 1e-10
 STEP = 0.05
 """Step of the continuation in eps2, in units of the force scale c d^2, d the distance of the nearest primary."""
 BEYOND, BEFORE = 0.06, 0.02
@@ -116,24 +116,23 @@ class VerticalFamily:
 
     def _correct(self, eps2: float, x: float, vy: float, quarter: float) -> VerticalOrbit:
         """Newton's method for x, vy and the time: y, vx and z vz vanish at its end."""
-        flow, parameters = flow_of(self.system), [float(self.mu), self.libration.x, eps2]
-        for _ in range(NEWTON_STEPS):
-            if quarter <= 0:
-                break
-            try:
-                result = flow.derivative([x, 0.0, 0.0, vy, 0.0, 0.0, 1.0], quarter, parameters)
-            except FlowFailure as error:
-                raise LibrationFailure(f"at eps2 = {eps2:.6g}: {error}") from None
-            wanted = [Y, VX, V]
+        flow, wanted = flow_of(self.system), [Y, VX, V]
+
+        def linearised(unknowns: Vector) -> tuple[Vector, Matrix, None]:
+            place, speed, time = unknowns.tolist()
+            if time <= 0:
+                raise FlowFailure(NOT_FOUND)
+            result = flow.derivative([place, 0.0, 0.0, speed, 0.0, 0.0, 1.0], time, [*self.constants, eps2])
             columns = (result.state_transition[wanted, 0], result.state_transition[wanted, 3], result.velocity[wanted])
-            try:
-                step = np.linalg.solve(np.stack(columns, axis=1), result.state[wanted])
-            except np.linalg.LinAlgError:
-                raise LibrationFailure(f"at eps2 = {eps2:.6g}: the family turns around") from None
-            x, vy, quarter = (value - float(change) for value, change in zip((x, vy, quarter), step, strict=True))
-            if np.abs(step).max() < TOLERANCE * (abs(x) + abs(vy)):
-                return VerticalOrbit(eps2, x, vy, quarter)
-        raise LibrationFailure(f"at eps2 = {eps2:.6g}: Newton's method does not converge")
+            return result.state[wanted], np.stack(columns, axis=1), None
+
+        found, _, _ = zero_near(
+            np.array([x, vy, quarter]),
+            linearised,
+            lambda step, found, _: np.abs(step).max() < TOLERANCE * (abs(found[0]) + abs(found[1])),
+            f"at eps2 = {eps2:.6g}",
+        )
+        return VerticalOrbit(eps2, *found.tolist())
 
     def state(self, orbit: VerticalOrbit) -> list[float]:
         """State of the CR3BP on the axis, of an orbit of eps2 > 0."""
@@ -213,23 +212,18 @@ class TurningVerticalFamily:
 
     def _correct(self, vy: float, near: VerticalOrbit) -> VerticalOrbit:
         """Newton's method for eps2, x and the time: y, vx and z vz vanish at its end."""
-        flow, wanted, unknowns = flow_of(self.system), [Y, VX, V], np.array([near.eps2, near.x, near.half_period])
-        for _ in range(NEWTON_STEPS):
+        flow, wanted = flow_of(self.system), [Y, VX, V]
+
+        def linearised(unknowns: Vector) -> tuple[Vector, Matrix, None]:
             eps2, x, quarter = unknowns.tolist()
-            try:
-                result = flow.derivative([x, 0.0, 0.0, vy, 0.0, 0.0, 1.0], quarter, [*self.constants, eps2])
-            except FlowFailure as error:
-                raise LibrationFailure(f"at vy = {vy:.6g}: {error}") from None
+            result = flow.derivative([x, 0.0, 0.0, vy, 0.0, 0.0, 1.0], quarter, [*self.constants, eps2])
             columns = (result.parameter_derivative, result.state_transition[:, 0], result.velocity)
-            try:
-                step = np.linalg.solve(np.stack(columns, axis=1)[wanted], result.state[wanted])
-            except np.linalg.LinAlgError:
-                raise LibrationFailure(f"at vy = {vy:.6g}: the family turns around") from None
-            unknowns = unknowns - step
-            if np.abs(step).max() < TOLERANCE:
-                eps2, x, quarter = unknowns.tolist()
-                return VerticalOrbit(eps2, x, vy, quarter)
-        raise LibrationFailure(f"at vy = {vy:.6g}: Newton's method does not converge")
+            return result.state[wanted], np.stack(columns, axis=1)[wanted], None
+
+        guess, where = np.array([near.eps2, near.x, near.half_period]), f"at vy = {vy:.6g}"
+        found, _, _ = zero_near(guess, linearised, lambda step, *_: np.abs(step).max() < TOLERANCE, where)
+        eps2, x, quarter = found.tolist()
+        return VerticalOrbit(eps2, x, vy, quarter)
 
 
 def vertical_atlas(family: VerticalFamily, label: str, end: float | None, tube: float) -> Atlas:
