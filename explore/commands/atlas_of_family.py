@@ -108,7 +108,7 @@ def _family(source: Source, options: argparse.Namespace, report: Reporter) -> tu
 
 
 def _limits(source: Source, options: argparse.Namespace) -> Limits:
-    """Those of the options, and a little beyond what has to be covered."""
+    """How far the family is traced: to the limits of the options, and a little beyond what has to be covered."""
     limits = Limits(options.max_orbits, integral_min=options.jacobi_min, min_distance=options.min_distance)
     covers, system = source.covers, source.system
     if covers is None or system is None:

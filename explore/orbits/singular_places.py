@@ -30,7 +30,7 @@ class SingularPlaces:
 
 
 def singular_places(system: System, parameters: Mapping[str, Fraction | float]) -> SingularPlaces | None:
-    """Those of a system with these parameters; `None`: none are known."""
+    """Where the field of a system with these parameters is not defined; `None`: no such place is known."""
     if system not in (*THREE_BODY, CR3BP_PLANAR):
         return None
     mass, size = float(parameters["mu"]), len(system.state) // 2

@@ -30,7 +30,7 @@ from .equilibrium_curve import continue_equilibrium as continue_equilibrium
 from .equilibrium_curve import curve_as_json as curve_as_json
 from .equilibrium_curve import curve_csv as curve_csv
 from .equilibrium_curve import curve_described as curve_described
-from .family import Family as Family
+from .family import FamilyEquations as FamilyEquations
 from .family import FamilyMember as FamilyMember
 from .family_file import PERIODIC_FAMILY as PERIODIC_FAMILY
 from .family_file import BifurcationRecord as BifurcationRecord

@@ -20,7 +20,7 @@ from orbitproof.explore.periodic.continuation import (
 )
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem
 from orbitproof.explore.periodic.detection import DOUBLING, PITCHFORK, Bifurcation, gap_of
-from orbitproof.explore.periodic.family import Family, FamilyMember
+from orbitproof.explore.periodic.family import FamilyEquations, FamilyMember
 from orbitproof.explore.periodic.flow import Vector, arc_of
 from orbitproof.explore.periodic.symmetries import Symmetry, linear_symmetries
 
@@ -52,7 +52,7 @@ def new_orbits(
         start = replace(
             old, period=times * old.period, arc=arc_of(problem.system, old.point, times * old.period, old.values)
         )
-        family = Family(problem, name, scale_of(start, name, bounds), bifurcation.level, symmetries)
+        family = FamilyEquations(problem, name, scale_of(start, name, bounds), bifurcation.level, symmetries)
         begin = FamilyMember(start, bifurcation.member.value, _new_direction(bifurcation, family))
         first = _first(bifurcation, family, begin, control.initial)
     except FlowFailure as failure:
@@ -69,7 +69,7 @@ def new_orbits(
     )
 
 
-def _first(bifurcation: Bifurcation, family: Family, begin: FamilyMember, length: float) -> FamilyMember:
+def _first(bifurcation: Bifurcation, family: FamilyEquations, begin: FamilyMember, length: float) -> FamilyMember:
     """An orbit that is no old one, not farther than the length. Raises `PeriodicFailure`."""
     parts = 2 if bifurcation.kind == DOUBLING else bifurcation.parts
 
@@ -86,7 +86,7 @@ def _first(bifurcation: Bifurcation, family: Family, begin: FamilyMember, length
         raise PeriodicFailure(str(failure)) from None
 
 
-def _new_direction(bifurcation: Bifurcation, family: Family) -> Vector:
+def _new_direction(bifurcation: Bifurcation, family: FamilyEquations) -> Vector:
     """Where the new orbits leave the old ones: the direction of the multiplier -1, across that of the old family.
 
     Both in the scale of the new family. The map is that of the flow over the old period, or half of it, followed by S.

@@ -24,7 +24,7 @@ from orbitproof.explore.periodic.detection import (
     is_real,
     passage,
 )
-from orbitproof.explore.periodic.family import Family, FamilyMember
+from orbitproof.explore.periodic.family import FamilyEquations, FamilyMember
 from orbitproof.explore.periodic.flow import Vector
 from orbitproof.explore.periodic.hopf import Hopf, hopf_as_json, hopf_described, hopf_of_orbit
 from orbitproof.explore.periodic.symmetries import Symmetry, linear_symmetries
@@ -118,7 +118,7 @@ def continue_orbit(
         symmetries = linear_symmetries(problem, name)
     if level is None and orbit.level is not None:
         level = Fraction(orbit.level)
-    family = Family(problem, name, scale_of(orbit, name, bounds), None if name is None else level, symmetries)
+    family = FamilyEquations(problem, name, scale_of(orbit, name, bounds), None if name is None else level, symmetries)
     first = family.member_of(orbit)
     if family.rate(first) < 0:
         # Rounding chooses the sign of a tangent; the order of the family and the numbers in it do not depend on it.
@@ -160,7 +160,7 @@ class Trace:
 
 
 def traced(
-    family: Family,
+    family: FamilyEquations,
     start: FamilyMember,
     bounds: tuple[float, float],
     control: StepControl,
@@ -183,7 +183,7 @@ def traced(
 
 
 def _follow(
-    family: Family,
+    family: FamilyEquations,
     start: FamilyMember,
     bounds: tuple[float, float],
     control: StepControl,
@@ -236,14 +236,16 @@ def _follow(
     return f"has {control.most} orbits, the most that were asked for, at {last().value:.6g}"
 
 
-def _rescaled(family: Family, now: FamilyMember, bounds: tuple[float, float]) -> tuple[Family, FamilyMember]:
+def _rescaled(
+    family: FamilyEquations, now: FamilyMember, bounds: tuple[float, float]
+) -> tuple[FamilyEquations, FamilyMember]:
     """Steps measured by an orbit, and that orbit."""
     other = replace(family, scale=scale_of(now.orbit, family.name, bounds))
     here, along = other.member_of(now.orbit), now.tangent * family.scale / other.scale
     return other, here if here.tangent @ along > 0 else replace(here, tangent=-here.tangent)
 
 
-def _hopf_end(family: Family, member: FamilyMember, hopf: list[Hopf]) -> str | None:
+def _hopf_end(family: FamilyEquations, member: FamilyMember, hopf: list[Hopf]) -> str | None:
     """Why a family ends whose orbits shrink, if there is a Hopf point; that is appended to `hopf`."""
     if family.name is None or family.problem.system.first_integral_program is not None:
         return None

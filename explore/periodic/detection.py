@@ -10,7 +10,7 @@ import numpy as np
 
 from orbitproof.explore.flow import FlowFailure
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, correct
-from orbitproof.explore.periodic.family import Family, FamilyMember
+from orbitproof.explore.periodic.family import FamilyEquations, FamilyMember
 from orbitproof.explore.periodic.flow import Vector, arc_of
 from orbitproof.explore.periodic.symmetries import Symmetry, invariance
 
@@ -64,7 +64,7 @@ class Bifurcation:
 
     @property
     def value(self) -> float:
-        """Of the parameter or level."""
+        """Parameter, or level of the first integral, at which the bifurcation lies."""
         return self.member.value
 
 
@@ -85,7 +85,7 @@ class Passage:
     end: str | None = None
 
 
-def passage(family: Family, before: FamilyMember, now: FamilyMember, length: float, patient: bool) -> Passage:
+def passage(family: FamilyEquations, before: FamilyMember, now: FamilyMember, length: float, patient: bool) -> Passage:
     """The bifurcations on one step.
 
     Arguments:
@@ -121,7 +121,7 @@ def passage(family: Family, before: FamilyMember, now: FamilyMember, length: flo
 _PARENT = {DOUBLING: "those of half the period", PITCHFORK: "those with a symmetry"}
 
 
-def _bifurcation(family: Family, kind: str, member: FamilyMember, multiplier: complex) -> Bifurcation:
+def _bifurcation(family: FamilyEquations, kind: str, member: FamilyMember, multiplier: complex) -> Bifurcation:
     return Bifurcation(kind, member, multiplier, family.problem, family.name, family.level)
 
 
@@ -193,7 +193,9 @@ def _test(kind: str, near: complex, conservative: bool) -> Test:
     return test
 
 
-def _located(family: Family, before: FamilyMember, now: FamilyMember, length: float, test: Test) -> FamilyMember:
+def _located(
+    family: FamilyEquations, before: FamilyMember, now: FamilyMember, length: float, test: Test
+) -> FamilyMember:
     """The orbit on a step at which a test changes its sign; the end of the step if it cannot be reached."""
     # Only now: scipy takes a moment to load.
     from scipy.optimize import brentq
@@ -215,7 +217,7 @@ def _located(family: Family, before: FamilyMember, now: FamilyMember, length: fl
 
 
 def _pitchfork(
-    family: Family, before: FamilyMember, now: FamilyMember, length: float, test: Test
+    family: FamilyEquations, before: FamilyMember, now: FamilyMember, length: float, test: Test
 ) -> Bifurcation | None:
     """The pitchfork on a step, if a symmetry of its orbits takes the direction of the multiplier 1 to its negative."""
     for symmetry in family.symmetries:
@@ -232,14 +234,14 @@ def _pitchfork(
     return None
 
 
-def _is_flip(family: Family, orbit: ClosedOrbit, symmetry: Symmetry, parts: int) -> bool:
+def _is_flip(family: FamilyEquations, orbit: ClosedOrbit, symmetry: Symmetry, parts: int) -> bool:
     """Whether the flow over the period or half of it, followed by S, has a multiplier near -1."""
     arc = orbit.arc if parts == 1 else arc_of(family.problem.system, orbit.point, orbit.period / 2, orbit.values)
     found = np.linalg.eigvals(symmetry.matrix @ arc.by_state)
     return bool(np.min(np.abs(found + 1)) < _FLIP)
 
 
-def _birth(family: Family, before: FamilyMember, now: FamilyMember, length: float) -> Bifurcation | None:
+def _birth(family: FamilyEquations, before: FamilyMember, now: FamilyMember, length: float) -> Bifurcation | None:
     """The doubling or pitchfork at which the orbits of a family are born, if this is why it turns back.
 
     There a point meets the one half a period later, or its mirror image, and passes it.
@@ -268,7 +270,7 @@ def _birth(family: Family, before: FamilyMember, now: FamilyMember, length: floa
     return None
 
 
-def gap_of(family: Family, orbit: ClosedOrbit, symmetry: Symmetry | None, parts: int) -> Vector:
+def gap_of(family: FamilyEquations, orbit: ClosedOrbit, symmetry: Symmetry | None, parts: int) -> Vector:
     """From a point of an orbit to the image of the one half a period later (`parts` = 2), or of itself."""
     end = orbit.point
     if parts == 2:
@@ -276,7 +278,7 @@ def gap_of(family: Family, orbit: ClosedOrbit, symmetry: Symmetry | None, parts:
     return (end if symmetry is None else symmetry.matrix @ end) - orbit.point
 
 
-def _half(family: Family, member: FamilyMember) -> FamilyMember:
+def _half(family: FamilyEquations, member: FamilyMember) -> FamilyMember:
     """The orbit that a nearby one runs through nearly twice, where its multiplier is -1. Raises `PeriodicFailure`."""
     problem, orbit = family.problem, member.orbit
     if family.name is not None:
@@ -287,7 +289,7 @@ def _half(family: Family, member: FamilyMember) -> FamilyMember:
     return _polished(family, family.member_of(half), _test(DOUBLING, -1.0, family.conservative))
 
 
-def _symmetric(family: Family, member: FamilyMember) -> FamilyMember:
+def _symmetric(family: FamilyEquations, member: FamilyMember) -> FamilyMember:
     """The symmetric orbit with a multiplier 1 near an orbit; that orbit if there is none."""
     try:
         start = family.corrected(family.member_of(member.orbit), 0.0)
@@ -296,7 +298,7 @@ def _symmetric(family: Family, member: FamilyMember) -> FamilyMember:
         return member
 
 
-def _polished(family: Family, start: FamilyMember, test: Test) -> FamilyMember:
+def _polished(family: FamilyEquations, start: FamilyMember, test: Test) -> FamilyMember:
     """The orbit near one of a family at which a test is 0, by the secant method. Raises `PeriodicFailure`."""
     places, values, best = [0.0, _NEARBY], [test(start)], start
     for _ in range(_SECANTS):

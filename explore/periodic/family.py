@@ -31,7 +31,7 @@ class FamilyMember:
 
 
 @dataclass(frozen=True)
-class Family:
+class FamilyEquations:
     """The equations of a family.
 
     Attributes:

@@ -60,7 +60,7 @@ class Hopf:
 
     @property
     def period(self) -> float:
-        """Of the smallest orbits."""
+        """The limit of the periods of the orbits that are born, as they shrink to the equilibrium."""
         return 2 * pi / self.frequency
 
     @property

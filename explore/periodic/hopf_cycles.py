@@ -13,7 +13,7 @@ from orbitproof.explore.numerics import NoStep, walked
 from orbitproof.explore.periodic.births import with_descendants
 from orbitproof.explore.periodic.continuation import PATIENCE, PeriodicFamily, StepControl, scale_of, traced
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure
-from orbitproof.explore.periodic.family import Family, FamilyMember
+from orbitproof.explore.periodic.family import FamilyEquations, FamilyMember
 from orbitproof.explore.periodic.flow import SAMPLES, Arc, Vector
 from orbitproof.explore.periodic.hopf import Hopf
 from orbitproof.explore.periodic.symmetries import Symmetry, linear_symmetries
@@ -47,7 +47,7 @@ def cycles_of(
     if symmetries is None:
         symmetries = linear_symmetries(problem, name)
     small = _small_orbit(hopf, _radius(hopf, bounds[1] - bounds[0]))
-    family = Family(problem, name, scale_of(small, name, bounds), None, symmetries)
+    family = FamilyEquations(problem, name, scale_of(small, name, bounds), None, symmetries)
     direction = np.append(hopf.vector.real / np.linalg.norm(hopf.vector.real), [0.0, 0.0])
     begin = FamilyMember(small, hopf.value, direction)
 

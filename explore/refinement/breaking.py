@@ -16,7 +16,7 @@ import mpmath
 import numpy as np
 
 from orbitproof.explore.refinement.half_return import HalfReturn, half_return, second_derivatives
-from orbitproof.explore.refinement.one_point import FRAME_BITS, Defect, Place, refine_defect
+from orbitproof.explore.refinement.one_point import FRAME_BITS, Defect, Setting, refine_defect
 from orbitproof.shared.formats import REVERSOR_BREAKING
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems import ReversibleSystem
@@ -31,10 +31,10 @@ def crossing_matrix(system: ReversibleSystem, half: HalfReturn) -> tuple[list[in
     return rows, np.array([[float(half.derivative[row, n + 1 + j]) for j in range(n)] for row in rows])
 
 
-def _loss_at(place: Place, point: Sequence[Fraction], context: mpmath.MPContext) -> Defect:
-    where = place.system, place.parameters, point
-    half = half_return(*where, context, place.regularisation, place.crossings)
-    rows, floats = crossing_matrix(place.system, half)
+def _loss_at(setting: Setting, point: Sequence[Fraction], context: mpmath.MPContext) -> Defect:
+    where = setting.system, setting.parameters, point
+    half = half_return(*where, context, setting.regularisation, setting.crossings)
+    rows, floats = crossing_matrix(setting.system, half)
     n = len(rows)
     left, _, right = np.linalg.svd(floats)
     e, r = ([context.mpf(float(value)) for value in vector] for vector in (left[:, -1], right[-1]))
@@ -48,7 +48,7 @@ def _loss_at(place: Place, point: Sequence[Fraction], context: mpmath.MPContext)
     w, covector = list(solution[:n]), list(other[:n])
     units = [[int(i == j) for i in range(2 * n + 1)] for j in range(n + 1)]
     across = [0] * (n + 1) + w
-    (bent,) = second_derivatives(*where, [across], units, context, place.regularisation, place.crossings)
+    (bent,) = second_derivatives(*where, [across], units, context, setting.regularisation, setting.crossings)
     slope = [-sum(covector[i] * column[row] for i, row in enumerate(rows)) for column in bent]
     return Defect(solution[n], slope, half, _kernel_frame([float(value) for value in w]))
 

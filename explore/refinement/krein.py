@@ -16,7 +16,7 @@ import mpmath
 
 from orbitproof.explore.refinement.frames import RefinementFailure
 from orbitproof.explore.refinement.half_return import half_return, second_derivatives
-from orbitproof.explore.refinement.one_point import Defect, Place, refine_defect
+from orbitproof.explore.refinement.one_point import Defect, Setting, refine_defect
 from orbitproof.shared.formats import KREIN_COLLISION
 
 _N = 2
@@ -24,14 +24,14 @@ _REAL = 1.01
 """Stability parameters beyond it belong to real multipliers, also at a point that is not refined yet."""
 
 
-def _collision_at(place: Place, point: Sequence[Fraction], context: mpmath.MPContext) -> Defect:
-    if len(place.system.kernel_coordinates) != _N:
-        raise RefinementFailure(f"{place.system.name} has not two pairs of multipliers")
-    where = place.system, place.parameters, point
-    half = half_return(*where, context, place.regularisation, place.crossings)
+def _collision_at(setting: Setting, point: Sequence[Fraction], context: mpmath.MPContext) -> Defect:
+    if len(setting.system.kernel_coordinates) != _N:
+        raise RefinementFailure(f"{setting.system.name} has not two pairs of multipliers")
+    where = setting.system, setting.parameters, point
+    half = half_return(*where, context, setting.regularisation, setting.crossings)
     size, along = 1 + 2 * _N, 1 + _N
     units = [[int(i == j) for i in range(size)] for j in range(size)]
-    bent = second_derivatives(*where, units[:along], units, context, place.regularisation, place.crossings)
+    bent = second_derivatives(*where, units[:along], units, context, setting.regularisation, setting.crossings)
     inverse = context.inverse(half.derivative)
     there, back = half.derivative[:along, :along], inverse[:along, :along]
     sigma = 2 * back * there - context.eye(along)

@@ -64,8 +64,8 @@ class Defect:
 
 
 @dataclass(frozen=True)
-class Place:
-    """Where a function is evaluated.
+class Setting:
+    """The orbits on which a function is evaluated.
 
     Attributes:
         system, parameters: of the orbits.
@@ -79,7 +79,7 @@ class Place:
     regularisation: Regularisation | None
 
 
-Evaluate = Callable[[Place, Sequence[Fraction], mpmath.MPContext], Defect]
+Evaluate = Callable[[Setting, Sequence[Fraction], mpmath.MPContext], Defect]
 
 
 def refine_defect(
@@ -105,22 +105,24 @@ def refine_defect(
     if system.family_parameter is None and system.level_coordinate not in names:
         raise RefinementFailure(f"{system.name} names no level coordinate: the level cannot be the parameter")
     try:
-        place = Place(system, parameters, crossings, shorter_coordinates(system, parameters, guess, crossings))
+        setting = Setting(system, parameters, crossings, shorter_coordinates(system, parameters, guess, crossings))
         found = newton_with_digits(
-            partial(_linearised, place, evaluate),
+            partial(_linearised, setting, evaluate),
             [Fraction(value) for value in guess],
             bits_of(digits),
             _RULE,
             progress,
         )
-        return _candidate(kind, place, found, digits, id, provenance)
+        return _candidate(kind, setting, found, digits, id, provenance)
     except (IntegrationFailure, ZeroDivisionError) as failure:
         raise RefinementFailure(str(failure)) from None
 
 
-def _linearised(place: Place, evaluate: Evaluate, point: Sequence[Fraction], context: mpmath.MPContext) -> Linearised:
+def _linearised(
+    setting: Setting, evaluate: Evaluate, point: Sequence[Fraction], context: mpmath.MPContext
+) -> Linearised:
     """pi_q P and the further function; its second derivatives of P lose the bits of the spread once more."""
-    found = evaluate(place, point, context)
+    found = evaluate(setting, point, context)
     n = len(point) - 1
     rows = [[found.half.derivative[n + 1 + i, j] for j in range(n + 1)] for i in range(n)]
     residual = context.matrix([*found.half.kernel_values, found.value])
@@ -129,13 +131,13 @@ def _linearised(place: Place, evaluate: Evaluate, point: Sequence[Fraction], con
 
 def _candidate(
     kind: str,
-    place: Place,
+    setting: Setting,
     found: Solution,
     digits: int,
     id: str,
     provenance: Mapping[str, Any],
 ) -> Candidate:
-    system, point, bits, defect = place.system, found.unknowns, found.bits, found.last.found
+    system, point, bits, defect = setting.system, found.unknowns, found.bits, found.last.found
     size = len(point)
     exponent = ceil(min(_BOX_DIGITS, digits - _NARROWER) * log2(10) + log2(max(1.0, defect.spread)))
     names, centre, sign = system.centre_coordinates, list(point), None
@@ -143,14 +145,14 @@ def _candidate(
         context, basis = working_context(bits), JetBasis.graded((1,), 0)
         values = [mpf(value, context) for value in point]
         start, _ = start_jets(system, values, [], basis)
-        level = level_jet(system, place.parameters, start, None, context).coefficients[0]
+        level = level_jet(system, setting.parameters, start, None, context).coefficients[0]
         position = names.index(str(system.level_coordinate))
         sign = 1 if point[position] > 0 else -1
         centre = [fraction(level), *point[:position], *point[position + 1 :]]
     return Candidate(
         id=id,
         system=system,
-        parameters=dict(place.parameters),
+        parameters=dict(setting.parameters),
         kind=kind,  # type: ignore[arg-type]
         k=1,
         centre=tuple(round_dyadic(value, bits) for value in centre),
@@ -158,6 +160,6 @@ def _candidate(
         kernel_frame=defect.kernel_frame,
         radii=(Fraction(1, 2**exponent),) * size,
         level_sign=sign,
-        crossings=place.crossings,
+        crossings=setting.crossings,
         provenance={"digits": digits, **provenance},
     )

@@ -6,6 +6,6 @@ from .family import interpolate as interpolate
 from .family import level_of as level_of
 from .family import mark_candidates as mark_candidates
 from .family_file import read_families as read_families
-from .stability import Place as Place
+from .stability import BifurcationOnCurve as BifurcationOnCurve
 from .stability import SampledStability as SampledStability
 from .stability import read_curves as read_curves

@@ -54,14 +54,14 @@ class SampledStability:
         turns = [f"{item.stability_parameter:.7g} (1:{item.k} is {item.level:.3g})" for item in nearest]
         return f"{text}; extrema nearest to a resonance: {', '.join(turns)}" if turns else text
 
-    def places(self, marks: Sequence[MarkedPoint]) -> list[Place]:
+    def places(self, marks: Sequence[MarkedPoint]) -> list[BifurcationOnCurve]:
         """The resonances of the family file, each with the candidate that refines it, by arclength.
 
         Candidates that refine none of them, for example of other multiplicities, are placed by their point. Orbits
         that are claimed for themselves are at no resonance and have no place here.
         """
         rest = [mark for mark in marks if not mark.candidate.is_of_orbit]
-        result: list[Place] = []
+        result: list[BifurcationOnCurve] = []
         for resonance in self.resonances:
             known = [
                 mark for mark in rest if mark.k == resonance.k and np.allclose(mark.point, resonance.point, atol=1e-6)
@@ -71,7 +71,7 @@ class SampledStability:
             level = resonance.point[0] if self.family.system.family_parameter is not None else resonance.first_integral
             mark = known[0] if known else None
             where = (resonance.side, resonance.arclength, float(level), resonance.stability_parameter)
-            result.append(Place(resonance.k, resonance.kind, *where, mark))
+            result.append(BifurcationOnCurve(resonance.k, resonance.kind, *where, mark))
         for mark in rest:
             found = self.family.place(mark)
             # The other point on Fix(R) of an orbit in resonance: at the arclength of that orbit.
@@ -84,7 +84,7 @@ class SampledStability:
             value = float(value) if isinstance(value, float) else np.nan
             arclength = near[0].arclength if near else found.arclength
             where = ("second" if found.second else "first", arclength, mark.level, value)
-            result.append(Place(mark.k, mark.candidate.kind, *where, mark))
+            result.append(BifurcationOnCurve(mark.k, mark.candidate.kind, *where, mark))
         return sorted(result, key=lambda item: item.arclength)
 
     def samples_csv(self) -> str:
@@ -102,7 +102,7 @@ class SampledStability:
         )
         return _csv(header, rows.tolist())
 
-    def events_csv(self, places: Sequence[Place]) -> str:
+    def events_csv(self, places: Sequence[BifurcationOnCurve]) -> str:
         """One line for each resonance and for each extremum of a stability parameter, by arclength."""
         rows: list[tuple[object, ...]] = []
         for item in places:
@@ -117,7 +117,7 @@ class SampledStability:
 
 
 @dataclass(frozen=True)
-class Place:
+class BifurcationOnCurve:
     """A bifurcation on the curve: its multiplicity and kind, where it is, and its candidate, if there is one."""
 
     k: int

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from orbitproof.explore.records import BAND, ExtremumRecord
-from orbitproof.figures.model import Place, SampledStability
+from orbitproof.figures.model import BifurcationOnCurve, SampledStability
 from orbitproof.figures.pictures.legends import bottom_margin, legend_below
 from orbitproof.figures.pictures.marks import draw_mark, draw_resonance, resonances
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, marker_of, unit_of
@@ -27,7 +27,7 @@ _CLOSE = 0.02
 _MOST_PANELS = 3
 
 
-def draw_resonances(curve: SampledStability, places: Sequence[Place]) -> Figure:
+def draw_resonances(curve: SampledStability, places: Sequence[BifurcationOnCurve]) -> Figure:
     """The figure of one family; `places` as from `SampledStability.places`."""
     crowds = _crowds(places)
     close = _close_turns(curve)
@@ -53,7 +53,7 @@ def draw_resonances(curve: SampledStability, places: Sequence[Place]) -> Figure:
     return figure
 
 
-def _crowds(places: Sequence[Place]) -> list[tuple[float, float]]:
+def _crowds(places: Sequence[BifurcationOnCurve]) -> list[tuple[float, float]]:
     """Windows of arclength around groups of points, with the largest groups first in order along the family."""
     groups: list[list[float]] = []
     for item in places:
@@ -80,7 +80,7 @@ def _close_turns(curve: SampledStability) -> list[ExtremumRecord]:
 def _panel(
     axes: Axes,
     curve: SampledStability,
-    places: Sequence[Place],
+    places: Sequence[BifurcationOnCurve],
     window: tuple[float, float],
     letter: str,
     text: str,
@@ -111,12 +111,12 @@ def _panel(
     axes.set_title(f"({letter})  {text}", color=INK)
 
 
-def _is_certified(item: Place) -> bool:
+def _is_certified(item: BifurcationOnCurve) -> bool:
     """Drawn last: of the two points of one orbit on Fix(R) the certified one is on top."""
     return item.mark is not None and item.mark.certified
 
 
-def _draw_place(axes: Axes, item: Place, height: float | None = None) -> None:
+def _draw_place(axes: Axes, item: BifurcationOnCurve, height: float | None = None) -> None:
     position = (item.arclength, item.resonant_value if height is None else height)
     if item.mark is not None:
         draw_mark(axes, position, item.mark)
@@ -125,7 +125,9 @@ def _draw_place(axes: Axes, item: Place, height: float | None = None) -> None:
     axes.plot(*position, marker=marker, color=colour, markerfacecolor="white", linestyle="none", zorder=6)
 
 
-def _turn(axes: Axes, curve: SampledStability, places: Sequence[Place], extremum: ExtremumRecord, letter: str) -> None:
+def _turn(
+    axes: Axes, curve: SampledStability, places: Sequence[BifurcationOnCurve], extremum: ExtremumRecord, letter: str
+) -> None:
     """A curve that turns close to a resonant value, magnified: the difference from that value."""
     gap = abs(extremum.stability_parameter - extremum.level)
     arclength = curve.family.arclength
@@ -159,8 +161,10 @@ def _turn(axes: Axes, curve: SampledStability, places: Sequence[Place], extremum
     axes.set_title(f"({letter})  turns close to 1:{extremum.k}", color=INK)
 
 
-def _shifted(item: Place, origin: float) -> Place:
-    return Place(item.k, item.kind, item.side, item.arclength - origin, item.level, item.resonant_value, item.mark)
+def _shifted(item: BifurcationOnCurve, origin: float) -> BifurcationOnCurve:
+    return BifurcationOnCurve(
+        item.k, item.kind, item.side, item.arclength - origin, item.level, item.resonant_value, item.mark
+    )
 
 
 def _steps(axes: Axes, curve: SampledStability, letter: str) -> None:

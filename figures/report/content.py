@@ -16,7 +16,7 @@ from orbitproof.figures.report.document import (
     Listing,
     Paragraph,
     Picture,
-    Place,
+    Reference,
     Runs,
     Section,
     Statement,
@@ -99,7 +99,7 @@ def _summary(proved: Sequence[Checked], numbers: dict[str, int]) -> Section:
             "written 0xMp-E is the hexadecimal integer M divided by 2 to the E, exactly. Numbers are those of the "
             "certificates, words those that follow from them; each was checked again before it was printed. What that "
             "check shows, and what it leaves to be believed, stands in ",
-            Place("checked", "What was checked"), ". Names such as ",
+            Reference("checked", "What was checked"), ". Names such as ",
             Code(proved[0].name if proved else "earth-moon-L1-halo-k1-1"),
             " are labels: nothing is concluded from them.",
         )),
@@ -107,7 +107,7 @@ def _summary(proved: Sequence[Checked], numbers: dict[str, int]) -> Section:
     rows: list[tuple[Runs, ...]] = []
     for entry in proved:
         name = entry.name
-        number: Runs = (Place(theorem_label(name), str(numbers[name])),)
+        number: Runs = (Reference(theorem_label(name), str(numbers[name])),)
         rows.append((number, (kind_of(entry),), (name,), (parameter_text(entry),), (entry.side,)))
     if rows:
         header = ("theorem", "about", "certificate", "bifurcation parameter, period, or extent", "new orbits")
@@ -130,14 +130,14 @@ def _systems(systems: Mapping[tuple[str, ...], int]) -> list[Section]:
 def _theorem(entry: Checked, numbers: Mapping[str, int], systems: Mapping[tuple[str, ...], int], draw: Draw) -> Section:
     name, number = entry.name, numbers[entry.name]
     of_system = systems.get(system_of(entry))
-    system = None if of_system is None else Place(f"system-{of_system}", f"System {of_system}")
+    system = None if of_system is None else Reference(f"system-{of_system}", f"System {of_system}")
     title = f"{kind_of(entry)}; {shown(name)}"
     statement = Statement(theorem_label(name), number, title, statement_blocks(entry, system))
     blocks: list[Block] = [statement]
     if entry.rests_on:
 
-        def place_of(other: str) -> Place | None:
-            return Place(theorem_label(other), f"Theorem {numbers[other]}") if other in numbers else None
+        def place_of(other: str) -> Reference | None:
+            return Reference(theorem_label(other), f"Theorem {numbers[other]}") if other in numbers else None
 
         blocks.append(resting_paragraph(entry, place_of))
     if entry.certificate.hypotheses:
@@ -206,7 +206,7 @@ def _software(entries: Sequence[Checked]) -> Section:
         for name, version in by:
             rows.append(((f"{count} certificates, as they record",), (name,), (Code(version),)))
     digests = tuple(
-        (((Place(theorem_label(entry.name), entry.name) if is_proved(entry) else entry.name),),
+        (((Reference(theorem_label(entry.name), entry.name) if is_proved(entry) else entry.name),),
          (Code(str(entry.document["digest"])),))
         for entry in entries
     )  # fmt: skip

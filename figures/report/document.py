@@ -32,14 +32,14 @@ class Link:
 
 
 @dataclass(frozen=True)
-class Place:
+class Reference:
     """The label of a section or theorem, as its number in the text."""
 
     label: str
     text: str
 
 
-Run = str | Math | Code | Link | Place
+Run = str | Math | Code | Link | Reference
 Runs = tuple[Run, ...]
 
 

@@ -8,7 +8,7 @@ from statistics import median
 from flint import arb
 
 from orbitproof.figures.certified.rows import BOUNDS, bounds_of
-from orbitproof.figures.report.document import Block, Code, Paragraph, Place, Run, Runs, Table
+from orbitproof.figures.report.document import Block, Code, Paragraph, Reference, Run, Runs, Table
 from orbitproof.figures.report.theorems import Checked
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.catalogue import CertifiedRow
@@ -25,7 +25,7 @@ def certified(rows: Sequence[CertifiedRow]) -> list[CertifiedRow]:
     return [row for row in rows if row.orbit is not None and row.differences is not None]
 
 
-def resting_paragraph(entry: Checked, place_of: Callable[[str], Place | None]) -> Paragraph:
+def resting_paragraph(entry: Checked, place_of: Callable[[str], Reference | None]) -> Paragraph:
     """Which theorems it rests on; `place_of` gives those of this report by the names of certificates."""
     runs: list[Run] = ["It rests on "]
     for number, each in enumerate(entry.rests_on):

@@ -9,7 +9,18 @@ from itertools import groupby
 
 from flint import arb
 
-from orbitproof.figures.report.document import Block, Code, Formulas, Items, Math, Paragraph, Place, Run, Runs, Table
+from orbitproof.figures.report.document import (
+    Block,
+    Code,
+    Formulas,
+    Items,
+    Math,
+    Paragraph,
+    Reference,
+    Run,
+    Runs,
+    Table,
+)
 from orbitproof.figures.report.formulas import to_latex, typeset
 from orbitproof.figures.report.margins import margin_of, margin_on_atlas, part_of
 from orbitproof.figures.report.theorems import ARC, VERTEX, Checked
@@ -63,7 +74,7 @@ def system_blocks(lines: Sequence[str]) -> tuple[Block, ...]:
     return tuple(_blocks(lines))
 
 
-def statement_blocks(entry: Checked, system: Place | None = None) -> tuple[Block, ...]:
+def statement_blocks(entry: Checked, system: Reference | None = None) -> tuple[Block, ...]:
     """The theorem in full, in the words of its certificate: system, box, what is proved and what that means.
 
     Args:
@@ -79,7 +90,7 @@ def statement_blocks(entry: Checked, system: Place | None = None) -> tuple[Block
         lines = [*lines[theorem:], *lines[:theorem]]
     blocks += _blocks(lines)
     if entry.part == VERTEX:
-        where = Place(box_label(entry), "the table of boxes")
+        where = Reference(box_label(entry), "the table of boxes")
         blocks.append(Paragraph(("Centre, frame and radii stand exactly in ", where, ".")))
         blocks += _normal_form(entry)
     return (*blocks, *_notes(entry))

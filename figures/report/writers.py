@@ -13,7 +13,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from orbitproof.figures.files import check_folder
-from orbitproof.figures.report.document import Code, Document, Link, Math, Picture, Place, Run, Runs
+from orbitproof.figures.report.document import Code, Document, Link, Math, Picture, Reference, Run, Runs
 from orbitproof.figures.report.formulas import to_mathml
 from orbitproof.shared.formats import InputError, write_bytes, write_text
 
@@ -99,7 +99,7 @@ def _html(run: Run) -> str:
             return f"<code>{escape(run.text)}</code>"
         case Link():
             return f'<a href="{escape(run.target)}">{escape(run.text)}</a>'
-        case Place():
+        case Reference():
             return f'<a href="#{anchor(run.label)}">{escape(run.text)}</a>'
     return str(escape(run))
 
@@ -150,7 +150,7 @@ def _tex(run: Run) -> str:
             return _tex_code(run.text)
         case Link():
             return rf"\href{{{run.target}}}{{{_tex_text(run.text)}}}"
-        case Place():
+        case Reference():
             return rf"\hyperref[{anchor(run.label)}]{{{_tex_text(run.text)}}}"
     return _tex_text(run)
 
@@ -163,7 +163,7 @@ def _markdown(run: Run) -> str:
             return f"`{run.text}`"
         case Link():
             return f"[{_markdown_text(run.text)}]({run.target})"
-        case Place():
+        case Reference():
             return f"[{_markdown_text(run.text)}](#{anchor(run.label)})"
     return _markdown_text(run)
 

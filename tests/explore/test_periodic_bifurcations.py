@@ -21,7 +21,7 @@ from orbitproof.explore.periodic import (
     AffineSection,
     Bifurcation,
     ClosedOrbit,
-    Family,
+    FamilyEquations,
     FamilyMember,
     PeriodicFamily,
     PeriodicProblem,
@@ -118,13 +118,13 @@ def test_a_fold_is_refined_to_its_closed_form() -> None:
 def test_the_order_of_a_family_does_not_depend_on_the_sign_of_a_tangent(monkeypatch: pytest.MonkeyPatch) -> None:
     """Rounding may choose it."""
     one = _family(TWO_CYCLES, "-1/5", [0.8506, 0], 6.3, (-0.3, 0.0))
-    member_of = Family.member_of
+    member_of = FamilyEquations.member_of
 
-    def turned(self: Family, orbit: ClosedOrbit) -> FamilyMember:
+    def turned(self: FamilyEquations, orbit: ClosedOrbit) -> FamilyMember:
         member = member_of(self, orbit)
         return replace(member, tangent=-member.tangent)
 
-    monkeypatch.setattr(Family, "member_of", turned)
+    monkeypatch.setattr(FamilyEquations, "member_of", turned)
     other = _family(TWO_CYCLES, "-1/5", [0.8506, 0], 6.3, (-0.3, 0.0))
     points, again = ([each.orbit.point for each in family.members] for family in (one, other))
     assert len(points) == len(again) > 2
@@ -300,14 +300,14 @@ def test_an_interrupt_keeps_the_family_so_far(
 ) -> None:
     (tmp_path / "mine.py").write_text(MINE)
     claims, table = tmp_path / "claims.json", tmp_path / "family.csv"
-    corrected, calls = Family.corrected, iter(range(9))
+    corrected, calls = FamilyEquations.corrected, iter(range(9))
 
     def interrupted(*arguments: Any) -> Any:
         if next(calls, None) is None:
             raise KeyboardInterrupt
         return corrected(*arguments)
 
-    monkeypatch.setattr(Family, "corrected", interrupted)
+    monkeypatch.setattr(FamilyEquations, "corrected", interrupted)
     words = ["--system", str(tmp_path / "mine.py"), "--parameter", "a=-1/10", "--start", "x=1", "y=0", "w=0"]
     words += ["--period", "6.3", "--along", "a", "-0.11", "0.1", "--quiet", "-o", str(claims), "--csv", str(table)]
     assert main(["periodic", *words]) == INTERRUPTED

@@ -34,7 +34,7 @@ class Graph(OrbitsOfSizes, Protocol):
         """Half returns of its equations."""
 
     def start(self, place: float) -> Sequence[float]:
-        """The other coordinates of the orbit over a value, and its half period. Raises `LibrationFailure`."""
+        """Coordinates of the orbit over a value of the parameter, and its half period. Raises `LibrationFailure`."""
 
 
 def expansion(graph: Graph, low: float, high: float) -> list[Vector]:

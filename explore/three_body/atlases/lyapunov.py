@@ -180,7 +180,7 @@ class FamilyOfSizes(OrbitsOfSizes, Protocol):
     """One whose points are found one by one."""
 
     def values(self, place: float) -> tuple[float, ...]:
-        """The other coordinates of its centre."""
+        """Coordinates of the point over a value of the parameter."""
 
 
 class AnyOrbit(Protocol):

@@ -11,7 +11,7 @@ _AGREE = 0.01
 
 
 def units_of_system(mass: Fraction | float | None, name: str = "") -> SystemUnits | None:
-    """Those of the system with this mass parameter, or of this name, such as Earth-Moon; `None` if none is known."""
+    """Units of the system with this mass parameter, or of this name, such as Earth-Moon; `None` if none are known."""
     masses = (
         {} if mass is None else {key: known for key, known in MASS_PARAMETERS.items() if float(known) == float(mass)}
     )

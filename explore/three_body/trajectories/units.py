@@ -31,7 +31,7 @@ class Units:
 
 
 def units_of(mass: Fraction | None) -> Units | None:
-    """Those of the catalogue whose system has this mass parameter, exactly; `None` if there is none."""
+    """Units of the catalogue's system with exactly this mass parameter; `None` if there is none."""
     known = None if mass is None else UNITS.get(mass)
     return None if known is None else Units(known.length, known.time, f"of the catalogue's system {known.name}")
 
