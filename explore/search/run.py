@@ -220,6 +220,8 @@ def _trace_all(tasks: Sequence[TraceTask], jobs: int, report: Reporter) -> tuple
                     report.message(f"{result.item.title}: {line}")
                 found = len(result.item.detection.resonances)
                 report.message(f"{result.item.title}: {found} resonances, {seconds:.1f} s{_density(result.item)}")
+                for target in targets_of(result.item, "one"):
+                    report.message(f"{target.id}: {_in_words(target, f'{_float_level(target):.8g}')}")
     except KeyboardInterrupt:
         interrupted = True
     found = [results[index] for index in sorted(results)]
@@ -287,7 +289,10 @@ def _refine_all(
             found = new | {missing[position]: result.candidate}
             write_candidates(options.output, merged(kept, [found[i] for i in sorted(found)]))
             new = found
-            report.message(f"{result.task.id}: refined to {options.digits} digits in {result.seconds:.1f} s")
+            level = _exact_row(targets[missing[position]], result.candidate).level
+            told = _in_words(targets[missing[position]], level[:20] if isinstance(level, str) else f"{level:.12g}")
+            how = f"refined to {options.digits} digits in {result.seconds:.1f} s"
+            report.message(f"{result.task.id}: {told}, {how}")
     except KeyboardInterrupt:
         resume = "; the same command with --append goes on from there" if done or new else ""
         report.error(f"interrupted; {len(done) + len(new)} of {len(tasks)} points are refined{resume}")
@@ -313,6 +318,13 @@ def _float_level(target: Target) -> float:
     if target.item.system.family_parameter is not None or orbit.first_integral is None:
         return float(orbit.unknowns[0])
     return orbit.first_integral
+
+
+def _in_words(target: Target, level: str) -> str:
+    """What was found, with its level or parameter, for a message."""
+    resonance = target.resonance
+    name = target.item.system.family_parameter or target.item.system.first_integral_name or "parameter"
+    return f"{kind_in_words(resonance.k, resonance.kind)} (k = {resonance.k}), {name} = {level}"
 
 
 def _float_rows(item: TracedFamily) -> list[Row]:

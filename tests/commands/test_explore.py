@@ -53,7 +53,9 @@ def test_candidates_are_found_refined_and_written(family_path: Path, tmp_path: P
     table, messages = capsys.readouterr()
     assert "340.1875349891435" in table
     assert "falkner-skan-odd-k2-1" in table
-    assert "refined to 50 digits" in messages
+    found = "falkner-skan-odd-k2-1: period doubling (k = 2), beta = 340.18753"
+    assert f"{found}\n" in messages
+    assert f"{found}49891435344, refined to 50 digits" in messages
     (candidate,) = read_candidates(output)
     assert (candidate.id, candidate.kind, candidate.k) == ("falkner-skan-odd-k2-1", "period_tupling", 2)
     assert float(candidate.centre[0]) == pytest.approx(340.18753498914353, abs=1e-12)
