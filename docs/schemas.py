@@ -10,7 +10,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any
 
-from orbitproof.explore.periodic import PeriodicFamilyRecord
+from orbitproof.explore.periodic import LifeRecord, PeriodicFamilyRecord
 from orbitproof.shared.claims import BoxClaim, StoredAtlas
 from orbitproof.shared.claims.web import Web
 from orbitproof.shared.formats.schemas import document_schema, schema_text
@@ -63,10 +63,12 @@ def schemas() -> dict[str, dict[str, Any]]:
         "index-certificate": "The Conley-Zehnder index of the orbits of a proved curve.",
         "periodic-family": "A family of periodic orbits without symmetry in a parameter, or over the levels of a first "
         "integral, from double precision, in the units of its system. Nothing is proved.",
+        "life": "A curve of equilibria in a parameter, and the families of periodic orbits that are born on it, from "
+        "double precision, in the units of its system. Nothing is proved.",
     }
     kinds = (
         *(Candidates, Certificates, StoredAtlas, BranchDocument, CatalogueDocument),
-        *(Web, WebDocument, IndexDocument, PeriodicFamilyRecord),
+        *(Web, WebDocument, IndexDocument, PeriodicFamilyRecord, LifeRecord),
     )
     return {
         # The parameters of a surface stand in its pieces.

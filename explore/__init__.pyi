@@ -5,6 +5,10 @@ from .families import FamilyFailure as FamilyFailure
 from .names import Contradiction as Contradiction
 from .names import NoOrbit as NoOrbit
 from .periodic import PeriodicFailure as PeriodicFailure
+from .periodic.equilibrium_scripting import find_equilibria as find_equilibria
+from .periodic.equilibrium_scripting import follow_cycles as follow_cycles
+from .periodic.equilibrium_scripting import follow_equilibrium as follow_equilibrium
+from .periodic.equilibrium_scripting import refine_equilibrium as refine_equilibrium
 from .periodic.scripting import find_periodic as find_periodic
 from .periodic.scripting import follow_periodic as follow_periodic
 from .periodic.scripting import periodic_atlas as periodic_atlas

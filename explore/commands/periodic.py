@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,6 @@ from orbitproof.explore.commands.periodic_branches import take_from_branches
 from orbitproof.explore.commands.periodic_claims import (
     Along,
     ClaimStore,
-    Told,
     follow_families,
     kept_claims,
     refine_orbits,
@@ -30,14 +29,12 @@ from orbitproof.explore.names import (
     varied,
 )
 from orbitproof.explore.three_body.seeds import TRIANGULAR
-from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.interrupts import INTERRUPTED
-from orbitproof.shared.printed_tables import wrapped
 from orbitproof.shared.systems import CR3BP, System
 
 if TYPE_CHECKING:
-    from orbitproof.explore.periodic import FoundOrbit
+    from orbitproof.explore.periodic import FoundOrbit, PeriodicRequest
 
 _EXAMPLES = """\
 examples:
@@ -127,7 +124,8 @@ def add_parser(commands: Any) -> None:
         nargs=3,
         metavar=("NAME", "MIN", "MAX"),
         help="continue the first orbit in a parameter, or over the levels of the first integral (NAME: level), both "
-        "ways until it leaves this interval; with -o the bifurcations that are met are refined",
+        "ways until it leaves this interval; with -o the bifurcations that are met are refined; an orbit that comes to "
+        "rest leads to the equilibrium, its Hopf points, and the orbits that are born there",
     )
     parser.add_argument(
         "--generations",
@@ -199,6 +197,7 @@ def run(options: argparse.Namespace) -> int:
     from orbitproof.explore.engines import Reporter
     from orbitproof.explore.periodic import (
         AffineSection,
+        AtRest,
         PeriodicFailure,
         PeriodicRequest,
         described,
@@ -219,7 +218,7 @@ def run(options: argparse.Namespace) -> int:
         options.follow,
     )
     orbits: list[FoundOrbit] = []
-    told: list[Told] = []
+    at_rest = None
     claims = options.claims or ("orbits" if along is None else "bifurcations")
     code = 0
     with Reporter(options.quiet) as report:
@@ -229,17 +228,24 @@ def run(options: argparse.Namespace) -> int:
                 for remark in remarks(request, orbit):
                     report.message(remark)
                 orbits.append(orbit)
-                told.append((described(orbit), orbit_as_json(orbit)))
+                report.tell(described(orbit), orbit_as_json(orbit))
+        except AtRest as failure:
+            if along is None or along[0] is None:
+                report.error(f"{system.name}: {failure}")
+                return 1
+            at_rest = failure.point
         except PeriodicFailure as failure:
             report.error(f"{system.name}: {failure}")
             return 1
         store = None if options.output is None else ClaimStore(options.output, kept, report)
+        wanted = None if claims == "orbits" else store
         try:
-            if store is not None and claims != "bifurcations":
+            if store is not None and claims != "bifurcations" and orbits:
                 refine_orbits(options, orbits, store, report)
-            if along is not None:
-                wanted = None if claims == "orbits" else store
-                code = follow_families(options, orbits[0], along, wanted, report, told)
+            if at_rest is not None and along is not None:
+                code = _from_equilibrium(options, request, at_rest, along, wanted, report)
+            elif along is not None:
+                code = follow_families(options, orbits[0], along, wanted, report)
                 if options.atlas is not None and code != INTERRUPTED:
                     code = max(code, cover(options, orbits[0], along, report))
         except KeyboardInterrupt:
@@ -248,9 +254,36 @@ def run(options: argparse.Namespace) -> int:
         if store is not None:
             store.close()
             code = max(code, 0 if store.complete else 1)
-    for lines, result in told:
-        tell(wrapped(lines), [result])
     return code
+
+
+def _from_equilibrium(
+    options: argparse.Namespace,
+    request: PeriodicRequest,
+    point: Sequence[float],
+    along: Along,
+    store: ClaimStore | None,
+    report: Any,
+) -> int:
+    """Where the orbit came to rest, follow the equilibrium, and the orbits of its Hopf points; the exit code."""
+    from orbitproof.explore.commands.equilibria import follow_curve
+    from orbitproof.explore.periodic import (
+        PeriodicFailure,
+        equilibrium_as_json,
+        equilibrium_described,
+        find_equilibria,
+    )
+
+    report.message(f"{request.system.name}: the orbit comes to rest; its equilibrium is followed")
+    if options.atlas is not None:
+        report.error("--atlas: there is no orbit to begin with; nothing is written there")
+    try:
+        (found,) = find_equilibria(request.system, request.parameters, tuple(map(float, point)), report.update)
+    except PeriodicFailure as failure:
+        report.error(f"{request.system.name}: {failure}")
+        return 1
+    report.tell(equilibrium_described(found), equilibrium_as_json(found))
+    return max(follow_curve(options, found, along, store, report), int(options.atlas is not None))
 
 
 def _start(

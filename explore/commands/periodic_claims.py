@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,16 +11,13 @@ from orbitproof.shared.formats import BoxClaim, InputError, read_claims, write_c
 from orbitproof.shared.interrupts import INTERRUPTED
 
 if TYPE_CHECKING:
-    from orbitproof.explore.periodic import FoundOrbit, PeriodicFamily
+    from orbitproof.explore.periodic import AffineSection, Bifurcation, FoundOrbit, Hopf, PeriodicFamily
 
 Along = tuple[str | None, float, float]
 """The parameter (`None`: the level) and the interval of ``--along``."""
 
-Told = tuple[list[str], dict[str, Any]]
-"""Lines, and what they say for programs."""
-
 _WORDS = {
-    "fold": "fold", "period doubling": "doubling", "pitchfork": "pitchfork", "Neimark-Sacker": "torus",
+    "fold": "fold", "period doubling": "doubling", "pitchfork": "pitchfork", "Neimark-Sacker": "torus", "Hopf": "hopf",
 }  # fmt: skip
 
 
@@ -84,67 +81,116 @@ def follow_families(
     along: Along,
     store: ClaimStore | None,
     report: Any,
-    told: list[Told],
 ) -> int:
     """Follow the family of an orbit, and those that are born from it; returns the exit code.
 
     Arguments:
         store: for claims about the bifurcations; `None`: they are only told.
-        told: to which what is to be printed is appended, lines with what they say for programs.
 
     Raises `InputError`.
     """
     from orbitproof.explore.periodic import (
         PeriodicFailure,
-        family_as_json,
-        family_described,
         followed,
-        is_same,
-        refine_bifurcation,
     )
 
     name, low, high = along
     report.stage(f"following the family in {name or 'the level'}")
-
-    def say(message: str, fraction: float | None) -> None:
-        if message:
-            report.stage(message)
-        else:
-            report.update("", fraction)
-
     section = None if options.section is None else orbit.section
-    base, known, counts, number = options.id or orbit.problem.system.name, [], dict.fromkeys(_WORDS, 0), 0
+    base = options.id or orbit.problem.system.name
+    passed = Passed(base, options, store, report, section)
     try:
-        for family in followed(orbit, name, (low, high), options.generations, options.symmetry, say):
-            number += 1
-            told.append((family_described(family), family_as_json(family)))
-            _write_family(options, family, number, report)
-            if family.interrupted:
-                report.error("interrupted; the family so far is kept")
-                return INTERRUPTED
-            for found in family.bifurcations:
-                if any(is_same(found, other) for other in known):
-                    continue
-                known.append(found)
-                if store is not None and found.kind in counts:
-                    counts[found.kind] += 1
-                    title = f"{base}-{_WORDS[found.kind]}-{counts[found.kind]}"
-                    store.add(
-                        title,
-                        lambda title=title, found=found: refine_bifurcation(
-                            found, title, options.digits, report.update, section
-                        ),
-                    )
-            report.stage("following")
+        families = followed(orbit, name, (low, high), options.generations, options.symmetry, passed.say)
+        code = passed.take(families)
     except PeriodicFailure as failure:
         report.error(f"{orbit.problem.system.name}: {failure}")
         return 1
     except ValueError as error:
         raise InputError(f"--symmetry: {error}; give an involution that the vector field respects") from None
-    if store is not None and not sum(counts.values()):
-        report.error(f"no fold, doubling, pitchfork or Neimark-Sacker point on the way; none is in {store.path}")
+    if code == 0 and store is not None and not passed.claimed:
+        report.error(f"no fold, doubling, pitchfork, Neimark-Sacker or Hopf point on the way; none is in {store.path}")
         return 1
-    return 0
+    return code
+
+
+class Passed:
+    """What families pass: told, and each bifurcation written once.
+
+    Attributes:
+        families: those that were taken.
+    """
+
+    def __init__(
+        self,
+        base: str,
+        options: argparse.Namespace,
+        store: ClaimStore | None,
+        report: Any,
+        section: AffineSection | None = None,
+    ) -> None:
+        self._base = base
+        self._options = options
+        self._store = store
+        self._report = report
+        self._section = section
+        self._known: list[Bifurcation] = []
+        self._hopf: list[Hopf] = []
+        self._counts = dict.fromkeys(_WORDS, 0)
+        self.families: list[PeriodicFamily] = []
+
+    @property
+    def claimed(self) -> int:
+        """How many claims there were to be."""
+        return sum(self._counts.values())
+
+    def say(self, message: str, fraction: float | None) -> None:
+        """Tell how far it is."""
+        if message:
+            self._report.stage(message)
+        else:
+            self._report.update("", fraction)
+
+    def take(self, families: Iterable[PeriodicFamily]) -> int:
+        """Take families as they come; `INTERRUPTED` or 0."""
+        from orbitproof.explore.periodic import family_as_json, family_described, is_same, refine_bifurcation
+
+        for family in families:
+            self.families.append(family)
+            self._report.tell(family_described(family), family_as_json(family))
+            _write_family(self._options, family, len(self.families), self._report)
+            if family.interrupted:
+                self._report.error("interrupted; the family so far is kept")
+                return INTERRUPTED
+            for found in family.bifurcations:
+                if any(is_same(found, other) for other in self._known):
+                    continue
+                self._known.append(found)
+                if found.kind in self._counts and not found.is_double:
+                    self._add(
+                        found.kind,
+                        lambda title, found=found: refine_bifurcation(
+                            found, title, self._options.digits, self._report.update, self._section
+                        ),
+                    )
+            for point in family.hopf:
+                self.take_hopf(point)
+            self._report.stage("following")
+        return 0
+
+    def take_hopf(self, point: Hopf) -> None:
+        """Write a Hopf point if it is a new one."""
+        from orbitproof.explore.periodic import hopf_claim, is_same_hopf
+
+        if any(is_same_hopf(point, other) for other in self._hopf):
+            return
+        self._hopf.append(point)
+        self._add(point.kind, lambda title: hopf_claim(point, title, self._options.digits, self._report.update))
+
+    def _add(self, kind: str, refine: Callable[[str], BoxClaim]) -> None:
+        self._counts[kind] += 1
+        if self._store is not None:
+            title = f"{self._base}-{_WORDS[kind]}-{self._counts[kind]}"
+            self._store.add(title, lambda: refine(title))
 
 
 def _write_family(options: argparse.Namespace, family: PeriodicFamily, number: int, report: Any) -> None:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Sequence
 from types import TracebackType
+from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from orbitproof.shared.answers import tell
 from orbitproof.shared.printed_tables import BAR_WIDTH, shortened, wrapped
 from orbitproof.shared.printing import printable
 
@@ -82,6 +85,12 @@ class Reporter:
         """A line for information; none with `quiet`."""
         if not self._quiet:
             self.error(text)
+
+    def tell(self, lines: Sequence[str], result: Any) -> None:
+        """A result on standard output as soon as it is there, with what it says for programs; also with `quiet`."""
+        self._progress.stop()
+        tell(wrapped(lines), [result])
+        self._progress.start()
 
     def error(self, text: str) -> None:
         """A line that is written even with `quiet`."""

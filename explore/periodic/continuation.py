@@ -35,6 +35,9 @@ _SHRUNK = 1e-2
 """An orbit of this part of the first one's size is close to an equilibrium."""
 PATIENCE = 1e-4
 """Steps are not made shorter than this for the sake of multipliers."""
+_ASKED = 0.1
+"""A Hopf point is looked for where an orbit is smaller than this part of the largest, and again whenever it is half as
+large."""
 _SMALL = 0.5
 """A family that cannot be followed further may end at a Hopf point if its last orbit is smaller than this part of the
 largest one before."""
@@ -195,6 +198,7 @@ def _follow(
 ) -> str:
     """Append to `members`, `found` and `hopf`, and say why the family ends."""
     low, high = bounds
+    largest, asked = start.orbit.size, _ASKED
 
     def last() -> FamilyMember:
         return members[-1] if members else start
@@ -219,6 +223,12 @@ def _follow(
             members.append(now)
             if progress is not None:
                 progress(_share(start.value, now.value, bounds, len(members) / control.most))
+            largest = max(largest, now.orbit.size)
+            if now.orbit.size < asked * largest:
+                asked /= 2
+                end = _hopf_end(family, now, hopf, strict=True)
+                if end is not None:
+                    return end
             if now.orbit.size < _SHRUNK * family.scale[0]:
                 return _hopf_end(family, now, hopf) or f"shrinks to an equilibrium near {now.value:.6g}"
             if not low <= now.value <= high:
@@ -228,7 +238,7 @@ def _follow(
             if grows and now.orbit.size > _GROWN * family.scale[0]:
                 family, members[-1] = _rescaled(family, now, bounds)
     except NoStep as failure:
-        if last().orbit.size < _SMALL * max(each.orbit.size for each in (start, *members)):
+        if last().orbit.size < _SMALL * largest:
             end = _hopf_end(family, last(), hopf)
             if end is not None:
                 return end
@@ -245,11 +255,11 @@ def _rescaled(
     return other, here if here.tangent @ along > 0 else replace(here, tangent=-here.tangent)
 
 
-def _hopf_end(family: FamilyEquations, member: FamilyMember, hopf: list[Hopf]) -> str | None:
+def _hopf_end(family: FamilyEquations, member: FamilyMember, hopf: list[Hopf], *, strict: bool = False) -> str | None:
     """Why a family ends whose orbits shrink, if there is a Hopf point; that is appended to `hopf`."""
     if family.name is None or family.problem.system.first_integral_program is not None:
         return None
-    found = hopf_of_orbit(family.problem, family.name, member.value, member.orbit)
+    found = hopf_of_orbit(family.problem, family.name, member.value, member.orbit, strict=strict)
     if found is None:
         return None
     hopf.append(found)
@@ -285,6 +295,10 @@ def family_described(family: PeriodicFamily) -> list[str]:
             f"  {each.kind}: {family.name} = {each.member.value:.10g}, period {orbit.period:.10g}, multiplier {shown}"
             f"{under}"
         )
+        if each.is_double:
+            lines.append(
+                "    two multipliers meet the circle at once, as a symmetry makes them; of this there is no claim"
+            )
     for point in family.hopf:
         lines += hopf_described(point)
     return lines
@@ -308,6 +322,7 @@ def family_as_json(family: PeriodicFamily) -> dict[str, Any]:
                 "period": each.member.orbit.period,
                 "point": dict(zip(names, each.member.orbit.point, strict=True)),
                 "multiplier": complex(each.multiplier),
+                "double": each.is_double,
             }
             for each in family.bifurcations
         ],

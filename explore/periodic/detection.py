@@ -26,6 +26,8 @@ _FARTHEST = 0.2
 """Multipliers move at most so far from orbit to orbit, relative to their sizes, where they are followed."""
 _ZERO = 1e-6
 """Gaps below this, relative to the size of the orbit, are rounding."""
+_TOGETHER = 1e-4
+"""Multipliers that differ by less where one of them meets the circle do so together."""
 _FLIP = 1e-2
 _NEARBY, _SECANTS = 1e-4, 6
 _SINGULAR = 1e-4
@@ -50,6 +52,7 @@ class Bifurcation:
         symmetry: of a pitchfork.
         parts: 2 if the symmetry maps the orbit to itself half a period later, else 1.
         ends: whether the family that was followed is that of the new orbits, which begins here.
+        is_double: whether two multipliers meet the circle there at once, as those of systems with many symmetries do.
     """
 
     kind: str
@@ -61,6 +64,7 @@ class Bifurcation:
     symmetry: Symmetry | None = None
     parts: int = 1
     ends: bool = False
+    is_double: bool = False
 
     @property
     def value(self) -> float:
@@ -115,7 +119,27 @@ def passage(family: FamilyEquations, before: FamilyMember, now: FamilyMember, le
         member = _located(family, before, now, length, test)
         near = _nearest(member.orbit.multipliers, goal) if goal is not None else _on_circle(member)
         found.append(_bifurcation(family, kind, member, near))
-    return Passage(found)
+    return Passage(_without_doubles(found, family.conservative))
+
+
+def _without_doubles(found: list[Bifurcation], conservative: bool) -> list[Bifurcation]:
+    """Bifurcations, those at which two multipliers meet the circle at once told once and as such."""
+    result: list[Bifurcation] = []
+    for each in found:
+        near = np.abs(each.member.orbit.multipliers - each.multiplier) < _TOGETHER
+        # With a first integral multipliers come in pairs, which meet at 1 and -1.
+        is_double = bool(np.sum(near) > (2 if conservative else 1))
+        if not (is_double and any(_is_one(each, other) for other in result)):
+            result.append(replace(each, is_double=is_double))
+    return result
+
+
+def _is_one(left: Bifurcation, right: Bifurcation) -> bool:
+    """Whether two bifurcations of one step are one: orbits and multipliers agree."""
+    near = (
+        float(np.max(np.abs(left.member.orbit.point - right.member.orbit.point))) < _TOGETHER * left.member.orbit.size
+    )
+    return near and left.kind == right.kind and abs(left.multiplier - right.multiplier) < _TOGETHER
 
 
 _PARENT = {DOUBLING: "those of half the period", PITCHFORK: "those with a symmetry"}

@@ -146,7 +146,8 @@ class FamilyEquations:
                     break
                 # A step that is hardly shorter than the one before is rounding.
                 if size < _TOLERANCE or (size < _STALLED and size > last / 4):
-                    residual, matrix, orbit = self.equations(z, phase)
+                    # The tangent lies in the plane across the flow at the new point, from where the next step goes on.
+                    residual, matrix, orbit = self.equations(z, self.phase(orbit))
                     return self.member(z, replace(orbit, error=size), matrix, before.tangent)
                 last = size
         except (FlowFailure, np.linalg.LinAlgError) as failure:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import pi
@@ -20,7 +20,7 @@ from orbitproof.explore.periodic.equilibrium_refinement import (
     field_jets,
     refined_equilibrium,
 )
-from orbitproof.explore.periodic.flow import Vector
+from orbitproof.explore.periodic.flow import Matrix, Vector
 from orbitproof.explore.refinement import JetBasis, RefinementFailure
 
 HOPF = "Hopf"
@@ -29,7 +29,11 @@ _DIGITS = 20
 """To which a Hopf point and its coefficients are known."""
 _FARTHEST = 0.3
 """The guess is an orbit of some size, or an equilibrium some way along the curve."""
+_SAME = 1e-7
+"""Two Hopf points are one if they agree so far."""
 _PERIODS_DIFFER = 0.2
+_FITS = 0.05
+"""An orbit is of the family of a Hopf point if the square of its size differs by less from that of the normal form."""
 _ZERO = 1e-9
 
 
@@ -59,6 +63,11 @@ class Hopf:
     kind = HOPF
 
     @property
+    def point(self) -> Vector:
+        """The state, shape (N,)."""
+        return self.equilibrium.point
+
+    @property
     def period(self) -> float:
         """The limit of the periods of the orbits that are born, as they shrink to the equilibrium."""
         return 2 * pi / self.frequency
@@ -80,6 +89,15 @@ class Hopf:
     def orbits_are_stable(self) -> bool:
         """Whether the small orbits attract."""
         return self.lyapunov < 0 and bool(np.all(self.others.real < 0))
+
+
+def is_same_hopf(left: Hopf, right: Hopf, symmetries: Iterable[Matrix] = ()) -> bool:
+    """Whether two Hopf points are one, or images of each other under a linear map of shape (N, N)."""
+    size = 1 + float(np.max(np.abs(right.equilibrium.point)))
+    matrices = [np.eye(len(left.vector)), *symmetries]
+    apart = min(float(np.max(np.abs(left.equilibrium.point - each @ right.equilibrium.point))) for each in matrices)
+    values = abs(left.value - right.value) / (1 + abs(right.value))
+    return max(apart / size, values, abs(left.period - right.period) / right.period) < _SAME
 
 
 def place_of(problem: PeriodicProblem, point: Vector) -> str:
@@ -134,8 +152,14 @@ def hopf_near(
         raise PeriodicFailure(f"no Hopf point is found there: {failure}") from None
 
 
-def hopf_of_orbit(problem: PeriodicProblem, name: str, value: float, orbit: ClosedOrbit) -> Hopf | None:
-    """The Hopf point at which a small periodic orbit is born, if there is one near it."""
+def hopf_of_orbit(
+    problem: PeriodicProblem, name: str, value: float, orbit: ClosedOrbit, *, strict: bool = False
+) -> Hopf | None:
+    """The Hopf point at which a small periodic orbit is born, if there is one near it.
+
+    Arguments:
+        strict: the orbit has to be as large as the normal form says for its value of the parameter.
+    """
     states, phases = orbit.loop[:-1], np.exp(-2j * pi * np.arange(len(orbit.loop) - 1) / (len(orbit.loop) - 1))
     middle, vector = states.mean(axis=0), (states * phases[:, None]).mean(axis=0)
     try:
@@ -144,7 +168,11 @@ def hopf_of_orbit(problem: PeriodicProblem, name: str, value: float, orbit: Clos
         return None
     apart = float(np.max(np.abs(found.equilibrium.point - middle)))
     is_near = apart < orbit.size and abs(found.period - orbit.period) < _PERIODS_DIFFER * orbit.period
-    return found if is_near else None
+    # |z|^2 = -speed (a - a_0) / (omega l_1) for x = x_0 + z q + conj(z q).
+    left = found.frequency * found.lyapunov * float(np.linalg.norm(vector)) ** 2
+    right = -found.speed * (value - found.value)
+    fits = not strict or abs(left - right) < _FITS * abs(right)
+    return found if is_near and fits else None
 
 
 def _orthogonal(vector: Vector) -> Vector:

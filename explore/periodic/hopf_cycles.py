@@ -15,15 +15,13 @@ from orbitproof.explore.periodic.continuation import PATIENCE, PeriodicFamily, S
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure
 from orbitproof.explore.periodic.family import FamilyEquations, FamilyMember
 from orbitproof.explore.periodic.flow import SAMPLES, Arc, Vector
-from orbitproof.explore.periodic.hopf import Hopf
+from orbitproof.explore.periodic.hopf import Hopf, is_same_hopf
 from orbitproof.explore.periodic.symmetries import Symmetry, linear_symmetries
 
 _FIRST = 2e-3
 """The first orbit is so far from the Hopf point, in units of the interval of the parameter, by the normal form."""
 _LARGEST, _SMALLEST = 0.05, 1e-4
 """Its size is between these, relative to that of the equilibrium."""
-_SAME = 1e-7
-"""Two Hopf points are one if they agree so far."""
 _FROM_MIDDLE = 0.5
 """In the scale of the first orbit, how far its point is from the equilibrium."""
 
@@ -87,7 +85,7 @@ def families_from(
     known: list[Hopf] = []
     for point in points:
         own = linear_symmetries(point.problem, point.name) if symmetries is None else symmetries
-        if any(_is_image(point, other, own) for other in known):
+        if any(is_same_hopf(point, other, (each.matrix for each in own)) for other in known):
             continue
         known.append(point)
         say(f"orbits of the Hopf point at {point.name} = {point.value:.8g}", None)
@@ -101,15 +99,6 @@ def families_from(
             yield each
             if each.interrupted:
                 return
-
-
-def _is_image(left: Hopf, right: Hopf, symmetries: Sequence[Symmetry]) -> bool:
-    """Whether two Hopf points are one, or images of each other."""
-    matrices = [np.eye(len(left.vector)), *(each.matrix for each in symmetries)]
-    apart = min(float(np.max(np.abs(left.equilibrium.point - each @ right.equilibrium.point))) for each in matrices)
-    values = abs(left.value - right.value) / (1 + abs(right.value))
-    periods = abs(left.period - right.period) / right.period
-    return max(apart / (1 + float(np.max(np.abs(right.equilibrium.point)))), values, periods) < _SAME
 
 
 def _radius(hopf: Hopf, width: float) -> float:

@@ -18,7 +18,7 @@ from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure,
 from orbitproof.explore.periodic.flow import growth_of_bounds, velocity_at
 from orbitproof.explore.periodic.nearly import equilibrium_of, follow, nearby_orbits, recurrences
 from orbitproof.explore.periodic.refinement import PeriodicTask, digits_of_centre, refine_periodic
-from orbitproof.explore.periodic.section import AffineSection, suggested, through_the_middle
+from orbitproof.explore.periodic.section import AffineSection, sections, through_the_middle
 from orbitproof.explore.periodic.symmetries import Symmetry, is_symmetry
 from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.formats import PeriodicOrbit
@@ -33,6 +33,7 @@ _LEVEL_DIGITS = 12
 _WORTH_TELLING = 0.01
 _ROUNDING = 1e-12
 """Error of multipliers, relative to the derivatives of the flow over a period."""
+_TOLD = 3
 _EVERY = 16
 """Every so many states of an orbit tell how bounds grow along it."""
 
@@ -107,6 +108,18 @@ class FoundOrbits(list[FoundOrbit]):
         return "\n".join(aligned(rows)) if self else "no orbits"
 
 
+class AtRest(PeriodicFailure):
+    """The orbit that was followed comes to rest.
+
+    Attributes:
+        point: shape (N,), close to the equilibrium.
+    """
+
+    def __init__(self, line: str, point: np.ndarray) -> None:
+        super().__init__(line)
+        self.point = point
+
+
 def find_periodic(request: PeriodicRequest, progress: Progress) -> Iterator[FoundOrbit]:
     """The periodic orbits that are found, one after another. Raises `PeriodicFailure` if there is none."""
     problem = PeriodicProblem(request.system, request.parameters)
@@ -132,7 +145,8 @@ def find_periodic(request: PeriodicRequest, progress: Progress) -> Iterator[Foun
             f"{name} = {value:.6g}" for name, value in zip(problem.system.given_state, at_rest, strict=True)
         )
         remedy = "begin elsewhere, or choose parameters at which it is not stable"
-        raise PeriodicFailure(f"the orbit comes to rest at the equilibrium {place}; {remedy}")
+        more = "orbitproof explore equilibria --along finds where it loses stability, and the orbits born there"
+        raise AtRest(f"the orbit comes to rest at the equilibrium {place}; {remedy}; {more}", at_rest)
     why = f"within time {request.followed:g} nothing repeats after up to {request.returns} returns to the section"
     failure = PeriodicFailure(f"{why}; follow it longer, allow more returns, or give a period to begin with")
     some = False
@@ -173,13 +187,23 @@ def followed(
 
     Raises `ValueError` if the system does not have the symmetry, and `PeriodicFailure` as `families` does.
     """
-    symmetries = None
-    if symmetry is not None:
-        if not is_symmetry(found.problem, symmetry, name):
-            raise ValueError(f"{found.problem.system.name} has no such symmetry, or it is none with square 1")
-        symmetries = (Symmetry(tuple(map(tuple, symmetry))),)
+    symmetries = symmetries_for(found.problem, symmetry, name)
     level = found.level if name is not None else None
     yield from families(found.problem, found.orbit, name, bounds, generations, control, progress, symmetries, level)
+
+
+def symmetries_for(
+    problem: PeriodicProblem, symmetry: Sequence[Sequence[Fraction]] | None, name: str | None
+) -> tuple[Symmetry, ...] | None:
+    """A symmetry that is given, for all values of a parameter; `None` for those that are found.
+
+    Raises `ValueError` if the system does not have it.
+    """
+    if symmetry is None:
+        return None
+    if not is_symmetry(problem, symmetry, name):
+        raise ValueError(f"{problem.system.name} has no such symmetry, or it is none with square 1")
+    return (Symmetry(tuple(map(tuple, symmetry))),)
 
 
 def _level(problem: PeriodicProblem, request: PeriodicRequest) -> Fraction | None:
@@ -191,17 +215,31 @@ def _level(problem: PeriodicProblem, request: PeriodicRequest) -> Fraction | Non
     return Fraction(f"{value:.{_LEVEL_DIGITS - 1}e}")
 
 
-def _section_through(problem: PeriodicProblem, states: np.ndarray) -> AffineSection:
-    """A section that an orbit crosses again and again: a coordinate in the middle of its range."""
+def _sections_for(problem: PeriodicProblem, states: np.ndarray) -> list[AffineSection]:
+    """Sections that an orbit crosses again and again, the best first: a coordinate in the middle of its range."""
     few = states[:: max(1, len(states) // _SAMPLED)]
-    return suggested(few, np.array([velocity_at(problem.system, state, problem.values) for state in few]))
+    return sections(few, np.array([velocity_at(problem.system, state, problem.values) for state in few]))
 
 
 def _claimed(
     problem: PeriodicProblem, orbit: ClosedOrbit, section: AffineSection | None, level: Fraction | None
 ) -> FoundOrbit:
-    """The orbit from the steepest of its crossings of a section, by default of one that suits it."""
-    chosen = section or _section_through(problem, orbit.loop)
+    """The orbit from the steepest of its crossings of a section, by default of the best in which it is found again."""
+    suit = _sections_for(problem, orbit.loop)
+    reason = PeriodicFailure("the orbit crosses no section")
+    for chosen in suit if section is None else [section]:
+        try:
+            return _on_section(problem, orbit, chosen, level)
+        except PeriodicFailure as failure:
+            reason = failure
+    others = [each.described(problem.system.given_state) for each in suit if each != section][:_TOLD]
+    more = "sections that were tried" if section is None else "sections that it crosses"
+    raise PeriodicFailure(f"{reason}; {more}: {', '.join(others)}" if others else str(reason))
+
+
+def _on_section(
+    problem: PeriodicProblem, orbit: ClosedOrbit, chosen: AffineSection, level: Fraction | None
+) -> FoundOrbit:
     where = chosen.crossings(orbit.loop)
     if not where:
         raise PeriodicFailure("the orbit does not cross the section in the direction; give another section")

@@ -10,6 +10,9 @@ import numpy as np
 
 from orbitproof.explore.periodic.flow import Matrix, Vector
 
+_TOUCHED = 1e-2
+"""Sine of the angle at which an orbit meets a section that it nearly touches."""
+
 
 @dataclass(frozen=True)
 class AffineSection:
@@ -42,6 +45,15 @@ class AffineSection:
         j = self.pivot
         rest = sum((a * x for i, (a, x) in enumerate(zip(self.normal, point, strict=True)) if i != j), Fraction(0))
         return tuple((self.offset - rest) / self.normal[j] if i == j else x for i, x in enumerate(point))
+
+    def described(self, names: Sequence[str]) -> str:
+        """The section in words, as options take it: y=1/2 --direction -."""
+        terms = [
+            ("-" if value < 0 else "+") + (name if abs(value) == 1 else f"{abs(value)}*{name}")
+            for value, name in zip(self.normal, names, strict=True)
+            if value
+        ]
+        return f"{''.join(terms).removeprefix('+')}={self.offset}" + (" --direction -" if self.direction < 0 else "")
 
     def heights(self, states: Matrix) -> Vector:
         """normal . x - offset at states, shape (K, N), positive after a crossing in the direction."""
@@ -87,14 +99,24 @@ def _middle(values: Vector) -> Fraction:
 
 
 def suggested(loop: Matrix, velocities: Matrix, normals: Iterable[tuple[Fraction, ...]] | None = None) -> AffineSection:
-    """A section for a closed orbit, in the middle of its range, crossed seldom and steeply.
+    """The first of `sections`. Raises `ValueError` if none is crossed."""
+    found = sections(loop, velocities, normals)
+    if not found:
+        raise ValueError("the orbit does not move")
+    return found[0]
+
+
+def sections(
+    loop: Matrix, velocities: Matrix, normals: Iterable[tuple[Fraction, ...]] | None = None
+) -> list[AffineSection]:
+    """Sections for a closed orbit, in the middle of its range, crossed seldom and steeply; the best first.
+
+    Those that are nearly touched stand last, however seldom they are crossed.
 
     Arguments:
         normals: to choose from; by default those of the coordinates.
-
-    Raises `ValueError` if none of them is crossed.
     """
-    best: tuple[tuple[int, float], AffineSection] | None = None
+    found: list[tuple[tuple[bool, int, float], AffineSection]] = []
     size = loop.shape[1]
     for normal in normals or (tuple(Fraction(int(i == j)) for i in range(size)) for j in range(size)):
         across = np.array(list(map(float, normal)))
@@ -107,10 +129,6 @@ def suggested(loop: Matrix, velocities: Matrix, normals: Iterable[tuple[Fraction
             where = section.crossings(loop)
             if not where:
                 continue
-            steep = min(abs(velocities[i] @ across) / (np.linalg.norm(velocities[i]) or 1.0) for i in where)
-            key = (len(where), -float(steep))
-            if best is None or key < best[0]:
-                best = key, section
-    if best is None:
-        raise ValueError("the orbit does not move")
-    return best[1]
+            steep = min(float(abs(velocities[i] @ across) / (np.linalg.norm(velocities[i]) or 1.0)) for i in where)
+            found.append(((steep < _TOUCHED, len(where), -steep), section))
+    return [section for _, section in sorted(found, key=lambda each: each[0])]

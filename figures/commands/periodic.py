@@ -17,11 +17,14 @@ examples:
   orbitproof figures periodic lorenz.json -o figures-out/          (candidates: all of it is numerical)
   orbitproof explore periodic --system roessler.py .. --along c 1 4 --family-output family.json
   orbitproof figures periodic family.json -o figures-out/
+  orbitproof figures periodic life.json certificates.json -o figures-out/
 
 Of each orbit two projections with its points on the section (orbit-*), the point that is enclosed by a certificate
 filled; of each bifurcation the orbit, and beside it the new orbits or, of a torus, iterates on the section, these
 numerical (bifurcation-*); of each family the period and the multipliers over what varies, with the points where
-multipliers meet the unit circle, all numerical (family-*). Verdicts are copied.
+multipliers meet the unit circle, all numerical (family-*). Of a whole
+life of explore equilibria --life: equilibria, orbits that are born there, and periods (life-*), with what the
+certificates beside it prove filled. Verdicts are copied.
 Exit codes: 0 written, 1 an orbit, or what is born at a bifurcation, could not be drawn, 2 bad input.
 """
 

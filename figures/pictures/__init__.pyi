@@ -24,6 +24,8 @@ from .halo_space import draw_torus as draw_torus
 from .invariants import draw_manifold as draw_manifold
 from .invariants import draw_tori as draw_tori
 from .legends import legend_handles as legend_handles
+from .life import CertifiedPoint as CertifiedPoint
+from .life import draw_life as draw_life
 from .mass_curve import draw_mass_curves as draw_mass_curves
 from .mass_curve import read_mass_curves as read_mass_curves
 from .periodic_bifurcation import draw_periodic_bifurcation as draw_periodic_bifurcation

@@ -7,8 +7,9 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from orbitproof.explore.periodic import PERIODIC_FAMILY
+from orbitproof.explore.periodic import LIFE, PERIODIC_FAMILY
 from orbitproof.figures.files import Files, file_name, saved_as
 from orbitproof.figures.scripting.written import Names, Source, Told, Written, folder_of, optional, quietly
 from orbitproof.shared.formats import (
@@ -25,6 +26,9 @@ from orbitproof.shared.formats import (
 from orbitproof.shared.wording import counted
 from orbitproof.verify.periodic import PeriodicResults
 from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults, TorusResults
+
+if TYPE_CHECKING:
+    from orbitproof.figures.pictures import CertifiedPoint
 
 
 def draw_family(
@@ -280,23 +284,36 @@ class Drawn:
 def draw_periodic(
     sources: Sequence[Source], folder: Source, *, files: Files | None = None, told: Told = quietly
 ) -> Drawn:
-    """Periodic orbits without symmetry and their bifurcations, from candidates or certificates, and their families.
+    """Periodic orbits without symmetry and their bifurcations, from candidates or certificates, families, whole lives.
+
+    On a whole life what the certificates prove is filled, and they are not drawn by themselves.
 
     Verdicts are copied. What is born at a bifurcation is numerical; where it is not found, the orbit is drawn alone and
     `Drawn.not_drawn` says why.
     """
-    from orbitproof.explore.periodic import PeriodicFamilyRecord, read_periodic_family
+    from orbitproof.explore.periodic import LifeRecord, PeriodicFamilyRecord, read_life, read_periodic_family
     from orbitproof.figures.files import save
     from orbitproof.figures.orbits import OrbitNotClosed
-    from orbitproof.figures.pictures import draw_periodic_bifurcation, draw_periodic_family, draw_periodic_orbit
+    from orbitproof.figures.pictures import (
+        draw_life,
+        draw_periodic_bifurcation,
+        draw_periodic_family,
+        draw_periodic_orbit,
+    )
     from orbitproof.figures.style import close, use_style
 
-    remedy = "give candidates, certificates or a family of explore periodic"
-    drawings: list[tuple[str, PeriodicFamilyRecord | _Claimed]] = []
+    remedy = "give candidates, certificates, or a family or a whole life of orbitproof explore"
+    drawings: list[tuple[str, PeriodicFamilyRecord | LifeRecord | _Claimed]] = []
+    has_life = any(stated_format(path, remedy) == LIFE for path in map(Path, sources))
+    certified: list[CertifiedPoint] = []
     for path in map(Path, sources):
         kind = stated_format(path, remedy)
         if kind == PERIODIC_FAMILY:
             drawings.append((f"family-{file_name(path.stem)}", read_periodic_family(path)))
+        elif kind == LIFE:
+            drawings.append((f"life-{file_name(path.stem)}", read_life(path)))
+        elif has_life and kind == "certificates":
+            certified += _points(path)
         else:
             found = _certified(path) if kind == "certificates" else _numerical(path)
             if not found:
@@ -309,6 +326,8 @@ def draw_periodic(
             try:
                 if isinstance(drawing, PeriodicFamilyRecord):
                     figure = draw_periodic_family(drawing)
+                elif isinstance(drawing, LifeRecord):
+                    figure = draw_life(drawing, certified)
                 elif isinstance(drawing.claim, PeriodicBifurcation):
                     assert not isinstance(drawing.found, PeriodicResults)
                     drawn = draw_periodic_bifurcation(drawing.claim, drawing.found)
@@ -332,6 +351,26 @@ class _Claimed:
 
     claim: InSection
     found: PeriodicResults | PeriodicBifurcationResults | TorusResults | None = None
+
+
+_POINTS = {
+    "hopf": "Hopf", "periodic_fold": "fold", "periodic_doubling": "period doubling", "periodic_pitchfork": "pitchfork",
+    "periodic_torus": "Neimark-Sacker",
+}  # fmt: skip
+
+
+def _points(path: Path) -> list[CertifiedPoint]:
+    """What the certificates of a file prove to happen at values of a parameter."""
+    from orbitproof.figures.pictures import CertifiedPoint
+    from orbitproof.verify.certificate import read_certificates
+
+    found = []
+    for entry in read_certificates(path).values():
+        claim = entry.candidate
+        name = getattr(claim, "parameter", None)
+        if entry.proved and claim.kind in _POINTS and isinstance(name, str):
+            found.append(CertifiedPoint(_POINTS[claim.kind], name, float(claim.parameters[name])))
+    return found
 
 
 def _stem(claim: InSection) -> str:

@@ -74,7 +74,7 @@ COMMANDS: dict[str, tuple[Main, str, tuple[str, ...]]] = {
     ),
     "figures catalogue": (figures, "catalogue-certificate", ("catalogue", HERE, *_DRAWN)),
     "figures distances": (figures, "families", ("distances", HERE, *_DRAWN)),
-    "figures periodic": (figures, "candidates periodic-family", ("periodic", HERE, *_DRAWN)),
+    "figures periodic": (figures, "candidates periodic-family life", ("periodic", HERE, *_DRAWN)),
     "figures tori": (figures, "tori", ("tori", HERE, *_DRAWN)),
     "figures web": (
         figures, "web-certificate", ("web", HERE, "--certificates", "{folder}/indexed-dro.json", *_DRAWN),
@@ -121,6 +121,7 @@ COMMANDS: dict[str, tuple[Main, str, tuple[str, ...]]] = {
         ("orbit", "--from-catalogue", "{folder}/catalogue-halo.json", "--certificates", HERE),
     ),
     "explore periodic --system": (explore, "system", ("periodic", "--system", HERE, "--start", "x=0", "y=0")),
+    "explore equilibria --system": (explore, "system", ("equilibria", "--system", HERE, "--start", "x=0", "y=0")),
     "explore periodic --from-branches": (
         explore, "", ("periodic", "--from-branches", HERE, "--digits", "15", "-o", OUT, "--quiet"),
     ),

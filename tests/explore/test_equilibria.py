@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from fractions import Fraction
 from math import pi, sqrt
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from orbitproof import explore
+from orbitproof.explore.__main__ import main
 from orbitproof.explore.periodic import (
     BRANCH,
     FOLD,
@@ -169,3 +173,63 @@ def test_cycles_grow_from_a_hopf_point_as_it_says_and_lead_back_to_it() -> None:
     assert [each.value for each in ended.hopf] == [pytest.approx(sqrt(3), abs=1e-15)]
     assert "ends at a Hopf point" in ended.reason
     assert cycles_of(hopf, (1, 5 / 2)).members[0].value == first.value
+
+
+FILE = """\
+name = "brusselator"
+state = "x y"
+parameters = "A B"
+field = {"x": "A - (B + 1)*x + x**2*y", "y": "B*x - x**2*y"}
+"""
+
+
+def test_the_command_tells_equilibria_and_hopf_points(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("brusselator.py").write_text(FILE)
+    words = ["equilibria", "--system", "brusselator.py", "--parameter", "A=2", "B=4", "--start", "x=1.8", "y=2.1"]
+    assert main([*words, "--along", "A", "1", "5/2", "--curve", "curve.csv", "--json"]) == 0
+    output = json.loads(capsys.readouterr().out)
+    point, curve = output["results"]
+    assert point["point"] == {"x": pytest.approx(2), "y": pytest.approx(2)}
+    assert point["unstable"] == 0
+    (hopf,) = curve["special"]
+    assert (hopf["kind"], hopf["side"], hopf["stable_orbits"]) == ("Hopf", "below", True)
+    rows = Path("curve.csv").read_text().splitlines()
+    assert rows[0].startswith("A,x,y,eigenvalue1 real")
+    assert len(rows) == curve["points"] + 1
+    assert main([*words, "--along", "A", "1", "5/2", "--quiet"]) == 0
+    lines = capsys.readouterr()
+    assert "Hopf: A = 1.73205080756888" in lines.out
+    assert not lines.err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--along", "C", "1", "2"], "--along C: brusselator has no such parameter; there are A, B"),
+        (["--along", "A", "3", "4"], "--along A: 2, where the equilibrium is, lies outside"),
+        (["--along", "A", "4", "3"], "--along A: an empty interval"),
+        (["--cycles"], "--cycles: belongs to --along"),
+        (["--along", "A", "1", "3", "--csv", "c.csv"], "--csv: belongs to --cycles"),
+        (["--claims", "all"], "--claims: belongs to --along"),
+    ],
+)
+def test_what_does_not_fit_is_refused_in_one_line(
+    words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("brusselator.py").write_text(FILE)
+    start = ["--parameter", "A=2", "B=4", "--start", "x=2", "y=2"]
+    assert main(["equilibria", "--system", "brusselator.py", *start, *words]) == 2
+    assert capsys.readouterr().err.startswith(f"error: {said}")
+
+
+def test_equilibria_print_as_a_table_in_python() -> None:
+    found = explore.find_equilibria(BRUSSELATOR, parameters={"A": 2, "B": 4}, quiet=True)
+    assert repr(found).splitlines()[1].split()[:4] == ["[0]", "0", "-0.5", "+-"]
+    curve = explore.follow_equilibrium(found[0], "A", (1, 2.5), quiet=True)
+    assert [each.kind for each in curve.special] == ["Hopf"]
+    with pytest.raises(ValueError, match="has no such parameter"):
+        explore.follow_equilibrium(found[0], "C", (1, 2.5), quiet=True)

@@ -21,7 +21,10 @@ from orbitproof.explore.periodic import (
     StepControl,
     continue_orbit,
     correct,
+    family_described,
+    refine_bifurcation,
 )
+from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.formats import define_system
 
 
@@ -32,6 +35,8 @@ def _system(name: str, state: str, field: dict[str, str], **more: Any) -> Any:
 CIRCLE = {"x": "x*s - y", "y": "x + y*s"}
 ONE = {"s": "1 - x**2 - y**2"}
 TURNING = _system("turning", "x y u v", {**CIRCLE, "u": "a*u - v/3", "v": "u/3 + a*v"}, parameters="a", where=ONE)
+TWICE = _system("twice", "x y u v", {**CIRCLE, "u": "a*u - v/2", "v": "u/2 + a*v"}, parameters="a", where=ONE)
+"""Circles with the multiplier -exp(2 pi a), twice."""
 MIRRORED = _system("pitchfork", "x y w", {**CIRCLE, "w": "a*w - w**3"}, parameters="a", where=ONE)
 EXCHANGE = _system("exchange", "x y w", {**CIRCLE, "w": "a*w - w**2"}, parameters="a", where=ONE)
 TWO_CYCLES = _system("cycles", "x y", CIRCLE, parameters="a", where={"r": "x**2 + y**2", "s": "a + r - r**2"})
@@ -57,6 +62,16 @@ def test_a_pair_that_crosses_the_circle_is_followed_to_it() -> None:
     assert found.member.value == pytest.approx(0, abs=1e-7)
     assert abs(found.multiplier) == pytest.approx(1, abs=1e-6)
     assert {round(each.orbit.period, 9) for each in family.members} == {round(2 * pi, 9)}
+
+
+def test_two_multipliers_that_meet_the_circle_at_once_are_told_once_and_are_no_claim() -> None:
+    family = _family(TWICE, "-1/10", [1, 0, 0, 0], 6.3, (-0.11, 0.1))
+    (found,) = family.bifurcations
+    assert (found.kind, found.is_double) == (DOUBLING, True)
+    assert found.value == pytest.approx(0, abs=1e-7)
+    assert family_described(family)[-1].strip().startswith("two multipliers meet the circle at once")
+    with pytest.raises(RefinementFailure, match="there is no claim"):
+        refine_bifurcation(found, "twice", 30)
 
 
 def test_a_multiplier_1_where_the_family_goes_on_is_a_branch_point() -> None:

@@ -31,6 +31,7 @@ from orbitproof.explore.periodic import (
     refined,
     remarks,
     search,
+    sections,
 )
 from orbitproof.explore.periodic.bifurcations import digits_of_box
 from orbitproof.explore.periodic.flow import growth_of_bounds, stretching
@@ -388,3 +389,23 @@ def test_a_stiff_orbit_is_followed_to_where_it_rests(start: tuple[float, float])
     other = solve_ivp(rates, (0.0, 100.0), start, method="LSODA", rtol=1e-10, atol=1e-10)
     assert found == pytest.approx(other.y[:, -1], rel=1e-5)
     assert equilibrium_of(other.y.T[:200]) is None
+
+
+def test_a_section_that_is_nearly_touched_is_taken_last() -> None:
+    times = np.linspace(0, 2 * pi, 1001)
+    loop = np.column_stack([np.cos(2 * times), np.sin(2 * times), 1e-4 * np.cos(times)])
+    velocities = np.column_stack([-2 * np.sin(2 * times), 2 * np.cos(2 * times), -1e-4 * np.sin(times)])
+    found = sections(loop, velocities)
+    # The last coordinate is crossed once in a period, the others twice.
+    assert [each.pivot for each in found[-2:]] == [2, 2]
+    assert {each.pivot for each in found[:-2]} == {0, 1}
+    assert AffineSection((Fraction(1), Fraction(-2), Fraction(0)), Fraction(1, 2), -1).described("xyz") == (
+        "x-2*y=1/2 --direction -"
+    )
+
+
+def test_a_section_that_is_not_crossed_is_refused_with_others_to_try() -> None:
+    far = AffineSection((Fraction(1), Fraction(0), Fraction(0)), Fraction(5), 1)
+    request = PeriodicRequest(HOPF, {"c": Fraction(1)}, (1.0, 0.0, 0.0), 6.2, far)
+    with pytest.raises(PeriodicFailure, match=r"sections that it crosses: [xy]=0"):
+        list(find_periodic(request, lambda _text, _done: None))

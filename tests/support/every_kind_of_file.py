@@ -21,7 +21,15 @@ from support.joined import write_catalogue, write_indexed_web, write_web
 
 from orbitproof.explore.__main__ import main as explore
 from orbitproof.explore.branches import branch_point, follow, write_branches
-from orbitproof.explore.periodic import PeriodicProblem, continue_orbit, correct, write_periodic_family
+from orbitproof.explore.periodic import (
+    LifeRecord,
+    PeriodicProblem,
+    continue_orbit,
+    correct,
+    write_life,
+    write_periodic_family,
+)
+from orbitproof.explore.periodic.life_file import STATUS, RestRecord
 from orbitproof.explore.three_body.invariants import Plane, manifold_of, trace_tori, write_manifold, write_tori
 from orbitproof.explore.three_body.masses import CurveRecord, PointRecord, write_curves
 from orbitproof.explore.three_body.trajectories import SourceOrbit, trajectory_of
@@ -121,6 +129,8 @@ def _write_numeric(named: Any) -> None:
     problem = PeriodicProblem(periodic_cases.PLANAR, {"w": Fraction(1)})
     family = continue_orbit(problem, correct(problem, [1, 0], 6.3), "w", (0.9, 1.1))
     write_periodic_family(named("periodic-family.json", "periodic-family"), family)
+    rest = RestRecord(0.0, (0.0, 0.0), 0)
+    write_life(named("life.json", "life"), LifeRecord(STATUS, "planar", ("x", "y"), {}, "w", (rest, rest), (), ()))
     falkner_skan = read_candidates(DATA / "figures-candidates.json")[1]
     for name, claim in (("branches-loss.json", breaking_cases.halo()), ("branches.json", falkner_skan)):
         write_branches(named(name, "branches"), [follow(branch_point(claim), length=0.02, orbits=6).record(None, None)])
