@@ -22,7 +22,7 @@ from .detection import PITCHFORK as PITCHFORK
 from .detection import TORUS as TORUS
 from .detection import Bifurcation as Bifurcation
 from .equilibria import Equilibrium as Equilibrium
-from .equilibria import equilibria as equilibria
+from .equilibria import equilibria_from_many_starts as equilibria_from_many_starts
 from .equilibria import equilibrium_near as equilibrium_near
 from .equilibrium_claims import equilibrium_claim as equilibrium_claim
 from .equilibrium_claims import hopf_claim as hopf_claim

@@ -129,7 +129,7 @@ def _slower(system: System, values: Vector, x: Vector, speed: Vector, step: Vect
     raise FlowFailure("Newton's method does not come closer to one")
 
 
-def equilibria(
+def equilibria_from_many_starts(
     problem: PeriodicProblem, progress: Callable[[float], None] = lambda _done: None
 ) -> Iterator[Equilibrium]:
     """The equilibria that Newton's method finds from many starts, one after another; there may be others."""

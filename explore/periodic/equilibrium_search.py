@@ -9,7 +9,7 @@ from typing import Any
 
 from orbitproof.explore.engines import Progress
 from orbitproof.explore.periodic.correction import PeriodicFailure, PeriodicProblem
-from orbitproof.explore.periodic.equilibria import Equilibrium, equilibria, equilibrium_near
+from orbitproof.explore.periodic.equilibria import Equilibrium, equilibria_from_many_starts, equilibrium_near
 from orbitproof.explore.periodic.hopf import place_of
 from orbitproof.shared.printed_tables import aligned
 from orbitproof.shared.systems import System
@@ -54,7 +54,7 @@ def find_equilibria(
         yield FoundEquilibrium(problem, equilibrium_near(problem, start))
         return
     some = False
-    for found in equilibria(problem, lambda done: progress("", done)):
+    for found in equilibria_from_many_starts(problem, lambda done: progress("", done)):
         some = True
         yield FoundEquilibrium(problem, found)
     if not some:

@@ -30,14 +30,15 @@ _MARKS = {
     "Neimark-Sacker": ("D", "#762a83"),
 }
 _UNSTABLE = (0, (3, 2))
-_CERTIFIED = 1e-9
+_CERTIFIED = 1e-8
 """A point is that of a certificate if their values of the parameter agree so far."""
 
 
 @dataclass(frozen=True)
 class CertifiedPoint:
-    """What a certificate says is proved: the kind of point, and the value of the parameter that it is about."""
+    """What a certificate says is proved: of which system, the kind of point, and the value of its parameter."""
 
+    system: str
     kind: str
     parameter: str
     value: float
@@ -98,7 +99,8 @@ def _mark(
     certified: Iterable[CertifiedPoint],
 ) -> None:
     filled = any(
-        each.kind == kind and each.parameter == record.name and abs(each.value - value) <= _CERTIFIED * (1 + abs(value))
+        (each.system, each.kind, each.parameter) == (record.system, kind, record.name)
+        and abs(each.value - value) <= _CERTIFIED * (1 + abs(value))
         for each in certified
     )
     for height in heights:

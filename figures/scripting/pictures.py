@@ -12,6 +12,13 @@ from typing import TYPE_CHECKING
 from orbitproof.explore.periodic import LIFE, PERIODIC_FAMILY
 from orbitproof.figures.files import Files, file_name, saved_as
 from orbitproof.figures.scripting.written import Names, Source, Told, Written, folder_of, optional, quietly
+from orbitproof.shared.claims import (
+    HOPF,
+    PERIODIC_DOUBLING,
+    PERIODIC_FOLD,
+    PERIODIC_PITCHFORK,
+    PERIODIC_TORUS,
+)
 from orbitproof.shared.formats import (
     ArgumentError,
     InputError,
@@ -354,9 +361,12 @@ class _Claimed:
 
 
 _POINTS = {
-    "hopf": "Hopf", "periodic_fold": "fold", "periodic_doubling": "period doubling", "periodic_pitchfork": "pitchfork",
-    "periodic_torus": "Neimark-Sacker",
-}  # fmt: skip
+    HOPF: "Hopf",
+    PERIODIC_FOLD: "fold",
+    PERIODIC_DOUBLING: "period doubling",
+    PERIODIC_PITCHFORK: "pitchfork",
+    PERIODIC_TORUS: "Neimark-Sacker",
+}
 
 
 def _points(path: Path) -> list[CertifiedPoint]:
@@ -369,7 +379,7 @@ def _points(path: Path) -> list[CertifiedPoint]:
         claim = entry.candidate
         name = getattr(claim, "parameter", None)
         if entry.proved and claim.kind in _POINTS and isinstance(name, str):
-            found.append(CertifiedPoint(_POINTS[claim.kind], name, float(claim.parameters[name])))
+            found.append(CertifiedPoint(claim.system.name, _POINTS[claim.kind], name, float(claim.parameters[name])))
     return found
 
 

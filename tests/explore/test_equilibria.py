@@ -24,12 +24,15 @@ from orbitproof.explore.periodic import (
     continue_orbit,
     correct,
     cycles_of,
-    equilibria,
+    equilibria_from_many_starts,
     equilibrium_near,
     families_from,
+    hopf_claim,
 )
 from orbitproof.explore.periodic.equilibria import field_slopes
-from orbitproof.shared.formats import define_system
+from orbitproof.explore.refinement import RefinementFailure
+from orbitproof.shared.formats import define_system, read_claims
+from orbitproof.verify.certificate import certify
 
 BRUSSELATOR = define_system(
     {
@@ -60,7 +63,9 @@ def _curve(problem: PeriodicProblem, start: list[float], bounds: tuple[float, fl
 
 
 def test_all_equilibria_of_lorenz_are_found_with_their_eigenvalues() -> None:
-    found = sorted(equilibria(PeriodicProblem(LORENZ, {"r": Fraction(20)})), key=lambda each: each.point[0])
+    found = sorted(
+        equilibria_from_many_starts(PeriodicProblem(LORENZ, {"r": Fraction(20)})), key=lambda each: each.point[0]
+    )
     side = sqrt(8 / 3 * 19)
     assert [each.point for each in found] == [
         pytest.approx([-side, -side, 19]), pytest.approx([0, 0, 0], abs=1e-12), pytest.approx([side, side, 19])
@@ -87,7 +92,7 @@ def test_derivatives_of_functions_powers_and_parameters_are_exact() -> None:
 
 def test_where_there_is_no_equilibrium_none_is_found() -> None:
     problem = _problem({"x": "1 + x**2 + y**2", "y": "y - x"}, "1")
-    assert not list(equilibria(problem))
+    assert not list(equilibria_from_many_starts(problem))
     with pytest.raises(PeriodicFailure, match="no equilibrium"):
         equilibrium_near(problem, [0.3, 0.2])
 
@@ -203,6 +208,34 @@ def test_the_command_tells_equilibria_and_hopf_points(
     lines = capsys.readouterr()
     assert "Hopf: A = 1.73205080756888" in lines.out
     assert not lines.err
+
+
+def test_what_the_command_writes_is_proved(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("brusselator.py").write_text(FILE)
+    words = ["equilibria", "--system", "brusselator.py", "--parameter", "A=2", "B=4", "--start", "x=2", "y=2"]
+    words += ["--along", "A", "1", "5/2", "--digits", "30", "-o", "claims.json", "--quiet"]
+    assert main([*words, "--claims", "all"]) == 0
+    claims = read_claims(Path("claims.json"))
+    assert [claim.id for claim in claims] == ["brusselator-equilibrium", "brusselator-hopf-1"]
+    rest, hopf = map(certify, claims)
+    assert rest.proved
+    assert hopf.proved
+    assert (hopf.results.side, float(hopf.results.speed.mid())) == ("below", pytest.approx(-sqrt(3)))
+    assert float(hopf.results.lyapunov.mid()) == pytest.approx(-0.20619652, abs=1e-8)
+    capsys.readouterr()
+    assert main([*words[:9], "--along", "A", "9/5", "5/2", "-o", "none.json", "--quiet"]) == 1
+    assert "no Hopf point on the way" in capsys.readouterr().err
+
+
+def test_a_hopf_point_that_is_degenerate_is_no_claim() -> None:
+    problem = _problem({"x": "a*x - y", "y": "x + a*y"}, "-1/10")
+    (found,) = _curve(problem, [0, 0], (-1, 1)).hopf
+    assert found.side is None
+    with pytest.raises(RefinementFailure, match="vanishes there"):
+        hopf_claim(found, "linear", 30)
 
 
 @pytest.mark.parametrize(

@@ -67,9 +67,10 @@ def test_stable_parts_are_solid_and_extrema_are_those_of_the_file() -> None:
     ("certified", "filled"),
     [
         ([], set()),
-        ([CertifiedPoint("Hopf", "rate", 1e-12)], {"o"}),
-        ([CertifiedPoint("Hopf", "rate", 1e-3), CertifiedPoint("fold", "rate", 0.5)], {"v"}),
-        ([CertifiedPoint("fold", "rate", 0.0), CertifiedPoint("Hopf", "b", 0.0)], set()),
+        ([CertifiedPoint("tank", "Hopf", "rate", 1e-12)], {"o"}),
+        ([CertifiedPoint("tank", "Hopf", "rate", 1e-3), CertifiedPoint("tank", "fold", "rate", 0.5)], {"v"}),
+        ([CertifiedPoint("tank", "fold", "rate", 0.0), CertifiedPoint("tank", "Hopf", "b", 0.0)], set()),
+        ([CertifiedPoint("sink", "Hopf", "rate", 0.0)], set()),
     ],
 )
 def test_only_points_of_certificates_are_filled(certified: list[CertifiedPoint], filled: set[str]) -> None:
