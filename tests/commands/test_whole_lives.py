@@ -1,0 +1,53 @@
+"""Whole lives from a command to theorems: those of the document on Hopf points, found, proved and drawn."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from orbitproof.explore.__main__ import main as explore
+from orbitproof.figures.__main__ import main as figures
+from orbitproof.verify.__main__ import main as verify
+
+pytestmark = pytest.mark.slow
+
+DOCUMENT = Path(__file__).resolve().parents[2] / "docs" / "how-to" / "where-orbits-are-born.md"
+MAINS = {"explore": explore, "verify": verify, "figures": figures}
+PROVED = {
+    "reactor": {
+        "hopf-1": "0.2231301601484298289332804707640",
+        "hopf-2": "0.4104249931194939758476433723357",
+        "fold-1": "0.220247466744080780",
+    },
+    "lure": {
+        "hopf-1": "alpha = [0.9999999999999999999",
+        "doubling-1": "0.630302006159624",
+        "doubling-2": "0.579629840895586",
+    },
+    "lorenz": {"hopf-1": "24.7368421052631578947368421052631"},
+}
+"""exp(-3/2), 5 exp(-5/2), 470/19, and values that other programs find."""
+
+
+@pytest.mark.parametrize("name", PROVED)
+def test_the_commands_of_the_document_find_and_prove_a_whole_life(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = DOCUMENT.read_text("utf-8")
+    for file, source in re.findall(r"^```python ([\w.-]+)\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+        Path(file).write_text(source)
+    commands = [line.split(maxsplit=2)[1:] for line in re.findall(r"^orbitproof .*$", text, re.MULTILINE)]
+    begin = next(i for i, (_, words) in enumerate(commands) if f"--system {name}.py" in words and "--cycles" in words)
+    for command, words in commands[begin : begin + (3 if name == "reactor" else 2)]:
+        capsys.readouterr()
+        assert MAINS[command](shlex.split(words)) == 0
+        said = capsys.readouterr().out
+        if command == "verify":
+            blocks = dict(re.findall(rf"^{name}-([\w-]+): (proved.*\n(?:  .*\n)*)", said, re.MULTILINE))
+            assert set(blocks) == set(PROVED[name])
+            for each, value in PROVED[name].items():
+                assert value in " ".join(blocks[each].split()), each
