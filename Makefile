@@ -3,7 +3,7 @@
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
-.PHONY: help demo branches web theorems examples report archive release-check figures docs notebooks test lint check test-slow campaign faults reading-list bench clean
+.PHONY: help demo branches web theorems examples report archive release-check figures docs notebooks test lint check test-slow costs campaign faults reading-list bench clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -33,7 +33,8 @@ help:
 	@echo "make notebooks  run the notebooks, and keep their outputs in them"
 	@echo "make test       everything that has to pass: lint, format, types, tests"
 	@echo "make check      tests that a change can reach, the nearest first, for a minute"
-	@echo "make test-slow  the longer proofs and campaigns"
+	@echo "make test-slow  the longer proofs and campaigns, and what make test leaves out"
+	@echo "make costs      which tests take so long that make test leaves them to make test-slow"
 	@echo "make campaign   10,000 false claims, 2,000 forged certificates, claims told otherwise (campaign.json; hours, goes on where it stopped)"
 	@echo "make faults     faults made on purpose, one line each, and which tests notice them (faults.json; hours, goes on where it stopped)"
 	@echo "make reading-list CHAPTER=curve   what has to be read to believe a theorem: files in order, lines"
@@ -261,6 +262,14 @@ check: $(VENV)/dev.stamp
 
 test-slow: $(VENV)/dev.stamp
 	$(PYTEST) -m slow
+
+# Processor seconds that are left to make test, collecting and lint aside.
+LEFT := 450
+COSTS := .pytest_cache/costs.jsonl
+
+costs: $(VENV)/dev.stamp
+	@mkdir -p .pytest_cache && rm -f $(COSTS); $(PYTEST) --costs $(COSTS); tests=$$?; \
+	$(BIN)/python tests/heavy.py $(COSTS) --left $(LEFT) && exit $$tests
 
 campaign: $(VENV)/dev.stamp
 	@$(BOUND) $(BIN)/python tests/soundness/campaign.py --jobs $(JOBS) --output campaign.json

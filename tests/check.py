@@ -1,19 +1,25 @@
 """The tests that a change can reach, the nearest first, for about a minute: ``python tests/check.py``.
 
 What has changed is what git says against its last commit. A test is as near as the way of imports from its file to a
-changed module is short. It says how many files it did not come to: `make test` runs them all.
+changed module is short; modules that are loaded by name count where their names stand. What is no code is reached by
+the files that name it. It says how many files it did not come to: `make test` runs them all.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import pickle
+import re
 import subprocess
 import sys
 import time
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -27,7 +33,11 @@ _BY_ENDING = {
     ".toml": ("tests/soundness/test_table_of_faults.py", "tests/commands/test_project.py"),
     ".json": ("tests/shared/test_schema_errors.py",),
 }
-"""Tests of what is no code."""
+"""Tests of what is no code, beside those that name it."""
+
+_FOLDERS = tuple(ROOT / folder for folder in ("tests", "docs", "tests/faults", "src"))
+_NAME = re.compile(r"[A-Za-z_][\w.]*")
+_LOADS = re.compile(r"'import_module'")
 
 
 def changed() -> list[str]:
@@ -37,26 +47,95 @@ def changed() -> list[str]:
     return [line for output in found for line in output.stdout.splitlines()]
 
 
+@dataclass(frozen=True)
+class Said:
+    """What a file says of others: names of the package with their modules, any modules, modules loaded by name."""
+
+    package: tuple[tuple[str, str], ...]
+    others: tuple[str, ...]
+    loaded: tuple[str, ...]
+
+    @classmethod
+    def by(cls, path: Path) -> Said:
+        """Raises `SyntaxError` for a file that Python cannot read."""
+        package = dict.fromkeys((*reading_list.imports(path), *reading_list.imports(path, True)))
+        others, loaded = dict[str, None](), dict[str, None]()
+        nodes = list(ast.walk(reading_list.tree_of(path)))
+        words = [node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)]
+        for node in nodes:
+            if isinstance(node, ast.ImportFrom) and not node.level and node.module:
+                others |= dict.fromkeys([node.module, *(f"{node.module}.{each.name}" for each in node.names)])
+            elif isinstance(node, ast.Import):
+                others |= dict.fromkeys(each.name for each in node.names)
+            elif isinstance(node, ast.Call) and node.args and _LOADS.search(ast.dump(node.func)):
+                loaded |= dict.fromkeys(_loaded(node.args[0], words))
+        return cls(tuple(package), tuple(others), tuple(loaded))
+
+
+def _loaded(asked: ast.expr, words: Sequence[str]) -> Iterator[str]:
+    """The module that is loaded; where its name is put together, all that begin so and end in a word of the file."""
+    if isinstance(asked, ast.Constant):
+        yield str(asked.value)
+    elif isinstance(asked, ast.JoinedStr) and isinstance(asked.values[0], ast.Constant):
+        yield from (f"{asked.values[0].value}{word}" for word in words if _NAME.fullmatch(word))
+
+
+class Known:
+    """What files say, kept between runs: most are as they were."""
+
+    def __init__(self, place: Path) -> None:
+        self.place = place
+        self.entries: dict[str, tuple[tuple[int, int], Said]] = {}
+        # Whatever cannot be read is made again.
+        with suppress(Exception):
+            self.entries = pickle.loads(place.read_bytes())
+
+    def said(self, path: Path) -> Said:
+        now = path.stat().st_mtime_ns, path.stat().st_size
+        entry = self.entries.get(str(path))
+        if entry is None or entry[0] != now:
+            entry = self.entries[str(path)] = now, Said.by(path)
+        return entry[1]
+
+    def keep(self) -> None:
+        with suppress(OSError):
+            self.place.parent.mkdir(exist_ok=True)
+            self.place.write_bytes(pickle.dumps(self.entries))
+
+
+KNOWN = Known(ROOT / ".pytest_cache" / "imports.pickle")
+
+
 @cache
 def used_by_test(path: Path) -> frozenset[Path]:
-    """The files that one of the tests' folder imports: of the package, and of `support`."""
-    own = {definer for module, name in reading_list.imports(path) if (definer := _file(module, name))}
-    own |= {definer for module, name in reading_list.imports(path, True) if (definer := _file(module, name))}
-    return frozenset(own | set(_support(path)))
+    """The files that one file imports: of the package, of the tests, and the programs in `docs`."""
+    said = KNOWN.said(path)
+    found = {file for module, name in said.package if (file := _file(module, name))}
+    found |= {file for name in said.loaded for file in _on_path(ROOT / "src", name)}
+    if path.is_relative_to(ROOT / "tests"):
+        found |= {file for name in said.others for file in _on_path(path.parent, name)}
+    return frozenset(found)
 
 
+@cache
 def _file(module: str, name: str) -> Path | None:
     if reading_list.path_of(module) is None:
         return None
     return reading_list.path_of(reading_list.definer(module, name))
 
 
-def _support(path: Path) -> Iterator[Path]:
-    for node in ast.walk(reading_list.tree_of(path)):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("support"):
-            names = [node.module, *(f"{node.module}.{each.name}" for each in node.names)]
-            files = (ROOT / "tests" / f"{str(name).replace('.', '/')}.py" for name in names)
-            yield from (file for file in files if file.exists())
+@cache
+def _on_path(folder: Path, name: str) -> tuple[Path, ...]:
+    """The module of that name in the folder, or in one that is on the path of the tests."""
+    places = [each.joinpath(*name.split(".")) for each in (folder, *_FOLDERS)]
+    files = (file for place in places for file in (place.with_suffix(".py"), place / "__init__.py"))
+    return tuple(file.resolve() for file in files if file.exists())
+
+
+def naming(name: str) -> set[Path]:
+    """The files of tests that say the name of one that is no code."""
+    word = Path(name).name
+    return {path for path in (ROOT / "tests").rglob("*.py") if word in path.read_text("utf-8")}
 
 
 def distances(targets: set[Path], tests: Sequence[Path]) -> dict[Path, int]:
@@ -70,6 +149,7 @@ def distances(targets: set[Path], tests: Sequence[Path]) -> dict[Path, int]:
             if used not in seen:
                 seen.add(used)
                 waiting.append(used)
+    KNOWN.keep()
     found, front, steps = dict[Path, int](), set(targets), 0
     while front:
         found |= dict.fromkeys(front, steps)
@@ -81,18 +161,33 @@ def distances(targets: set[Path], tests: Sequence[Path]) -> dict[Path, int]:
 def reached(files: Sequence[str]) -> list[str]:
     """Files of tests that these files can reach, the nearest first."""
     targets = {ROOT / name for name in files if name.endswith((".py", ".pyi"))}
+    targets |= {path.with_suffix(".pyi") for path in targets if path.with_suffix(".pyi").exists()}
+    below = [path.parent for path in targets if path.name == "conftest.py"]
+    targets = targets.union(*(naming(name) for name in files if not name.endswith((".py", ".pyi"))))
     others = [test for name in files for test in _BY_ENDING.get(Path(name).suffix, ())]
     found = distances(targets, sorted((ROOT / "tests").rglob("test_*.py"))) if targets else {}
-    near = sorted((steps, str(path.relative_to(ROOT))) for path, steps in found.items())
-    return list(dict.fromkeys([*others, *(name for _, name in near)]))
+    near = [path for _, path in sorted((steps, path) for path, steps in found.items())]
+    all_below = [path for folder in below for path in sorted(folder.rglob("test_*.py"))]
+    return list(dict.fromkeys([*others, *(str(path.relative_to(ROOT)) for path in (*near, *all_below))]))
+
+
+class Left(pytest.Module):
+    """A file of tests that is not read."""
+
+    def collect(self) -> Iterator[pytest.Item]:
+        return iter(())
 
 
 class Clock:
-    """Ends the run of tests after so many seconds; knows which files were begun."""
+    """Ends the run of tests after so many seconds, and reads files in half of them; knows which were begun."""
 
     def __init__(self, seconds: float) -> None:
-        self.end = time.monotonic() + seconds
+        self.half = time.monotonic() + seconds / 2
+        self.end = self.half + seconds / 2
         self.begun: set[str] = set()
+
+    def pytest_pycollect_makemodule(self, module_path: Path, parent: Any) -> pytest.Module | None:
+        return Left.from_parent(parent, path=module_path) if time.monotonic() > self.half else None
 
     def pytest_runtest_logstart(self, nodeid: str) -> None:
         self.begun.add(nodeid.partition("::")[0])
@@ -108,15 +203,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("files", nargs="*", help="what has changed (default: what git says)")
     parser.add_argument("--seconds", type=float, default=60.0)
     options = parser.parse_args(arguments)
+    clock = Clock(options.seconds)
     tests = reached(options.files or changed())
     if not tests:
         print("no test can notice this change")
         return 0
-    clock = Clock(options.seconds)
     code = pytest.main(["-x", "-p", "no:cacheprovider", *tests], plugins=[clock])
     rest = "" if clock.begun >= set(tests) else "; make test runs the rest"
     print(f"tried {len(clock.begun)} of {len(tests)} files of tests that the change can reach{rest}")
-    return 0 if code == 0 or (code == pytest.ExitCode.INTERRUPTED and time.monotonic() > clock.end) else 1
+    fine = code in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED)
+    return 0 if fine or (code == pytest.ExitCode.INTERRUPTED and time.monotonic() > clock.end) else 1
 
 
 if __name__ == "__main__":

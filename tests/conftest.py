@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import gc
 import multiprocessing
 import sys
@@ -14,6 +15,7 @@ from typing import Any
 
 import pytest
 from hypothesis import settings
+from support import quick
 
 from orbitproof.shared import processes
 
@@ -46,6 +48,28 @@ processes._start_method = _as_copies
 
 # What is imported and collected stays to the end: it is not looked through for what can be freed.
 gc.disable()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """``--costs FILE``: what each test takes, those that take long too."""
+    parser.addoption(
+        "--costs", metavar="FILE", help="append to this file what each test takes (tests/heavy.py reads it)"
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Costs are written by the process that runs the test."""
+    if config.getoption("costs"):
+        costs = quick.Costs(Path(config.getoption("costs")))
+        config.pluginmanager.register(costs)
+        functools.cache = costs.cache
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """What `make test` leaves out is slow, unless it is asked for by its name."""
+    if not all("::" in word for word in config.args):
+        quick.choose(items, bool(config.getoption("costs")))
 
 
 def pytest_collection_finish() -> None:

@@ -1,14 +1,20 @@
-"""`make check`: a change finds its tests, the nearest first."""
+"""`make check`: a change finds its tests, the nearest first. `make test`: what it leaves out, `make test-slow` runs."""
 
 from __future__ import annotations
 
+import ast
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from support import quick
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 
 import check  # noqa: E402
+import heavy  # noqa: E402
 
 
 def test_the_tests_that_import_a_module_come_before_those_that_lead_to_it() -> None:
@@ -19,5 +25,69 @@ def test_the_tests_that_import_a_module_come_before_those_that_lead_to_it() -> N
 
 def test_a_test_is_its_own_and_documents_have_theirs() -> None:
     assert check.reached(["tests/commands/test_check.py"])[0] == "tests/commands/test_check.py"
-    assert check.reached(["docs/python.md"]) == ["tests/soundness/test_chapters.py", "tests/commands/test_project.py"]
-    assert check.reached(["LICENSE"]) == []
+    texts = ["tests/soundness/test_chapters.py", "tests/commands/test_project.py"]
+    assert check.reached(["docs/architecture.md"])[:2] == texts
+    assert check.reached(["shared/" + "nobody" + "-names-it.bin"]) == []
+
+
+def test_what_is_loaded_by_name_what_lies_beside_a_test_and_data_are_reached() -> None:
+    assert "tests/verify/test_web.py" in check.reached(["verify/theorems/web.py"])
+    beside = check.reached(["tests/second_proof/closed_forms.py"])
+    assert beside == ["tests/second_proof/test_second_proof_properties.py"]
+    assert "tests/soundness/test_false_claims.py" in check.reached(["tests/data/known-bifurcations.json"])
+    assert len(check.reached(["tests/conftest.py"])) > 300
+
+
+def made(name: str, *marks: str, **numbers: int) -> Any:
+    """A test as pytest collects it, a case with these numbers of its parameters' values."""
+    item = SimpleNamespace(nodeid=name, keywords=set(marks))
+    item.add_marker = lambda mark: item.keywords.add(mark.name)
+    if numbers:
+        item.callspec = SimpleNamespace(indices=numbers)
+    return item
+
+
+def is_slow(item: Any) -> bool:
+    """Whether `make test` leaves it out."""
+    return "slow" in item.keywords
+
+
+def test_first_seeds_and_every_other_value_are_quick_and_the_rest_is_slow() -> None:
+    cases = [made("a.py::test", seed=seed, kind=kind) for seed in range(9) for kind in range(2)]
+    others = [made("a.py::test_alone"), made("b.py::test", seed=0), made("b.py::test_slow", "slow", seed=0)]
+    kept = [made("c.py::test", "quick", seed=seed) for seed in range(9)]
+    quick.choose([*cases, *others, *kept])
+    chosen = [tuple(item.callspec.indices.values()) for item in cases if not is_slow(item)]
+    assert chosen == [(0, 0), (0, 1), (1, 0), (2, 0)]
+    assert list(map(is_slow, (*others, *kept))) == [False, False, True] + [False] * 9
+
+
+def test_tests_that_take_long_are_slow_but_for_those_that_stay(monkeypatch: Any) -> None:
+    monkeypatch.setattr(quick, "heavy", lambda: frozenset({"a.py::test", "b.py::test[x]"}))
+    names = ("a.py::test[y]", "b.py::test[x]", "b.py::test[y]", "a.py::test[z]")
+    marks = [(), (), (), ("quick",)]
+    items = [made(name, *given, value=number) for number, (name, given) in enumerate(zip(names, marks, strict=True))]
+    quick.choose(items)
+    assert list(map(is_slow, items)) == [True, True, False, False]
+    items = [made(name, value=number) for number, name in enumerate(names)]
+    quick.choose(items, with_heavy=True)
+    assert not any(map(is_slow, items))
+
+
+def test_the_longest_are_left_out_with_the_fixtures_that_nobody_else_needs() -> None:
+    lines = [
+        '{"fixture": "::shared", "seconds": 5}', '{"test": "a", "seconds": 1, "fixtures": ["::shared"]}',
+        '{"test": "b", "seconds": 2, "fixtures": ["::shared"]}', '{"test": "c", "seconds": 3, "fixtures": []}',
+    ]  # fmt: skip
+    costs = heavy.read(lines)
+    assert heavy.longest(*costs, 11) == []
+    assert heavy.longest(*costs, 9) == ["b"]
+    assert heavy.longest(*costs, 3.5) == ["a", "b"]
+    assert heavy.longest(*costs, 0.5) == ["a", "b", "c"]
+
+
+def test_the_list_of_long_tests_names_tests_that_there_are() -> None:
+    for name in sorted({name.partition("[")[0] for name in quick.heavy()}):
+        file, _, test = name.partition("::")
+        nodes = ast.walk(ast.parse((ROOT / file).read_text()))
+        assert test in {node.name for node in nodes if isinstance(node, ast.FunctionDef)}, name

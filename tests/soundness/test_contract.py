@@ -43,7 +43,8 @@ from orbitproof.verify.certificate import (
 from orbitproof.verify.certificate.kinds import CATALOGUE, FURTHER, INDEX, MODULES, WEB, kind_named, unconfirmed
 
 LIMITS = Limits(digits=10)
-FIELDS = 60
+FIELDS = [10, pytest.param(60, marks=pytest.mark.slow)]
+"""So many fields of a certificate are changed by `make test`, and by `make test-slow`."""
 FREE = {
     "statement.candidate.kernel_frame.*.*": "what follows does not depend on which basis the search has chosen",
     "statement.candidate.system.symmetries.S.*": "a symmetry that the claim does not use",
@@ -67,19 +68,20 @@ def proved(name: str) -> Certificate:
     return certify(claimed(name), LIMITS)
 
 
-def of_each_field(document: Mapping[str, Any]) -> Iterator[Change]:
+def of_each_field(document: Mapping[str, Any], number: int) -> Iterator[Change]:
     """One change at random of each field, those of a list taken together; of so many fields at random."""
     found: dict[str, list[Change]] = {}
     for change in changes(document):
         found.setdefault(change.field, []).append(change)
     chance = random.Random(len(found))
-    yield from (chance.choice(alike) for alike in chance.sample(list(found.values()), min(FIELDS, len(found))))
+    yield from (chance.choice(alike) for alike in chance.sample(list(found.values()), min(number, len(found))))
 
 
 def test_there_is_a_case_of_every_kind() -> None:
     assert {claimed(name).kind for name in ROWS} == set(MODULES)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", ROWS)
 def test_an_honest_certificate_stands_at_each_level_and_proves_its_claim(name: str) -> None:
     certificate, claim = proved(name), claimed(name)
@@ -120,12 +122,13 @@ def test_each_kind_is_proved_where_no_other_has_been_loaded(tmp_path: Path) -> N
     assert found.stdout.split() == []
 
 
+@pytest.mark.parametrize("number", FIELDS)
 @pytest.mark.parametrize("name", ROWS)
-def test_each_field_that_is_changed_is_noticed(name: str) -> None:
+def test_each_field_that_is_changed_is_noticed(name: str, number: int) -> None:
     """Without an integration, but for what nothing beside it follows from: another box, an enclosure."""
     document = proved(name).to_json()
     found = enclosed_again(document)
-    for change in of_each_field(document):
+    for change in of_each_field(document, number):
         try:
             certificate = Certificate.from_json(forged(document, change.apply))
             if noticed(recheck(certificate)) or change.field in FREE:
@@ -191,6 +194,7 @@ def without(place: tuple[Any, ...]) -> Callable[[Any], None]:
     return change
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", ROWS)
 def test_a_false_claim_is_not_proved_and_says_why_in_one_line(name: str, tmp_path: Path, capsys: Any) -> None:
     claim = claimed(name)
@@ -223,6 +227,7 @@ def told(name: str) -> Told:
     return tell(CURVES[name]())
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.slow if name in LONG else ()) for name in CURVES]
 )
@@ -232,11 +237,12 @@ def test_an_honest_certificate_of_a_curve_stands_at_each_level(name: str) -> Non
     assert told(name).check(True) == "stands"
 
 
+@pytest.mark.parametrize("number", FIELDS)
 @pytest.mark.parametrize("name", CURVES)
-def test_each_field_and_each_part_of_a_curve_is_noticed(name: str) -> None:
+def test_each_field_and_each_part_of_a_curve_is_noticed(name: str, number: int) -> None:
     document = told(name).document
     assert document is not None
-    for change in of_each_field(document):
+    for change in of_each_field(document, number):
         if change.field.startswith(FREE_OF_CURVES) or change.field.endswith(SEEN_BY_INTEGRATION):
             continue
         with suppress(InputError):
@@ -256,6 +262,7 @@ def test_bounds_of_a_curve_that_are_too_small_are_found_by_integrating(name: str
     assert not checked(forgery, prove_task).stands
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.slow if name in LONG[1:] else ()) for name in CURVES]
 )
@@ -304,6 +311,7 @@ def test_there_is_a_case_of_every_kind_that_rests_on_others() -> None:
     assert {claim().atlas.claim.kind for claim in CURVES.values()} <= branches
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", JOINED)
 def test_what_rests_on_others_stands_as_far_as_these_do(name: str) -> None:
     entry = JOINED[name][0]()
@@ -318,10 +326,11 @@ def test_what_rests_on_others_stands_as_far_as_these_do(name: str) -> None:
         kind_named(name).rests_on(entry, others)
 
 
+@pytest.mark.parametrize("number", FIELDS)
 @pytest.mark.parametrize("name", JOINED)
-def test_each_field_and_each_part_of_what_rests_on_others_is_noticed(name: str) -> None:
+def test_each_field_and_each_part_of_what_rests_on_others_is_noticed(name: str, number: int) -> None:
     document = JOINED[name][0]().document
-    for change in of_each_field(document):
+    for change in of_each_field(document, number):
         if not change.field.startswith(FREE_OF_JOINED):
             with suppress(InputError):
                 assert noticed(given_with(Certificate.from_json(forged(document, change.apply)))), change
@@ -330,6 +339,7 @@ def test_each_field_and_each_part_of_what_rests_on_others_is_noticed(name: str) 
             assert noticed(given_with(Certificate.from_json(forged(document, without(place))))), place
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", JOINED)
 def test_nothing_is_proved_by_what_does_not_stand(name: str) -> None:
     entry = JOINED[name][0]()
