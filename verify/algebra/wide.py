@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import reduce
-from math import ldexp
 
 import numpy as np
 from flint import arb, arb_poly, fmpz, fmpz_poly
@@ -58,7 +57,7 @@ class WideArithmetic(Arithmetic):
 
     def size(self, polynomial: fmpz_poly, scale: int) -> float:
         """A bound for the sum of the absolute values of all coefficients times 2^-scale."""
-        return float_above(int(sum(map(abs, polynomial.coeffs()))), -scale) if polynomial.length() else 0.0
+        return inflate(float(_sizes(polynomial, self.stride, scale).of_times.sum())) if polynomial.length() else 0.0
 
     def part_for(self, coarse: Arithmetic, polynomial: fmpz_poly) -> tuple[fmpz_poly, int]:
         """What a coarser format keeps of a packed polynomial, and the l1 norm of the rest."""
@@ -69,9 +68,14 @@ class WideArithmetic(Arithmetic):
             rest += coefs[start : start - coarse.width - 1 + stride]
         return self._kept(coarse, coefs), int(sum(map(abs, rest)))
 
+    def round_product(self, exact: fmpz_poly, position: int) -> tuple[fmpz_poly, float]:
+        """As for every arithmetic; rounded before it is cut: one unit counts for every coefficient that is read."""
+        kept, rest = self.cut(exact // self.one)
+        return kept, inflate(float_above(exact.length() + rest, -self.scales[position]))
+
     def reduced(self, product: fmpz_poly) -> fmpz_poly:
         """As for every arithmetic."""
-        return self._kept(self, product.coeffs()) // self.one
+        return self._kept(self, (product // self.one).coeffs())
 
     def _kept(self, coarse: Arithmetic, coefs: Sequence[fmpz]) -> fmpz_poly:
         """What a coarser format keeps of a packed polynomial with these coefficients."""
@@ -127,16 +131,11 @@ class WideArithmetic(Arithmetic):
 
     def unpack(self, polynomial: fmpz_poly, scale: int, rows: int) -> Floats:
         """The integers of a packed polynomial times 2^-scale, shape (rows, width + 1): powers of theta and of s."""
-        result = np.zeros((rows, self.width + 1))
-        stride = self.stride
         try:
-            for index, value in enumerate(polynomial.coeffs()):
-                row, power = divmod(index, stride)
-                if value and row < rows:
-                    result[row, power] = ldexp(int(value), -scale)
+            values = np.ldexp(_floats(polynomial.coeffs()[: rows * self.stride]), -scale)
         except OverflowError:
             raise _not_finite() from None
-        return result
+        return _in_rows(values, self.stride, rows)[:, : self.width + 1]
 
     def pack(self, coefficients: Floats, scale: int) -> fmpz_poly:
         """The packed polynomial with the given coefficients, shape (rows, width + 1), times 2^scale, rounded."""
@@ -207,22 +206,37 @@ _remembered: OrderedDict[tuple[int, int, int], tuple[fmpz_poly, _Sizes]] = Order
 
 
 def _sizes(polynomial: fmpz_poly, stride: int, scale: int) -> _Sizes:
-    """Bounds, up to rounding, for a polynomial times 2^-scale: every coefficient counts with the next power of 2."""
+    """Bounds, up to rounding, for a polynomial times 2^-scale: every coefficient counts with its size."""
     key = id(polynomial), stride, scale
     # An entry keeps its polynomial, whose identity therefore is not given to another one.
     known = _remembered.get(key)
     if known is None:
-        bits = np.array([value.bit_length() for value in polynomial.coeffs()])
-        rows = -(-len(bits) // stride)
-        padded = np.zeros(rows * stride)
+        coefs = polynomial.coeffs()
+        try:
+            mantissas, exponents = np.abs(_floats(coefs)), np.array(0)
+        except OverflowError:
+            exponents = np.array([value.bit_length() for value in coefs])
+            mantissas = (exponents > 0).astype(float)
         # The floor comes before these are factors: one that underflows may belong to a large other one.
-        padded[: len(bits)] = np.where(bits > 0, np.ldexp(1.0, bits - scale) + FLOOR, 0.0)
-        table = padded.reshape(rows, stride)
+        sizes = np.where(mantissas > 0.0, np.ldexp(mantissas, exponents - scale) + FLOOR, 0.0)
+        table = _in_rows(sizes, stride, -(-len(sizes) // stride))
         known = polynomial, _Sizes(table.sum(axis=1), table.sum(axis=0))
         if len(_remembered) >= _REMEMBERED:
             _remembered.popitem(last=False)
         _remembered[key] = known
     return known[1]
+
+
+def _floats(coefficients: Sequence[fmpz]) -> Floats:
+    """Each rounded to the nearest float. Raises `OverflowError` for one that is larger than all."""
+    return np.fromiter(map(float, coefficients), np.float64, len(coefficients))
+
+
+def _in_rows(values: Floats, stride: int, rows: int) -> Floats:
+    """Coefficients in a table, with a row for each power of theta."""
+    padded = np.zeros(rows * stride)
+    padded[: len(values)] = values
+    return padded.reshape(rows, stride)
 
 
 def _mean_value_form(coefficients: list[arb], part: arb) -> arb:
