@@ -8,10 +8,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
 import pytest
 from support.claims import known
 
+from orbitproof.shared import define_system
+from orbitproof.verify import enclose
 from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.flow import planned_step
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 
@@ -102,3 +106,49 @@ def test_an_approximate_solution_over_another_time_is_no_solution() -> None:
 
     with pytest.raises(REFUSALS):
         enclose_iterates(known("fs2"), SETTINGS, Elsewhere(random.Random(1), 0.0))
+
+
+DAMPED = define_system({"name": "damped", "state": "x y", "field": {"x": "y", "y": "-x - y"}})
+BREAKDOWNS = (
+    OverflowError("int too large"),
+    ZeroDivisionError(),
+    np.linalg.LinAlgError("singular"),
+    TypeError("complex"),
+)
+
+
+def raising(error: Exception) -> Callable[..., Any]:
+    def broken(*_: Any, **__: Any) -> Any:
+        raise error
+
+    return broken
+
+
+@pytest.mark.parametrize("error", BREAKDOWNS, ids=lambda error: type(error).__name__)
+@pytest.mark.parametrize("where", ["solution.fixed_coefficients", "solution.LinearEquation"])
+def test_a_search_that_breaks_down_is_a_reason(where: str, error: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(f"orbitproof.verify.oracle.{where}", raising(error))
+    found = enclose.flow(DAMPED, enclose.box({"x": 1, "y": 0}, radii={"x": "1e-9"}), 1)
+    assert not found
+    assert "no approximate solution was found" in found.reason.message
+    assert type(error).__name__ in found.reason.message
+
+
+@pytest.mark.parametrize("where", ["numpy.linalg.qr", "orbitproof.verify.oracle.frames._integers"])
+def test_without_a_frame_errors_are_bounded_all_the_same(where: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    box = enclose.box({"x": 1, "y": 0}, radii={"x": "1e-9"})
+    honest = enclose.flow(DAMPED, box, 1)
+    monkeypatch.setattr(where, raising(OverflowError("int too large")))
+    found = enclose.flow(DAMPED, box, 1)
+    assert honest
+    assert found
+    assert all(found.value[name].overlaps(honest.value[name]) for name in DAMPED.state)
+
+
+@pytest.mark.parametrize("size", STEPS)
+def test_a_step_is_a_positive_number_or_there_is_a_reason(size: float) -> None:
+    if 1e-8 <= size < float("inf"):
+        assert 0 < planned_step(size, 0.5, 0.0) <= size
+    else:
+        with pytest.raises(IntegrationFailure, match="only a step of"):
+            planned_step(size, 0.5, 0.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from math import floor, log2
+from math import floor, inf, log2
 from typing import Protocol
 
 from orbitproof.verify.evidence import IntegrationFailure
@@ -56,7 +56,7 @@ def planned_step(size: float, share: float, time: float) -> Fraction:
         share: about which part.
         time: at which this is, for the message.
     """
-    if size < _LEAST_STEP:
+    if not _LEAST_STEP <= size < inf:
         raise IntegrationFailure(
             "singularity",
             f"at time {time:.9g} the Taylor expansions allow only a step of {size:.1e}",

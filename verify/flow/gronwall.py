@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from functools import cache, reduce
+from functools import lru_cache, reduce
 from itertools import starmap
 from math import comb
 from operator import add, mul
@@ -157,9 +157,9 @@ def bounds_on_parts(derivative: Series) -> Floats:
     return np.asarray((recentred + 1e-13 * np.abs(coefficients).sum()) * _SLACK)
 
 
-@cache
+@lru_cache(maxsize=64)
 def _recentring(length: int) -> Floats:
-    """The matrices S, shape (PARTS, length, length)."""
+    """The matrices S, shape (PARTS, length, length); for a degree of 400 they have ten megabytes."""
     half = 1.0 / (2 * PARTS)
     matrices = np.zeros((PARTS, length, length))
     for part in range(PARTS):

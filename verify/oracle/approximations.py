@@ -33,7 +33,10 @@ class Approximations(Frames):
         crossing: int = 1,
     ) -> list[Fraction] | None:
         """See `poincare.Oracle`."""
-        return relative_return_times(program, arithmetic, section, state, constants, crossing)
+        try:
+            return relative_return_times(program, arithmetic, section, state, constants, crossing)
+        except (ArithmeticError, ValueError):
+            return None
 
     def regularised_steps(
         self,
@@ -45,7 +48,10 @@ class Approximations(Frames):
         arithmetic: Arithmetic,
     ) -> int:
         """See `poincare.Oracle`."""
-        return regularised_steps(own, other, point, parameters, level, arithmetic.bits, arithmetic.degree)
+        try:
+            return regularised_steps(own, other, point, parameters, level, arithmetic.bits, arithmetic.degree)
+        except (ArithmeticError, TypeError, ValueError):
+            return 0
 
 
 ORACLE = Approximations()

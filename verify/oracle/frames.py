@@ -23,6 +23,16 @@ class Frames:
         self, slopes: Sequence[dict[int, fmpz_poly]], frame: fmpz_mat, step: Fraction, coarse: Arithmetic
     ) -> list[list[fmpz_poly]] | None:
         """See `flow.FrameOracle`."""
+        try:
+            return self._columns(slopes, frame, step, coarse)
+        except (ArithmeticError, ValueError):
+            return None
+
+    @staticmethod
+    @np.errstate(over="ignore", invalid="ignore")
+    def _columns(
+        slopes: Sequence[dict[int, fmpz_poly]], frame: fmpz_mat, step: Fraction, coarse: Arithmetic
+    ) -> list[list[fmpz_poly]] | None:
         size, unit, stride, width = len(slopes), 2.0**-coarse.bits, coarse.stride, coarse.width + 1
         length = -(-max(p.length() for row in slopes for p in row.values()) // stride)
         flat = np.zeros((max(length, 1) * stride, size, size))
@@ -55,11 +65,21 @@ class Frames:
 
     def next_frame(self, end: fmpz_mat, bounds: Floats, bits: int) -> tuple[fmpz_mat, fmpz_mat]:
         """See `flow.FrameOracle`."""
-        floats = _floats(end, 2.0**-bits)
-        longest = bounds.max(axis=0)
-        edges = (bounds / np.where(longest > 0, longest, 1.0)).mean(axis=1)
-        orthogonal, _ = np.linalg.qr(floats[:, np.argsort(-np.linalg.norm(floats, axis=0) * edges)])
-        return _matrix(orthogonal, bits), _matrix(orthogonal.T, bits)
+        try:
+            orthogonal = _orthogonal(end, bounds, bits)
+            return _matrix(orthogonal, bits), _matrix(orthogonal.T, bits)
+        except (ArithmeticError, ValueError):
+            axes = _matrix(np.eye(len(bounds)), bits)
+            return axes, axes
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def _orthogonal(end: fmpz_mat, bounds: Floats, bits: int) -> Floats:
+    """The orthogonal factor of a matrix with its columns in the order of the edges of what it makes of the bounds."""
+    floats = _floats(end, 2.0**-bits)
+    longest = bounds.max(axis=0)
+    edges = (bounds / np.where(longest > 0, longest, 1.0)).mean(axis=1)
+    return np.asarray(np.linalg.qr(floats[:, np.argsort(-np.linalg.norm(floats, axis=0) * edges)])[0])
 
 
 def _floats(matrix: fmpz_mat, unit: float) -> Floats:

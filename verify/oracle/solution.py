@@ -16,6 +16,7 @@ from flint import fmpz, fmpz_poly
 from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, partial_derivatives
 from orbitproof.verify.evidence import GUARD_BITS
 from orbitproof.verify.flow import FieldAlong, dyadic_below, rough
+from orbitproof.verify.oracle.breakdowns import breakdowns_told
 from orbitproof.verify.oracle.centre import (
     fixed_coefficients,
     next_crossing,
@@ -58,6 +59,7 @@ class CentreExpansion:
         self._longest = step, fixed_coefficients(self.program, self._start, degree, bits, step)
         return self._longest[1]
 
+    @breakdowns_told()
     def shortened(self, step: Fraction) -> Fraction:
         """See `Expansion`."""
         last = (abs(value) for row in self._coefficients(step) for value in row[-2:])
@@ -66,10 +68,12 @@ class CentreExpansion:
             return step
         return dyadic_below(float(step) * 2.0 ** (-excess / self.arithmetic.degree))
 
+    @breakdowns_told()
     def crossing(self, section: int, step: Fraction, starts_on_section: bool) -> Fraction | None:
         """See `Expansion`."""
         return next_crossing(self._coefficients(step)[section], self.arithmetic.bits, starts_on_section)
 
+    @breakdowns_told()
     def solve(self, along: FieldAlong, step: Fraction) -> None:
         """See `Expansion`."""
         arithmetic, size = self.arithmetic, len(self.state)

@@ -28,6 +28,7 @@ from orbitproof.verify.algebra import (
     to_points,
 )
 from orbitproof.verify.flow import Expansion, FieldAlong
+from orbitproof.verify.oracle.breakdowns import breakdowns_told
 from orbitproof.verify.oracle.centre import TaylorRecurrence, next_crossing, step_size
 from orbitproof.verify.oracle.solution import CentreExpansion
 
@@ -94,12 +95,14 @@ class CircleExpansion:
         """See `Expansion`; its terms are not looked at."""
         return step
 
+    @breakdowns_told()
     def crossing(self, section: int, step: Fraction, starts_on_section: bool) -> Fraction | None:
         """See `Expansion`."""
         centre = from_points(self.taylor[section, :, 0], self.arithmetic.width)[:, 0]
         scaled = np.ldexp(centre * float(step) ** np.arange(len(centre)), _CENTRE_BITS)
         return next_crossing([int(value) for value in scaled], _CENTRE_BITS, starts_on_section)
 
+    @breakdowns_told()
     def solve(self, along: FieldAlong, step: Fraction) -> None:
         """See `Expansion`."""
         arithmetic = self.arithmetic
@@ -145,6 +148,7 @@ class CircleExpansion:
                 row[n] = row[n] + arithmetic.pack(corrections[:, number], arithmetic.scales[n])
 
 
+@breakdowns_told()
 def expand(
     program: PreparedProgram, arithmetic: Arithmetic, state: Sequence[Series], parameters: Sequence[Series]
 ) -> Expansion:
