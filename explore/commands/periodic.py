@@ -25,6 +25,7 @@ from orbitproof.explore.names import (
     mass_parameter,
     own_system,
     section_of,
+    start_values,
     symmetry_of,
     varied,
 )
@@ -291,7 +292,7 @@ def _start(
 ) -> tuple[tuple[float, ...], float | None]:
     """Where to begin, and the period near that, if it is known. Raises `InputError`."""
     if options.triangular is None:
-        given = given_values("--start", options.start, system.given_state)
+        given = start_values("--start", options.start, system)
         return tuple(map(float, given.values())), options.period
     if system is not CR3BP:
         raise InputError(f"--triangular: {system.name} is not cr3bp; give --start")

@@ -53,6 +53,7 @@ def integrate(
     extended: bool = False,
     save: diffrax.SubSaveAt | None = None,
     implicit: bool = False,
+    most: int = MAX_STEPS,
 ) -> tuple[jax.Array, diffrax.Solution, jax.Array]:
     """The state after a time of any sign, the solution, and whether the end was reached. To be called while JAX traces.
 
@@ -61,6 +62,7 @@ def integrate(
         extended: whether the state is an orbit with its derivatives, and errors are measured accordingly.
         save: what to keep on the way, `solution.ys[1]`.
         implicit: Kvaerno 5, to fewer digits, for stiff fields, through whose fast decay the other one crawls.
+        most: number of steps.
     """
     controller = _Extended if extended else diffrax.PIDController
     solution = diffrax.diffeqsolve(
@@ -82,7 +84,7 @@ def integrate(
         ),
         # Derivatives are carried along; nothing is differentiated backwards through the loop.
         adjoint=diffrax.ForwardMode(),
-        max_steps=MAX_STEPS,
+        max_steps=most,
         throw=False,
     )
     end = solution.ys[0][0]

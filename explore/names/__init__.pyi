@@ -22,6 +22,7 @@ from .resonances import short_name as short_name
 from .sections import given_values as given_values
 from .sections import own_system as own_system
 from .sections import section_of as section_of
+from .sections import start_values as start_values
 from .sections import symmetry_of as symmetry_of
 from .telling_apart import told_apart as told_apart
 from .telling_apart import varied as varied

@@ -9,7 +9,7 @@ from pathlib import Path
 from orbitproof.explore.names.exact_numbers import exact_number
 from orbitproof.explore.names.own_systems import values_by_name
 from orbitproof.shared.formats import InputError, load_system
-from orbitproof.shared.systems import SYSTEMS, FormulaError, System, evaluate_formula
+from orbitproof.shared.systems import FORCE_AT_START, SYSTEMS, FormulaError, System, evaluate_formula
 
 _LONGEST = 1000
 
@@ -40,6 +40,16 @@ def given_values(option: str, words: Sequence[str], names: Sequence[str]) -> dic
         if not abs(value) < 2**_LONGEST:
             raise InputError(f"{option} {name}: too large; give a smaller number")
     return values
+
+
+def start_values(option: str, words: Sequence[str], system: System) -> dict[str, Fraction]:
+    """A number for each given coordinate of the state; a force that is not given begins with the phase 0.
+
+    Raises `InputError`.
+    """
+    given, names = values_by_name(option, words), system.given_state
+    force = [f"{name}={value}" for name, value in FORCE_AT_START.items() if name in names and name not in given]
+    return given_values(option, [*words, *force], names)
 
 
 def section_of(

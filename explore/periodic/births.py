@@ -19,7 +19,7 @@ from orbitproof.explore.periodic.continuation import (
     traced,
 )
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem
-from orbitproof.explore.periodic.detection import DOUBLING, PITCHFORK, Bifurcation, gap_of
+from orbitproof.explore.periodic.detection import DOUBLING, PITCHFORK, Bifurcation, gap_of, is_real
 from orbitproof.explore.periodic.family import FamilyEquations, FamilyMember
 from orbitproof.explore.periodic.flow import Vector, arc_of
 from orbitproof.explore.periodic.symmetries import Symmetry, linear_symmetries
@@ -70,7 +70,12 @@ def new_orbits(
 
 
 def _first(bifurcation: Bifurcation, family: FamilyEquations, begin: FamilyMember, length: float) -> FamilyMember:
-    """An orbit that is no old one, not farther than the length. Raises `PeriodicFailure`."""
+    """An orbit that is no old one, not farther than the length. Raises `PeriodicFailure`.
+
+    The new orbits may bifurcate themselves, close to where they are born: one before that is taken if there is one.
+    """
+    old = 0 if bifurcation.kind == DOUBLING else _past_doubling(bifurcation.member.orbit)
+    longest: list[FamilyMember] = []
     parts = 2 if bifurcation.kind == DOUBLING else bifurcation.parts
 
     def attempt(length: float) -> tuple[FamilyMember, float]:
@@ -78,12 +83,22 @@ def _first(bifurcation: Bifurcation, family: FamilyEquations, begin: FamilyMembe
         gap = gap_of(family, first.orbit, bifurcation.symmetry, parts)
         if np.max(np.abs(gap)) < _NEW * length * family.scale[0]:
             raise PeriodicFailure("Newton's method leads back to the old orbits")
+        longest.append(first)
+        if _past_doubling(first.orbit) != old:
+            raise PeriodicFailure("the new orbits are beyond a period doubling of their own")
         return first, length
 
     try:
         return next(walked(attempt, length, PATIENCE, (PeriodicFailure,)))
     except NoStep as failure:
+        if longest:
+            return longest[0]
         raise PeriodicFailure(str(failure)) from None
+
+
+def _past_doubling(orbit: ClosedOrbit) -> int:
+    """How many multipliers are real and below -1."""
+    return sum(is_real(value) and value.real < -1 for value in orbit.multipliers)
 
 
 def _new_direction(bifurcation: Bifurcation, family: FamilyEquations) -> Vector:

@@ -8,7 +8,7 @@ from itertools import chain
 from typing import overload
 
 from orbitproof.explore.engines import Reporter
-from orbitproof.explore.names import exact_number, given_values, section_of, symmetry_of, varied
+from orbitproof.explore.names import exact_number, given_values, section_of, start_values, symmetry_of, varied
 from orbitproof.explore.periodic.atlas import cover_curve
 from orbitproof.explore.periodic.bifurcations import refine_bifurcation
 from orbitproof.explore.periodic.continuation import PeriodicFamily, StepControl
@@ -49,8 +49,8 @@ def find_periodic(
 
     Arguments:
         system: from `shared.load_system` or `shared.define_system`, or one of `shared`.
-        start: all coordinates of the state by name, without functions of others: near the orbit, or a point whose
-            orbit is followed.
+        start: all coordinates of the state by name, without functions of others and without the
+            coordinates of a force: near the orbit, or a point whose orbit is followed.
         parameters: all parameters of the vector field by name, exact: `Fraction`, int, or text such as "1/3".
         period: near that of the orbit: Newton's method at once. `None`: the orbit of `start` is followed until it
             nearly repeats.
@@ -64,7 +64,7 @@ def find_periodic(
     """
     try:
         exact = given_values("parameters", _words(parameters or {}), tuple(system.parameters))
-        place = given_values("start", _words(start), system.given_state)
+        place = start_values("start", _words(start), system)
         chosen = section_of(system, section, direction)
         value = None if level is None else exact_number("level", str(level))
     except InputError as error:

@@ -10,6 +10,7 @@ from .description import described as described
 from .description import described_plainly as described_plainly
 from .description import is_title as is_title
 from .examination import fault as fault
+from .forcing import FORCE_AT_START as FORCE_AT_START
 from .formulas import FormulaError as FormulaError
 from .formulas import evaluate_formula as evaluate_formula
 from .hill import HILL as HILL

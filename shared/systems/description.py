@@ -22,6 +22,7 @@ from orbitproof.shared.systems.described_functions import (
     name_of,
 )
 from orbitproof.shared.systems.described_levels import exact_number, level_entry, level_of
+from orbitproof.shared.systems.forcing import without_time
 from orbitproof.shared.systems.formulas import FormulaError
 from orbitproof.shared.systems.functions import FUNCTIONS, Call, FunctionsOf, argument_of, rates_of
 from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
@@ -42,7 +43,7 @@ PLAIN_KEYS = ("name", "state", "field", "title", "parameters", "where", "first_i
               "defined")  # fmt: skip
 """What the description of a system without R and section has; those after the field may be missing."""
 
-_LONGEST_TITLE = 64
+_LONGEST_TITLE = 120
 """Of what is not known to every installation."""
 
 _INTERNED: dict[str, System] = {}
@@ -171,7 +172,7 @@ def _read_plain(entry: Mapping[str, Any]) -> System:
         if key not in entry:
             raise DescriptionError(f"{key}: missing; give name, state and field at least")
     name, title, given, ranges = _names_of(entry)
-    formulas = _formulas_of(entry, given, tuple(ranges))
+    formulas = _formulas_of(entry, given, tuple(ranges), forced=True)
     integral = formulas.function("first_integral")
     return System(
         name,
@@ -206,9 +207,17 @@ class _Formulas:
 
 
 def _formulas_of(
-    entry: Mapping[str, Any], state: tuple[str, ...], parameters: tuple[str, ...], taken: Sequence[str] = ()
+    entry: Mapping[str, Any],
+    state: tuple[str, ...],
+    parameters: tuple[str, ...],
+    taken: Sequence[str] = (),
+    forced: bool = False,
 ) -> _Formulas:
-    """What a description gives as formulas, with coordinates in place of sin, cos, exp and log; `taken` as names."""
+    """What a description gives as formulas, with coordinates in place of sin, cos, exp and log; `taken` as names.
+
+    Arguments:
+        forced: whether sin and cos of the time may stand in them (`forcing`).
+    """
     where, field = entry.get("where", {}), entry["field"]
     texts = {key: entry.get(key) for key in ("first_integral", "squared_distance")}
     defined: tuple[Defined, ...] = ()
@@ -216,8 +225,11 @@ def _formulas_of(
     if "defined" in entry:
         defined = _read_defined(entry["defined"], state, parameters)
     elif isinstance(field, Mapping) and isinstance(where, Mapping):
-        found = FunctionsOf((*state, *parameters, *where, *taken))
         try:
+            if forced and set(field) == set(state):
+                free = without_time(state, parameters, field, where, texts)
+                state, field, where, texts = free.state, free.field, free.where, dict(free.texts)
+            found = FunctionsOf((*state, *parameters, *where, *taken), where)
             where = {key: _without(found, text) for key, text in where.items()}
             field = {key: _without(found, text) for key, text in field.items()}
             texts = {key: _without(found, text) for key, text in texts.items()}

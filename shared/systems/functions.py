@@ -1,5 +1,7 @@
 """sin, cos, exp and log in formulas: each becomes a state coordinate of its own, with a rate in plain arithmetic.
 
+A power whose exponent is no constant is x**n = exp(n*log(x)), for positive x.
+
 For a coordinate w that is a function of others, w' follows from the chain rule, and it is a polynomial in these
 coordinates: (sin e)' = cos(e) e', (cos e)' = -sin(e) e', (exp e)' = exp(e) e', (log e)' = e'/e. The states that are
 meant are those with w = function(argument); they are an invariant set of the system with the further coordinates.
@@ -9,6 +11,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain, count
@@ -35,19 +38,42 @@ class FunctionsOf:
 
     Attributes:
         calls: in an order in which arguments have earlier ones only.
+
+    Args:
+        taken: names that coordinates cannot have.
+        where: formulas under names; those without names are constants in exponents.
     """
 
-    def __init__(self, taken: Sequence[str]) -> None:
+    def __init__(self, taken: Sequence[str], where: Mapping[str, Any]) -> None:
         self.taken = set(taken)
+        self._constants: set[str] = set()
+        for name, text in where.items():
+            if isinstance(text, str) and self._is_constant(_parsed(text)):
+                self._constants.add(name)
         self.calls: list[Call] = []
 
     def without(self, text: str) -> str:
         """The formula with further coordinates in place of its functions; one that cannot be read stays as it is."""
         text = " ".join(text.split())
+        while len(text) <= LONGEST and (power := self._power(text)) is not None:
+            base, exponent = (ast.get_source_segment(text, part) for part in (power.left, power.right))
+            text = f"{text[: power.col_offset]}exp(({exponent})*log({base})){text[power.end_col_offset :]}"
         while len(text) <= LONGEST and (found := _innermost(text)) is not None:
             call = self._call(found.func.id, ast.get_source_segment(text, found.args[0]) or "")
             text = f"{text[: found.col_offset]}{call.name}{text[found.end_col_offset :]}"
         return text
+
+    def _power(self, text: str) -> Any:
+        """A power whose exponent is no constant, without another one in it, or `None`."""
+        powers = [
+            node for node in ast.walk(_parsed(text)) if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow)
+        ]
+        found = [node for node in powers if not self._is_constant(node.right)]
+        return min(found, key=lambda node: (node.end_col_offset or 0) - node.col_offset, default=None)
+
+    def _is_constant(self, node: ast.AST) -> bool:
+        """Whether a formula has no names but those of constants."""
+        return all(each.id in self._constants for each in ast.walk(node) if isinstance(each, ast.Name))
 
     def _call(self, function: str, argument: str) -> Call:
         for known in self.calls:
@@ -70,13 +96,16 @@ class FunctionsOf:
 
 def _innermost(text: str) -> Any:
     """A call of a function without another one in its argument, or `None`."""
-    if not text.isascii():
-        return None
-    try:
-        calls: list[Any] = [node for node in ast.walk(ast.parse(text, mode="eval")) if _is_call(node)]
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return None
+    calls: list[Any] = [node for node in ast.walk(_parsed(text)) if _is_call(node)]
     return next((call for call in calls if not any(map(_is_call, ast.walk(call.args[0])))), None)
+
+
+def _parsed(text: str) -> ast.AST:
+    """The tree of a formula; an empty one for a text that is none."""
+    if text.isascii():
+        with suppress(SyntaxError, ValueError, RecursionError, MemoryError):
+            return ast.parse(text, mode="eval")
+    return ast.Module([], [])
 
 
 def _is_call(node: Any) -> bool:

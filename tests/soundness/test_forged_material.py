@@ -272,7 +272,7 @@ def test_a_title_in_a_statement_is_no_sentence(point: Certificate, key: str, tex
 def test_the_title_of_a_system_that_is_not_known_here_is_short(point: Certificate) -> None:
     def rename(entry: Document) -> None:
         entry["statement"]["candidate"]["system"] = "somebody-elses"
-        entry["statement"]["names"]["system"] = "x" * 65
+        entry["statement"]["names"]["system"] = "x" * 121
 
     found = recheck(Certificate.from_json(forged(point.to_json(), rename)))
     assert "is no title" in found.findings[0].message

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -17,6 +18,7 @@ from orbitproof.verify.claim.linear_symmetry import Rows
 Sum = tuple[tuple[int, int], ...]
 """A sum of arguments, each as (sign, number)."""
 _LONGEST_SUM = 3
+_PRIME, _MOST_DEGREE = 2**61 - 1, 40
 Terms = dict[tuple[int, ...], fmpq]
 """The coefficients of a polynomial by exponents."""
 
@@ -49,18 +51,18 @@ def functions_of(system: System) -> Functions:
 
 
 class _RelatedRing(Ring):
-    """Where sines and cosines of sums, exponentials of sums, and squares of sines are written by others."""
+    """Where sines and cosines of sums, exponentials of sums, squares of sines and products are written by others."""
 
     def __init__(self, functions: Functions, *programs: Program) -> None:
         super().__init__(*programs)
         self._squares: list[tuple[int, int]] = []
-        self._inverses: list[tuple[int, int]] = []
+        self._inverses: list[Counter[int]] = []
         arguments = _Arguments(functions, programs[0])
         self._relate_circular(functions, arguments)
         self._relate_exponential(functions, arguments)
 
     def is_zero(self, polynomial: fmpq_mpoly) -> bool:
-        """By s^2 = 1 - c^2 and v w = 1 besides."""
+        """By s^2 = 1 - c^2 and products of exponentials that are 1 besides."""
         for sine, cosine in self._squares:
             parts: dict[int, Terms] = {}
             for exponents, value in polynomial.to_dict().items():
@@ -72,11 +74,11 @@ class _RelatedRing(Ring):
             for whole, part in parts.items():
                 lifted = self.product(self.polynomials.from_dict(part), self._whole_power(square, whole))
                 polynomial = self.sum(polynomial, lifted)
-        for left, right in self._inverses:
+        for powers in self._inverses:
             terms: Terms = {}
             for exponents, value in polynomial.to_dict().items():
-                common = min(exponents[left], exponents[right])
-                key = tuple(e - common * (i in (left, right)) for i, e in enumerate(map(int, exponents)))
+                common = min(int(exponents[i]) // power for i, power in powers.items())
+                key = tuple(e - common * powers[i] for i, e in enumerate(map(int, exponents)))
                 terms[key] = terms.get(key, fmpq(0)) + value
             polynomial = self.polynomials.from_dict(terms)
         return bool(polynomial.is_zero())
@@ -106,12 +108,11 @@ class _RelatedRing(Ring):
             for _, i in terms:
                 value = self.product(value, self.inputs[places[all_of_them[i]]].value)
             self._write(places[all_of_them[k]], value)
-        self._inverses = [
-            (places[all_of_them[i]], places[all_of_them[k]])
-            for i in kept
-            for k in kept
-            if i < k and arguments.are_equal(all_of_them[k], [(-1, all_of_them[i])])
-        ]
+        for k in kept:
+            for terms in arguments.sums_for(all_of_them, k, [i for i in kept if i != k], (-1,)):
+                powers = Counter(places[all_of_them[i]] for i in (k, *(i for _, i in terms)))
+                if powers not in self._inverses:
+                    self._inverses.append(powers)
 
     def _write(self, place: int, value: fmpq_mpoly) -> None:
         self.inputs[place] = AlongFlow(self, value, self.polynomials.constant(0))
@@ -128,6 +129,10 @@ class _Arguments:
             if program not in self.values:
                 (found,) = program.evaluate(self.ring.inputs, self.ring.constant, AlongFlow.power)
                 self.values[program] = found.value
+        # Equal polynomials have equal values at this point: most sums are excluded there.
+        point = [fmpq(pow(3, 7 * i + 5, _PRIME)) for i in range(self.ring.variables)]
+        short = not self.ring.symbols and all(v.total_degree() <= _MOST_DEGREE for v in self.values.values())
+        self._at_point = {p: value(*point) for p, value in self.values.items()} if short else {}
 
     def are_equal(self, left: Program, terms: Sequence[tuple[int, Program]]) -> bool:
         """Whether an argument is a sum of others with signs, identically."""
@@ -148,10 +153,20 @@ class _Arguments:
         self, programs: Sequence[Program], kept: Sequence[int], signs: Sequence[int]
     ) -> tuple[int, Sum] | None:
         for k in kept:
-            for terms in _sums([i for i in kept if i != k], signs):
-                if self.are_equal(programs[k], [(sign, programs[i]) for sign, i in terms]):
-                    return k, terms
+            for terms in self.sums_for(programs, k, [i for i in kept if i != k], signs):
+                return k, terms
         return None
+
+    def sums_for(
+        self, programs: Sequence[Program], k: int, others: Sequence[int], signs: Sequence[int]
+    ) -> Iterator[Sum]:
+        """Sums of a few others, with signs, that an argument is identically."""
+        at = [self._at_point[program] for program in programs] if self._at_point else []
+        for terms in _sums(others, signs):
+            if at and sum(at[i] if sign > 0 else -at[i] for sign, i in terms) != at[k]:
+                continue
+            if self.are_equal(programs[k], [(sign, programs[i]) for sign, i in terms]):
+                yield terms
 
 
 def _sums(numbers: Sequence[int], signs: Sequence[int]) -> Iterator[Sum]:
