@@ -43,11 +43,13 @@ def remedy_for(name: str, known: str) -> str:
     """What to write in place of a name that formulas do not know."""
     if name in ("t", "time"):
         return (
-            "a periodic force is two coordinates u and w of its own, u' = r*w and w' = -r*u "
-            "(docs/how-to/forced-systems.md)"
+            "a periodic force is F*cos(r*t) in a file without R, else two coordinates u and w of its own, "
+            "u' = r*w and w' = -r*u (docs/how-to/forced-systems.md)"
         )
     if name == "pi":
-        return "make pi a parameter, with as many digits as are wanted"
+        return (
+            "make pi, or what it is multiplied by, a parameter with as many digits as are wanted: no number here is pi"
+        )
     return f"known: {known}"
 
 

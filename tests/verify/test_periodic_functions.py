@@ -341,7 +341,8 @@ def test_what_relations_show_is_true_of_numbers() -> None:
         total = f"({first}) {chance.choice('+-')} ({second})"
         form = chance.choice([
             "sin({t}) - sin({a})*cos({b}) - cos({a})*sin({b})", "cos({t}) - cos({a})*cos({b}) + sin({a})*sin({b})",
-            "exp({t}) - exp({a})*exp({b})", "exp({a})*exp({b}) - 1", "sin({a})**2 - 1 + cos({b})**2",
+            "exp({t}) - exp({a})*exp({b})", "exp({a})*exp({b}) - 1",
+            "exp({t})*exp(-({a}))*exp(-({b})) - 1", "sin({a})**2 - 1 + cos({b})**2",
         ])  # fmt: skip
         text = form.format(t=total, a=first, b=second)
         system = _with_rate(text)
