@@ -35,6 +35,8 @@ _BOX_SHARE, _BOX_DIGITS = 0.7, 5
 derivatives are known to fewer digits, over a wider one they vary more."""
 _KNOWN_DIGITS, _MOST_DIGITS = 9, 200
 """So many digits narrower is the box than the growth of bounds asks for; the centre has no more than the second."""
+GROWTH_ALLOWED = int(_MOST_DIGITS * _BOX_SHARE) + _BOX_DIGITS - _KNOWN_DIGITS
+"""Bounds may grow by so many digits over a box about the centre with the most of them."""
 _MOST_BITS = 900
 """The verifier bounds no error below 2^-960: derivatives over a box as narrow as that are not known."""
 _MOST_STEPS = 4000

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from math import floor, isfinite, log, log10
 from typing import Any
 
@@ -17,7 +18,7 @@ from orbitproof.explore.periodic.continuation import PeriodicFamily, StepControl
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, correct
 from orbitproof.explore.periodic.flow import growth_of_bounds, velocity_at
 from orbitproof.explore.periodic.nearly import equilibrium_of, follow, nearby_orbits, recurrences
-from orbitproof.explore.periodic.refinement import PeriodicTask, digits_of_centre, refine_periodic
+from orbitproof.explore.periodic.refinement import GROWTH_ALLOWED, PeriodicTask, digits_of_centre, refine_periodic
 from orbitproof.explore.periodic.section import AffineSection, sections, through_the_middle
 from orbitproof.explore.periodic.symmetries import Symmetry, is_symmetry
 from orbitproof.explore.refinement import RefinementFailure
@@ -89,11 +90,16 @@ class FoundOrbit:
             tuple(map(float, self.orbit.point)), self.orbit.period, self.level, max(digits, self._digits_of_box()), {},
         )  # fmt: skip
 
-    def _digits_of_box(self) -> int:
-        """Digits of the centre with which derivatives are known over its box: bounds of errors grow along the orbit."""
+    @cached_property
+    def growth(self) -> float:
+        """By how many digits bounds of errors may grow over the period; 0 where that is not known."""
         orbit = self.orbit
         rate = growth_of_bounds(self.problem.system, orbit.loop[::_EVERY], orbit.values)
-        return digits_of_centre(rate * orbit.period / log(10)) if isfinite(rate) else 0
+        return rate * orbit.period / log(10) if isfinite(rate) else 0.0
+
+    def _digits_of_box(self) -> int:
+        """Digits of the centre with which derivatives are known over its box: bounds of errors grow along the orbit."""
+        return digits_of_centre(self.growth)
 
 
 class FoundOrbits(list[FoundOrbit]):
@@ -256,10 +262,15 @@ def _on_section(
 
 
 def remarks(request: PeriodicRequest, found: FoundOrbit) -> list[str]:
-    """How an orbit differs from the guess that it was corrected from, where that is worth telling."""
-    if request.period is None:
-        return []
+    """What is worth telling of an orbit: that its claim may be hard to prove, how it differs from the guess."""
     said, name = [], request.system.name
+    if found.growth > GROWTH_ALLOWED:
+        said.append(
+            f"{name}: bounds of errors may grow by {found.growth:.0f} digits over the period, and centres have digits "
+            f"for {GROWTH_ALLOWED}: the claim may not be proved; where orbits are slow a section of your own may help"
+        )
+    if request.period is None:
+        return said
     times = round(request.period / found.orbit.period)
     if times > 1:
         said.append(f"{name}: the period given is {times} times that of the orbit, which is taken")

@@ -58,9 +58,10 @@ def without_time(
     every = (*field.values(), *where.values(), *texts.values())
     if TIME in names or not any(_has_time(text) for text in every):
         return plain
-    for name in FORCE:
-        if name in names:
-            raise FormulaError(f"{name} is the name of a coordinate of the force; choose another one, or none called t")
+    for name in names:
+        # Harmonics have such names too, with a number.
+        if name.startswith(FORCE):
+            raise FormulaError(f"{name} begins like the names of the force; choose another one")
     # Once to see how fast the phases turn, and again with the harmonics of a rate of which all are multiples.
     reader = _Reader(names, parameters, {})
     kept, changed, rest = reader.all_without(where, field, texts)

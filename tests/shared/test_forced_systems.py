@@ -97,8 +97,12 @@ def test_a_coordinate_of_ones_own_may_be_called_t() -> None:
 
 
 def test_names_of_the_force_are_free() -> None:
-    with pytest.raises(InputError, match="force_sin is the name"):
+    with pytest.raises(InputError, match="force_sin begins like"):
         define_system({"name": "own", "state": "x force_sin", "field": {"x": "cos(t)", "force_sin": "1 - x"}})
+    # Under this name the second harmonic stands.
+    field = {"x": "v", "v": "cos(t) + cos(2*t) + force_cos_2"}
+    with pytest.raises(InputError, match="force_cos_2 begins like"):
+        define_system({"name": "own", "state": "x v", "where": {"force_cos_2": "x"}, "field": field})
 
 
 def test_a_reversible_system_writes_its_force_as_coordinates() -> None:
