@@ -1,4 +1,4 @@
-"""The time in formulas, as sin and cos of multiples of it: a periodic force, as two further coordinates.
+"""The time in formulas, as sin and cos of multiples of it: a periodic force, as two further coordinates (section 1.1).
 
 The pair (u, v) turns on the circle u^2 + v^2 = 1, which attracts it: u' = -r v + r g u, v' = r u + r g v with
 g = (1 - u^2 - v^2)/4. As (u^2 + v^2)' = 2 r g (u^2 + v^2), a periodic orbit with (u, v) not 0 has u^2 + v^2 = 1

@@ -192,6 +192,8 @@ def test_coordinates_that_do_not_stay_the_functions_they_are_called_are_refused(
         (lambda x, y, s, c: (c * y, -s * y), (("s", "cos", _angle), ("c", "sin", _angle))),
         (lambda x, y, s, c: (c * y, -s * y), (("s", "exp", _angle), ("c", "cos", _angle))),
         (lambda x, y, s, c: (c * y, -s * y), (("s", "sin", lambda v, p: (2 * v[0],)), ("c", "cos", _angle))),
+        # Rates of the sine and the cosine of one angle, and not of these two.
+        (lambda x, y, s, c: (c * y, -s * y), (("s", "sin", _angle), ("c", "cos", lambda v, p: (v[0] + 1,)))),
         (lambda x, y, s, c: (c * y, -s * y), (("s", "sin", lambda v, p: (v[0] + 0 * v[3],)), ("c", "cos", _angle))),
     ):
         assert _refused(replace(claim, system=_by_hand(rates, defined))).reason.condition == "functions"
@@ -208,8 +210,9 @@ def test_functions_under_other_names_than_their_coordinates_are_refused() -> Non
         return (y, -x - y * (x * x + y * y - w) / 10, 0 * w)
 
     own = Defined("v", "exp", lambda values, parameters: (5 * values[2],))
-    system = System("own", "its own", ("x", "y", "w"), {}, field, defined=(own,))
-    assert _refused(cases.in_plane(system, 0, [Q(0), Q(1)], cases.RADIUS)).reason.condition == "functions"
+    for state in (("x", "y", "w"), ("x", "y", "v")):
+        system = System("own", "its own", state, {}, field, defined=(own,))
+        assert _refused(cases.in_plane(system, 0, [Q(0), Q(1)], cases.RADIUS)).reason.condition == "functions"
 
 
 def test_claims_know_the_given_coordinates_alone() -> None:
@@ -367,6 +370,8 @@ def test_what_relations_show_is_true_of_numbers() -> None:
         ({"x": "sin(x)", "y": "cos(z)", "z": "y"}, False),
         ({"x": "exp(x + y)", "y": "exp(y + x)", "z": "x"}, False),
         ({"x": "log(x)", "y": "y/x", "z": "0*z"}, False),
+        ({"x": "sin(y)", "y": "cos(x)", "z": "exp(z)"}, False),
+        ({"x": "sin(y)", "y": "exp(y)", "z": "cos(x)"}, False),
         ({"x": "sin(x)*cos(x)", "y": "y*cos(2*x)", "z": "0*z"}, False),
     ],
 )
