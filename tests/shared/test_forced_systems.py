@@ -79,6 +79,7 @@ def test_the_circle_attracts_in_the_direction_of_time() -> None:
         ("cos(1/t)", "a power or quotient of the time"),
         ("cos(r*t) + cos(a*t)", "no common period"),
         ("cos(r*t) + cos(sqrt(2*r)*t)", "no common period"),
+        ("cos(r*t + a*t) + cos(r*t)", "no common period"),
         ("cos(t) + cos(17*t)", "harmonics"),
         ("cos(r*t + exp(x))", "under where"),
         ("cos(q*t)", "'q'"),
