@@ -24,8 +24,11 @@ from orbitproof.shared.systems import VERTICAL
 
 _WIDTH, _HEIGHT = 7.2, 6.4
 _STABLE = "#d9ead3"
-_LASTING = {True: "#b4d9a6", False: "#bfd6ef"}
-"""By whether the twist is positive."""
+_LASTING: dict[bool, dict[str, Any]] = {
+    True: {"facecolor": "#b4d9a6"},
+    False: {"facecolor": "#bfd6ef", "edgecolor": "#8fb0d6", "hatch": "////", "linewidth": 0.0},
+}
+"""By whether the twist is positive; told apart in grey too."""
 _TWISTLESS: dict[str, Any] = {"color": INK, "linestyle": (0, (1, 1.5)), "linewidth": 1.0}
 _NAMED = 4
 """Resonant values up to 1:4 are drawn as lines."""
@@ -178,7 +181,7 @@ def _draw_intervals(axes: Axes, found: CertifiedStability, axis: Along, stretche
         axes.axvspan(*places, facecolor=_STABLE, zorder=0, gid="stable")
     for (begin, end), positive in found.lasting:
         places = [axis.at(stretches[piece], s) for piece, s in (begin, end)]
-        axes.axvspan(*places, facecolor=_LASTING[positive], zorder=0.1, gid="lasting")
+        axes.axvspan(*places, **_LASTING[positive], zorder=0.1, gid="lasting")
     for piece, s in found.twistless:
         axes.axvline(axis.at(stretches[piece], s), **_TWISTLESS, gid="twistless")
 
@@ -227,7 +230,7 @@ def _legend(found: CertifiedStability, shows_stable: bool) -> list[list[Any]]:
         curves.append(Patch(facecolor=_STABLE, label="proved linearly stable"))
     for positive in sorted({positive for _, positive in found.lasting}):
         label = f"stable for ever, twist {'positive' if positive else 'negative'}"
-        curves.append(Patch(facecolor=_LASTING[positive], label=label))
+        curves.append(Patch(**_LASTING[positive], label=label))
     if found.twistless:
         curves.append(Line2D([], [], **_TWISTLESS, label="no twist"))
     marks = {_label(point): Line2D([], [], label=_label(point), **_look(point)) for point in found.points}

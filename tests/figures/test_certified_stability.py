@@ -139,6 +139,7 @@ def test_orbits_that_are_stable_for_ever_are_filled_by_the_sign_of_their_twist_a
     for axes in figure.axes:
         first, second = (patch for patch in axes.patches if patch.get_gid() == "lasting")
         assert first.get_facecolor() != second.get_facecolor()
+        assert bool(first.get_hatch()) is not bool(second.get_hatch()), "in grey the two fills are one"
         assert first.get_x() + first.get_width() == pytest.approx(second.get_x())
         assert len([line for line in axes.lines if line.get_gid() == "twistless"]) == 1
     labels = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
