@@ -180,6 +180,7 @@ def extend(family: Family, course: Course) -> Family:
     """Continue a family from its last orbit; result as for `trace`."""
     control, max_orbits = course.control, course.max_orbits
     problem, orbits, tangents = family.problem, list(family.orbits), list(family.tangents)
+    others = [_other_point(orbit) for orbit in orbits]
     first = control.initial
     if len(orbits) > 2:
         first = min(_longest(problem, orbits[-1], control), orbits[-1].arclength - orbits[-2].arclength)
@@ -196,6 +197,7 @@ def extend(family: Family, course: Course) -> Family:
         for orbit, tangent, states in islice(steps, max(0, max_orbits - len(orbits))):
             touches = orbit.crossings != orbits[-1].crossings
             orbits.append(orbit)
+            others.append(_other_point(orbit))
             tangents.append(tangent)
             if course.progress is not None:
                 course.progress(orbit)
@@ -206,7 +208,7 @@ def extend(family: Family, course: Course) -> Family:
             reason = course.stop(orbit, states)
             if reason is not None:
                 return ended("limit", f"{reason} ({describe(problem, orbit)})")
-            if _retraces(problem, orbits):
+            if _retraces(problem, orbits, others):
                 return ended("limit", f"{RETRACES} ({describe(problem, orbit)})")
     except NoStep as error:
         place = describe(problem, orbits[-1])
@@ -288,16 +290,21 @@ def _closes(problem: ShootingProblem, orbits: Sequence[SymmetricOrbit]) -> bool:
     return 0.0 <= fraction <= 1.0 and distance < 0.1 * float(np.linalg.norm(chord))
 
 
-def _retraces(problem: ShootingProblem, orbits: Sequence[SymmetricOrbit]) -> bool:
+def _other_point(orbit: SymmetricOrbit) -> Vector:
+    """The unknowns of an orbit that starts at its other point on Fix(R)."""
+    return np.append(orbit.centre("second"), orbit.half_period)
+
+
+def _retraces(problem: ShootingProblem, orbits: Sequence[SymmetricOrbit], others: Sequence[Vector]) -> bool:
     """Whether the last step leads to an earlier orbit at its other point on Fix(R), and back along these."""
     if len(orbits) < 3:
         return False
-    others = np.array([np.append(orbit.centre("second"), orbit.half_period) for orbit in orbits[:-1]]) / problem.scales
-    chords = np.diff(others, axis=0)
+    earlier = np.array(others[:-1]) / problem.scales
+    chords = np.diff(earlier, axis=0)
     lengths = np.linalg.norm(chords, axis=1)
     last, before = (orbit.unknowns / problem.scales for orbit in (orbits[-1], orbits[-2]))
     step = last - before
-    offsets = last - others[:-1]
+    offsets = last - earlier[:-1]
     along = np.sum(offsets * chords, axis=1)
     aside = np.linalg.norm(offsets - (along / lengths**2)[:, None] * chords, axis=1)
     on_chord = (along >= 0) & (along <= lengths**2) & (aside < _ASIDE * lengths)

@@ -12,13 +12,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import diffrax
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from orbitproof.explore.flow import FlowFailure, compiled, configure_jax, given_field, integrate
+from orbitproof.explore.flow import FlowFailure, compiled, configure_jax, given_field
 from orbitproof.shared.systems import Program, System, functions_in_floats, with_functions
 
 Vector = NDArray[np.float64]
@@ -173,6 +172,11 @@ def _slopes(system: System, states: Matrix, parameters: Sequence[float]) -> Matr
 
 
 def _integrator(system: System) -> Callable[..., Any]:
+    # Only now: diffrax takes a moment to load.
+    import diffrax
+
+    from orbitproof.explore.flow import integrate
+
     field, m, count = given_field(system), len(system.given_state), len(system.parameters)
     shifts = jnp.concatenate([jnp.zeros((m, count)), jnp.eye(count)])
 
@@ -190,6 +194,10 @@ def _integrator(system: System) -> Callable[..., Any]:
 
 
 def _stiff_integrator(system: System) -> Callable[..., Any]:
+    import diffrax
+
+    from orbitproof.explore.flow import integrate
+
     field = given_field(system)
 
     def run(initial: jax.Array, time: jax.Array, parameters: jax.Array) -> tuple[jax.Array, ...]:

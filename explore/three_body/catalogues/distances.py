@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
-from orbitproof.explore.flow import Matrix, Vector, flow_batch
+from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_batch, flow_of
 from orbitproof.explore.three_body.seeds import primaries
 from orbitproof.shared.systems import CR3BP
 
@@ -14,6 +15,9 @@ PARTS = 48
 """Into so many parts of equal time an orbit, or half of a symmetric one, is cut for each of its crossings."""
 
 _STEPS = 6
+
+_FEW = 4
+"""So many orbits are followed one by one: the loop over many of them takes longer to compile."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +43,7 @@ def distances(states: Matrix, times: Vector, mass: float, parts: int = PARTS) ->
     least, before = _signed(here, places[:, None], signs[:, None])
     parts_with_one = []
     for _ in range(parts):
-        there = flow_batch(CR3BP, here, steps, values).states
+        there = _followed(here, steps, values)
         at_end, after = _signed(there, places[:, None], signs[:, None])
         which, orbit = np.nonzero((before < 0) & (after > 0))
         parts_with_one.append((which, orbit, here[orbit], before[which, orbit], after[which, orbit]))
@@ -48,6 +52,17 @@ def distances(states: Matrix, times: Vector, mass: float, parts: int = PARTS) ->
     inside = _least(start, steps[orbit], places[which], signs[which], before, after, mass)
     np.fmin.at(least, (which, orbit), inside)
     return Distances(*np.where(np.all(np.isfinite(here), axis=1), signs[:, None] * least, np.nan))
+
+
+def _followed(states: Matrix, times: Vector, values: Matrix) -> Matrix:
+    """Where states of the CR3BP are after these times; NaN for those that cannot be followed."""
+    if len(times) > _FEW:
+        return flow_batch(CR3BP, states, times, values).states
+    ends = np.full(states.shape, np.nan)
+    for number, (state, time, parameters) in enumerate(zip(states, times, values, strict=True)):
+        with suppress(FlowFailure):
+            ends[number] = flow_of(CR3BP).derivative(state, float(time), parameters).state
+    return ends
 
 
 def _signed(states: Matrix, places: np.ndarray, signs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -68,7 +83,7 @@ def _least(
     for _ in range(_STEPS):
         middle = (low * f_high - high * f_low) / (f_high - f_low)
         middle = np.clip(middle, low + 1e-3 * (high - low), high - 1e-3 * (high - low))
-        distance, rate = _signed(flow_batch(CR3BP, start, middle, values).states, places, signs)
+        distance, rate = _signed(_followed(start, middle, values), places, signs)
         left = rate < 0
         f_high = np.where(left & (side == -1), f_high / 2, np.where(left, f_high, rate))
         f_low = np.where(~left & (side == 1), f_low / 2, np.where(left, rate, f_low))
