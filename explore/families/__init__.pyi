@@ -31,7 +31,6 @@ from .limits import limited_names as limited_names
 from .stability_curve import StabilityCurve as StabilityCurve
 from .stability_curve import largest_changes as largest_changes
 from .step_control import CONTROL as CONTROL
-from .step_control import DEFAULT as DEFAULT
 from .step_control import SAMPLING_TIMEOUT as SAMPLING_TIMEOUT
 from .step_control import StepControl as StepControl
 from .tracing import Traced as Traced

@@ -9,7 +9,6 @@ from .compilation import cache_folder as cache_folder
 from .compilation import compiled as compiled
 from .compilation import compiling as compiling
 from .compilation import configure_jax as configure_jax
-from .fields import field_of as field_of
 from .fields import given_field as given_field
 from .fields import power as power
 from .flow import FlowFailure as FlowFailure

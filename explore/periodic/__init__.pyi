@@ -1,5 +1,3 @@
-from .atlas import CoveredCurve as CoveredCurve
-from .atlas import CurveControl as CurveControl
 from .atlas import cover_curve as cover_curve
 from .bifurcations import refine_bifurcation as refine_bifurcation
 from .births import families as families
@@ -41,7 +39,6 @@ from .family import FamilyEquations as FamilyEquations
 from .family import FamilyMember as FamilyMember
 from .family_file import PERIODIC_FAMILY as PERIODIC_FAMILY
 from .family_file import BifurcationRecord as BifurcationRecord
-from .family_file import MemberRecord as MemberRecord
 from .family_file import PeriodicFamilyRecord as PeriodicFamilyRecord
 from .family_file import read_periodic_family as read_periodic_family
 from .family_file import write_periodic_family as write_periodic_family
@@ -57,10 +54,8 @@ from .life_file import read_life as read_life
 from .life_file import write_life as write_life
 from .refinement import PeriodicTask as PeriodicTask
 from .refinement import refine_periodic as refine_periodic
-from .search import FOLLOWED as FOLLOWED
 from .search import AtRest as AtRest
 from .search import FoundOrbit as FoundOrbit
-from .search import FoundOrbits as FoundOrbits
 from .search import PeriodicRequest as PeriodicRequest
 from .search import described as described
 from .search import find_periodic as find_periodic
@@ -72,7 +67,5 @@ from .search import symmetries_for as symmetries_for
 from .section import AffineSection as AffineSection
 from .section import map_derivative as map_derivative
 from .section import sections as sections
-from .section import suggested as suggested
 from .symmetries import Symmetry as Symmetry
-from .symmetries import is_symmetry as is_symmetry
 from .symmetries import linear_symmetries as linear_symmetries

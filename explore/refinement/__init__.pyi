@@ -1,5 +1,3 @@
-from .breaking import crossing_matrix as crossing_matrix
-from .breaking import refine_breaking as refine_breaking
 from .crossing import Crossing as Crossing
 from .crossing import section_crossings as section_crossings
 from .frames import Frame as Frame
@@ -10,7 +8,6 @@ from .half_return import start_jets as start_jets
 from .jets import Jet as Jet
 from .jets import JetBasis as JetBasis
 from .jets import operations as operations
-from .krein import refine_collision as refine_collision
 from .newton import RefinedPoint as RefinedPoint
 from .newton import refine as refine
 from .orbit import OrbitTask as OrbitTask

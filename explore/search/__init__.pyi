@@ -1,12 +1,9 @@
 from .orbits import orbits_with as orbits_with
-from .orbits import row_id as row_id
 from .orbits import tasks_of_catalogue as tasks_of_catalogue
 from .orbits import tasks_of_extrema as tasks_of_extrema
 from .orbits import tasks_of_family as tasks_of_family
 from .presets import POINTS as POINTS
 from .presets import PRESETS as PRESETS
-from .presets import Preset as Preset
-from .presets import PresetFamilies as PresetFamilies
 from .request import check as check
 from .request import started as started
 from .run import search as search

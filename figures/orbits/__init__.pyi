@@ -11,7 +11,6 @@ from .orbit import loop_through as loop_through
 from .orbit import orbit_through as orbit_through
 from .orbit import symmetric_orbit as symmetric_orbit
 from .orbit import symmetric_orbits as symmetric_orbits
-from .return_map import ReturnMap as ReturnMap
 from .returning import ReturningOrbit as ReturningOrbit
 from .returning import orbit_over as orbit_over
 from .returning import returning_orbit as returning_orbit

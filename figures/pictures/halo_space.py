@@ -22,7 +22,6 @@ _WIDTH = 7.2
 _HALO = "#b2182b"
 _LYAPUNOV_SHOWN = 14
 _HALOS_SHOWN = 12
-_TALLEST = 0.75
 _TORUS_ORBITS = 90
 _UNITS = "$x$, $y$, $z$ nondimensional (unit: distance of the primaries)"
 

@@ -334,10 +334,6 @@ class Numbers:
         """All functions, by interpolation."""
         return self._on_stretches(places, lambda n, s: chebyshev.chebval(s, self._coefficients[n]))
 
-    def values_of_orbits(self, places: Any) -> Any:
-        """The same of the orbits themselves."""
-        return self._on_stretches(places, lambda n, s: self.functions(self._orbits(n, s)))
-
     def distances(self, places: Any) -> Any:
         """As in `Orbits`."""
         return self._on_stretches(places, lambda n, s: self._orbits(n, s).distances)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from types import SimpleNamespace
@@ -13,13 +13,13 @@ from typing import Any
 import pytest
 from flint import acb, arb, ctx
 from support.inclusion import broken_inclusions
+from support.random_segments import ball, number
 
 from orbitproof.shared.claims import SurfacePiece
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR, LIFTED, VERTICAL
 from orbitproof.verify.algebra import ball_polynomial
 from orbitproof.verify.curve import stiffness_at_rest
 from orbitproof.verify.evidence import Evidence, enclose, hull
-from orbitproof.verify.functions import BoundedFunction
 from orbitproof.verify.index.along_curve import _start
 from orbitproof.verify.index.half_turns import Turning, determinant, half_turns, index_of
 from orbitproof.verify.index.libration_value import _whole, index_of_small_orbits
@@ -27,7 +27,6 @@ from orbitproof.verify.index.moving import Moving
 from orbitproof.verify.lasting.jets import FunctionJet, compose, inverse_of_plane_map
 from orbitproof.verify.lasting.twist_function import normal_form
 from orbitproof.verify.orbit_on_curve.orbit_on_curve import _index
-from orbitproof.verify.stability.list_entries import Segment
 from orbitproof.verify.surface.gluing import Sheet
 from orbitproof.verify.surface.proved_parts import ProvedPart
 
@@ -39,25 +38,6 @@ MU = Fraction(1, 80)
 def precision() -> Iterator[None]:
     with ctx.workprec(BITS):
         yield
-
-
-def ball(chance: random.Random, low: float = -1.0, high: float = 1.0) -> arb:
-    return arb(chance.uniform(low, high))
-
-
-def number(chance: random.Random) -> Fraction:
-    return Fraction(chance.randint(-64, 64), 64)
-
-
-def function_of(chance: random.Random, degree: int = 4, error: float = 0.0) -> BoundedFunction:
-    return BoundedFunction(ball_polynomial([number(chance) for _ in range(degree + 1)]), arb(error))
-
-
-def segment_of(chance: random.Random, count: int, **changes: Any) -> Segment:
-    own = [function_of(chance) for _ in range(count + 3)]
-    places = Fraction(-1, 2), Fraction(-1, 4), Fraction(1, 2), Fraction(1, 8), Fraction(3, 4)
-    found = Segment(0, *places, tuple(own[:count]), own[count], own[count + 1], own[count + 2])
-    return replace(found, **changes)
 
 
 def numbers(chance: random.Random, count: int) -> tuple[acb, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from types import SimpleNamespace
@@ -15,6 +15,7 @@ from flint import arb, arb_poly, ctx
 from support.chain_cases import concluded, parabola, proved
 from support.curve_cases import proof
 from support.inclusion import broken_inclusions
+from support.random_segments import ball, function_of, number, segment_of
 from support.stored import values
 
 from orbitproof.shared.claims import Claim
@@ -32,7 +33,6 @@ from orbitproof.verify.stability.closer_tube import _largest
 from orbitproof.verify.stability.extrema import _Stationary
 from orbitproof.verify.stability.level import gradient
 from orbitproof.verify.stability.linear_stability import Bound, is_stable
-from orbitproof.verify.stability.list_entries import Segment
 from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
 from orbitproof.verify.web import Arc
 from orbitproof.verify.web.arc import level_at
@@ -46,25 +46,6 @@ MU = Fraction(1, 80)
 def precision() -> Iterator[None]:
     with ctx.workprec(BITS):
         yield
-
-
-def ball(chance: random.Random, low: float = -1.0, high: float = 1.0) -> arb:
-    return arb(chance.uniform(low, high))
-
-
-def number(chance: random.Random) -> Fraction:
-    return Fraction(chance.randint(-64, 64), 64)
-
-
-def function_of(chance: random.Random, degree: int = 4, error: float = 0.0) -> BoundedFunction:
-    return BoundedFunction(ball_polynomial([number(chance) for _ in range(degree + 1)]), arb(error))
-
-
-def segment_of(chance: random.Random, count: int, **changes: Any) -> Segment:
-    own = [function_of(chance) for _ in range(count + 3)]
-    places = Fraction(-1, 2), Fraction(-1, 4), Fraction(1, 2), Fraction(1, 8), Fraction(3, 4)
-    found = Segment(0, *places, tuple(own[:count]), own[count], own[count + 1], own[count + 2])
-    return replace(found, **changes)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -308,22 +289,6 @@ def test_orbits_are_stable_only_where_all_of_a_ball_are(count: int) -> None:
         for trace in ("3", "-3"):
             beyond = replace(segment, characteristic=(zero.shifted(arb(trace)), zero.shifted(arb("1.25"))))
             assert is_stable(beyond, arb(0)) is False
-
-
-@dataclass(frozen=True)
-class Unsure:
-    """A function that is known up to an error, between true ones: all of its zeros are to be found."""
-
-    function: BoundedFunction
-
-    def value(self, part: arb) -> arb:
-        return self.function.value(part)
-
-    def slope(self, part: arb) -> arb:
-        return self.function.slope(part)
-
-    def curvature(self, part: arb) -> arb:
-        return self.function.curvature(part)
 
 
 @pytest.mark.parametrize("seed", range(4))

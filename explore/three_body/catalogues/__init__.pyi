@@ -1,11 +1,9 @@
 from .columns import ALTITUDE as ALTITUDE
-from .columns import GREATEST as GREATEST
 from .columns import HITS as HITS
 from .columns import LEAST as LEAST
 from .columns import PROVED as PROVED
 from .comparison import ROW as ROW
 from .comparison import compare_certificates as compare_certificates
-from .dense import dense_catalogue as dense_catalogue
 from .dense import with_distances as with_distances
 from .distances import distances as distances
 from .file import Catalogue as Catalogue

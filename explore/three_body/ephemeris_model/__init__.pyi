@@ -5,4 +5,3 @@ from .carrying import real_ephemeris as real_ephemeris
 from .kernels import Bodies as Bodies
 from .kernels import bodies_named as bodies_named
 from .kernels import kernels_loaded as kernels_loaded
-from .motion import PointMasses as PointMasses

@@ -28,8 +28,6 @@ from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL
 
 Outcome = Literal["complete", "left", "failed", "interrupted"]
 
-LARGEST_MASS = 0.5
-
 
 @dataclass(frozen=True)
 class _Node:

@@ -1,6 +1,5 @@
 from .csv_file import IN_KM as IN_KM
 from .csv_file import about as about
-from .csv_file import complex_text as complex_text
 from .csv_file import description as description
 from .csv_file import write_csv as write_csv
 from .csv_file import write_table as write_table
@@ -21,9 +20,7 @@ from .sampling import Samples as Samples
 from .sampling import sample as sample
 from .source import Choice as Choice
 from .source import Legs as Legs
-from .source import Said as Said
 from .source import SourceOrbit as SourceOrbit
-from .spk import SPACECRAFT as SPACECRAFT
 from .spk import centre_number as centre_number
 from .spk import write_spk as write_spk
 from .trajectory import Trajectory as Trajectory

@@ -11,9 +11,6 @@ from orbitproof.explore.three_body.trajectories.ephemeris import Ephemeris
 from orbitproof.explore.three_body.trajectories.interpolation import DEGREE, WINDOW, check_times
 from orbitproof.shared.formats import InputError, write_bytes
 
-SPACECRAFT = -100000
-"""SPICE's number for the spacecraft if nobody gives another."""
-
 FRAME = "ECLIPJ2000"
 
 _LONGEST_COMMENT = 250
