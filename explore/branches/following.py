@@ -19,7 +19,7 @@ from orbitproof.explore.branches.loops import loop_tracer
 from orbitproof.explore.branches.start import BranchPoint, NoBranch
 from orbitproof.explore.branches.switching import FIRST_AMPLITUDE, BranchTracer, branch_tracer, switch
 from orbitproof.explore.flow import FlowFailure, Vector
-from orbitproof.explore.numerics import predict
+from orbitproof.explore.numerics import NoStep, predict, walked
 from orbitproof.explore.orbits import CorrectionFailure, SegmentedOrbit
 
 TURNING = 0.15
@@ -137,25 +137,25 @@ def _side(
         for seed in seeds:
             accept(seed, problem.tangent(seed.evaluation, scale, sign * tracer.tangent))
         apart = tracer.separations(seeds[-1])
-        step, longest = abs(found[-1].arclength), 1.5 * length / limit
-        step = min(step, longest)
+        longest = 1.5 * length / limit
+
+        def advance(step: float) -> tuple[tuple[SegmentedOrbit, Vector], float]:
+            step = min(step, length - abs(found[-1].arclength))
+            return _advance(tracer, vectors[-3:], tangents[-3:], step), min(longest, 1.5 * step)
+
+        failures = CorrectionFailure, FlowFailure, ZeroDivisionError
+        steps = walked(advance, min(abs(found[-1].arclength), longest), SMALLEST_STEP, failures)
         while len(found) < limit:
             if abs(found[-1].arclength) >= length * (1 - 1e-9):
                 return ended("length", f"followed over the arclength {length:g}")
-            step = min(step, length - abs(found[-1].arclength))
-            try:
-                orbit, tangent = _advance(tracer, vectors[-3:], tangents[-3:], step)
-            except (CorrectionFailure, FlowFailure, ZeroDivisionError) as error:
-                step /= 2
-                if step < SMALLEST_STEP:
-                    return ended("failed", f"{error} (after the arclength {abs(found[-1].arclength):.3g})")
-                continue
+            orbit, tangent = next(steps)
             here = tracer.separations(orbit)
             if np.min(np.sum(here * apart, axis=1)) <= 0:
                 return ended("meets family", "the branch meets orbits of smaller period, or of more symmetry, again")
             accept(orbit, tangent)
             apart = here
-            step = min(longest, 1.5 * step)
+    except NoStep as error:
+        return ended("failed", f"{error} (after the arclength {abs(found[-1].arclength):.3g})")
     except CorrectionFailure as error:
         return ended("failed", str(error))
     except KeyboardInterrupt:
