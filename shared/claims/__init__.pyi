@@ -30,6 +30,10 @@ from .equilibria import EQUILIBRIUM as EQUILIBRIUM
 from .equilibria import HOPF as HOPF
 from .equilibria import Equilibrium as Equilibrium
 from .equilibria import HopfPoint as HopfPoint
+from .equilibrium_curve import EQUILIBRIUM_CURVES as EQUILIBRIUM_CURVES
+from .equilibrium_curve import EquilibriumAtlas as EquilibriumAtlas
+from .equilibrium_curve import EquilibriumCurveClaim as EquilibriumCurveClaim
+from .equilibrium_curve import StoredAtlas as StoredAtlas
 from .periodic import PERIODIC as PERIODIC
 from .periodic import PeriodicOrbit as PeriodicOrbit
 from .periodic_bifurcation import PERIODIC_BIFURCATIONS as PERIODIC_BIFURCATIONS
@@ -42,7 +46,6 @@ from .periodic_curve import PERIODIC_CURVES as PERIODIC_CURVES
 from .periodic_curve import AnyAtlas as AnyAtlas
 from .periodic_curve import PeriodicAtlas as PeriodicAtlas
 from .periodic_curve import PeriodicCurveClaim as PeriodicCurveClaim
-from .periodic_curve import StoredAtlas as StoredAtlas
 from .pieces import COORDINATES as COORDINATES
 from .pieces import AnyPiece as AnyPiece
 from .pieces import BirthPiece as BirthPiece

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Literal
 
-from orbitproof.shared.claims.atlas import Atlas, Claim, Covers, Names, Pieces
+from orbitproof.shared.claims.atlas import Atlas, Covers, Names, Pieces
 from orbitproof.shared.claims.fields import Crossings, Id, Identifier, Line, Numbers
 from orbitproof.shared.claims.pieces import LibrationPiece, Piece, SurfacePiece
 from orbitproof.shared.stored import Rational, stored
@@ -123,10 +123,3 @@ class PeriodicAtlas:
 
 AnyAtlas = Atlas | PeriodicAtlas
 """What a file of an atlas claims."""
-
-
-@dataclass(frozen=True, repr=False)
-class StoredAtlas(Atlas):
-    """An atlas of any kind, for the schema."""
-
-    claim: Claim | PeriodicCurveClaim  # type: ignore[assignment]

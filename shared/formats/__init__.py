@@ -6,6 +6,7 @@ from orbitproof.shared.claims import (
     COORDINATE,
     DOUBLE_RESONANCE,
     EQUILIBRIUM,
+    EQUILIBRIUM_CURVES,
     FOLD,
     HALF_PERIOD,
     HOPF,
@@ -38,6 +39,8 @@ from orbitproof.shared.claims import (
     Covers,
     Equation,
     Equilibrium,
+    EquilibriumAtlas,
+    EquilibriumCurveClaim,
     HopfPoint,
     InSection,
     LibrationPiece,
@@ -71,7 +74,11 @@ from orbitproof.shared.formats.documents import (
     validate_document,
     write_document,
 )
-from orbitproof.shared.formats.periodic_curve import system_without_symmetry
+from orbitproof.shared.formats.periodic_curve import (
+    atlas_without_symmetry,
+    curve_claim_from_json,
+    system_without_symmetry,
+)
 from orbitproof.shared.formats.pieces import periodic_piece_from_json, piece_from_json
 from orbitproof.shared.formats.selection import select_ids
 from orbitproof.shared.formats.systems import define_system, load_system, under_reversor

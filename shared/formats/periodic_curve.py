@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 from typing import Any, NoReturn
 
-from orbitproof.shared.claims import PeriodicAtlas, PeriodicCurveClaim, Piece
+from orbitproof.shared.claims import (
+    EQUILIBRIUM_CURVES,
+    EquilibriumAtlas,
+    EquilibriumCurveClaim,
+    PeriodicAtlas,
+    PeriodicCurveClaim,
+    Piece,
+)
 from orbitproof.shared.codec import from_json
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats.candidates import find_system
@@ -56,15 +64,43 @@ def periodic_atlas_from_json(
             refuse(f"{place}.id", f"{piece.id!r} appears twice", "give each piece its own id")
         pieces.append(piece)
     provenance = entry.get("provenance", {})
-    return PeriodicAtlas(entry["id"], entry["title"], system, parameters, claim, tuple(pieces), provenance)
+    return atlas_without_symmetry(entry["id"], entry["title"], system, parameters, claim, tuple(pieces), provenance)
 
 
-def _claim(entry: Mapping[str, Any], system: System, source: str) -> PeriodicCurveClaim:
+def atlas_without_symmetry(
+    name: str,
+    title: str,
+    system: System,
+    parameters: Mapping[str, Fraction],
+    claim: PeriodicCurveClaim | EquilibriumCurveClaim,
+    pieces: tuple[Piece, ...],
+    provenance: Mapping[str, Any] | None = None,
+) -> PeriodicAtlas:
+    """An atlas of the kind of its claim."""
+    more = {} if provenance is None else {"provenance": provenance}
+    if isinstance(claim, EquilibriumCurveClaim):
+        return EquilibriumAtlas(name, title, system, parameters, claim, pieces, **more)
+    return PeriodicAtlas(name, title, system, parameters, claim, pieces, **more)
+
+
+def curve_claim_from_json(entry: Mapping[str, Any], source: str) -> PeriodicCurveClaim | EquilibriumCurveClaim:
+    """What is claimed of a curve, as far as it needs no system."""
+    kind: Any = EquilibriumCurveClaim if entry["kind"] in EQUILIBRIUM_CURVES else PeriodicCurveClaim
+    claim: PeriodicCurveClaim | EquilibriumCurveClaim = from_json(kind, entry, source)
+    return claim
+
+
+def _claim(entry: Mapping[str, Any], system: System, source: str) -> PeriodicCurveClaim | EquilibriumCurveClaim:
     def refuse(name: str, why: str, remedy: str) -> NoReturn:
         raise InputError(f"{source}.{name}: {why}; {remedy}")
 
-    claim = from_json(PeriodicCurveClaim, entry, source)
+    claim = curve_claim_from_json(entry, source)
     size = len(system.given_state)
+    if isinstance(claim, EquilibriumCurveClaim):
+        if claim.parameter not in system.parameters:
+            known = ", ".join(system.parameters) or "none"
+            refuse("parameter", f"{system.name} has no parameter {claim.parameter!r}", f"known: {known}")
+        return claim
     if len(claim.normal) != size:
         refuse("normal", f"{len(claim.normal)} numbers", f"give {size}; the state is {', '.join(system.given_state)}")
     if not any(claim.normal):
@@ -87,7 +123,7 @@ def _claim(entry: Mapping[str, Any], system: System, source: str) -> PeriodicCur
     return claim
 
 
-def _check_coordinates(claim: PeriodicCurveClaim, names: tuple[str, ...], source: str) -> None:
+def _check_coordinates(claim: PeriodicCurveClaim | EquilibriumCurveClaim, names: tuple[str, ...], source: str) -> None:
     wanted = ", ".join(names)
     for position, name in enumerate(claim.increasing):
         if name not in names or name in claim.increasing[:position]:

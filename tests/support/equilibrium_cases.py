@@ -8,6 +8,7 @@ from fractions import Fraction as Q
 from random import Random
 from typing import Any
 
+from orbitproof.shared.claims import Covers, EquilibriumAtlas, EquilibriumCurveClaim, Piece
 from orbitproof.shared.formats import Equilibrium, HopfPoint, define_system
 
 RADIUS = Q(1, 2**70)
@@ -135,6 +136,65 @@ def at_random(seed: int, size: int, functions: bool = False) -> Known:
     return in_other_coordinates(matrix, bends, numbers, others)
 
 
+def of_any_field(seed: int, slaved: bool) -> Known:
+    """x' = d a x - w y + f, y' = w x + d a y + g in random coordinates; f, g have all quadratic and cubic terms.
+
+    The coefficient is that of J. Guckenheimer and P. Holmes (Nonlinear oscillations, dynamical systems, and
+    bifurcations of vector fields, 3.4.11). With a third coordinate u' = k u + alpha x^2 + beta x y + gamma y^2 and
+    m x u, n y u in f and g, the centre manifold u = A x^2 + B x y + C y^2 adds cubic terms.
+    """
+    source = Random(f"any {seed} {slaved}")
+
+    def number() -> Q:
+        return Q(source.randrange(-8, 9), source.choice((1, 2, 3, 5)))
+
+    w, d = Q(source.randrange(1, 9), source.choice((1, 2, 4))), Q(source.choice((-3, -1, 1, 2)))
+    powers = [(i, j) for degree in (2, 3) for i in range(degree + 1) for j in [degree - i]]
+    f, g = ({power: number() for power in powers} for _ in range(2))
+    k, alpha, beta, gamma, m, n = (number() for _ in range(6))
+    k = k or Q(-1)
+    size = 3 if slaved else 2
+    if not slaved:
+        m = n = Q(0)
+    b = (2 * w * (alpha - gamma) - k * beta) / (k**2 + 4 * w**2)
+    a, c = (w * b - alpha) / k, (-w * b - gamma) / k
+    cubic = 6 * f[3, 0] + 2 * f[1, 2] + 2 * g[2, 1] + 6 * g[0, 3] + 6 * m * a + 2 * m * c + 2 * n * a + 6 * n * c
+    fxx, fxy, fyy = 2 * f[2, 0], f[1, 1], 2 * f[0, 2]
+    gxx, gxy, gyy = 2 * g[2, 0], g[1, 1], 2 * g[0, 2]
+    coefficient = (cubic + (fxy * (fxx + fyy) - gxy * (gxx + gyy) - fxx * gxx + fyy * gyy) / w) / 16
+    matrix: Matrix = ()
+    while not matrix or not _is_regular(matrix):
+        matrix = tuple(tuple(source.randrange(-2, 3) for _ in range(size)) for _ in range(size))
+    inverse, old = _inverse(matrix), ["x", "y", "u"][:size]
+    # The equilibrium moves with a.
+    where = {
+        name: " + ".join(f"({q})*s{j}" for j, q in enumerate(inverse[i])) + f" - ({number()})*a"
+        for i, name in enumerate(old)
+    }
+
+    def sum_of(terms: dict[tuple[int, int], Q]) -> str:
+        return " + ".join(f"({q})*x**{i}*y**{j}" for (i, j), q in terms.items())
+
+    slave = ("0", "0")
+    if slaved:
+        slave = (f"({m})*x*u", f"({n})*y*u")
+    where["dx"] = f"({d})*a*x - ({w})*y + {sum_of(f)} + {slave[0]}"
+    where["dy"] = f"({w})*x + ({d})*a*y + {sum_of(g)} + {slave[1]}"
+    where["du"] = f"({k})*u + ({alpha})*x**2 + ({beta})*x*y + ({gamma})*y**2" if slaved else "x"
+    field = {
+        f"s{i}": " + ".join(f"({row[j]})*d{name}" for j, name in enumerate(old)) for i, row in enumerate(matrix)
+    }  # fmt: skip
+    system = define_system(
+        {"name": "any", "state": [f"s{i}" for i in range(size)], "parameters": "a", "where": where, "field": field}
+    )  # fmt: skip
+    kernel = tuple(tuple(Q(sign * row[j]) for row in matrix) for j, sign in ((0, 1), (1, -1)))
+    claim = HopfPoint(
+        "any", system, {"a": Q(0)}, "a", RADIUS, (Q(0),) * size, (RADIUS,) * size, w, RADIUS, kernel, RADIUS
+    )  # fmt: skip
+    length = sum(q**2 for row in kernel for q in row)
+    return Known(claim, w, d, 4 * coefficient / (w * length), (k,) if slaved else ())
+
+
 def _is_regular(matrix: Matrix) -> bool:
     try:
         _inverse(matrix)
@@ -182,3 +242,34 @@ def equilibrium_with_functions() -> Equilibrium:
     """x = pi/6: v^2 + k v + cos(pi/6)."""
     middle = Q(52359877559829887307710723054658381403286, 10**41)
     return Equilibrium("hanging", PENDULUM, {"k": Q(1)}, (middle, Q(0)), (ROOT, ROOT))
+
+
+# Curves
+
+
+BEND = define_system(
+    {
+        "name": "bend", "state": "x y", "parameters": "a b",
+        "field": {"x": "a - x**2 + b*(y - x)", "y": "b*x - b*y + (x - y)**2"},
+    }
+)  # fmt: skip
+"""For b > 0 the equilibria near the diagonal have y = x and a = x^2: a fold at 0, and of a matrix at (x, x)."""
+
+
+def curve_of_equilibria(**changes: Any) -> EquilibriumAtlas:
+    """x = y from -1/2 to 1/2, in two pieces that overlap."""
+    one, zero = Q(1), Q(0)
+    frame = ((zero, one, zero), (one, zero, zero), (one, zero, one))
+    pieces = tuple(
+        # a = (c + h s)^2
+        Piece(
+            f"p{number}", "regular", (middle**2, middle, middle), frame, reach,
+            ((zero, 2 * middle * reach, reach**2), (zero,)), (Q(1, 2**12),) * 2, "physical",
+        )
+        for number, (middle, reach) in enumerate(((Q(-1, 5), Q(3, 10)), (Q(1, 4), Q(1, 4))), start=1)
+    )  # fmt: skip
+    claim = EquilibriumCurveClaim("equilibrium-arc", "a", ("x",), Covers("x", Q(-12, 25), Q(12, 25)))
+    given: dict[str, Any] = {
+        "id": "bend", "title": "a fold", "system": BEND, "parameters": {"b": Q(2)}, "claim": claim, "pieces": pieces,
+    }  # fmt: skip
+    return EquilibriumAtlas(**{**given, **changes})

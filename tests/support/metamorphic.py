@@ -20,6 +20,7 @@ from orbitproof.shared.formats import (
     LEVEL,
     BoxClaim,
     Equilibrium,
+    EquilibriumAtlas,
     HopfPoint,
     PeriodicAtlas,
     PeriodicBifurcation,
@@ -370,7 +371,9 @@ def changed_atlas(atlas: Atlas | PeriodicAtlas, change: Change) -> Atlas | Perio
         factor = change.factor(covers.coordinate)
         covers = Covers(change.name(covers.coordinate), covers.start * factor, covers.end * factor)
     known: dict[str, Any] = {"increasing": tuple(map(change.name, claim.increasing)), "covers": covers}
-    if isinstance(atlas, PeriodicAtlas):
+    if isinstance(atlas, EquilibriumAtlas):
+        known["parameter"] = change.name(atlas.claim.parameter)
+    elif isinstance(atlas, PeriodicAtlas):
         known["normal"] = _normal(atlas.claim.normal, system, change)
         known["parameter"] = None if atlas.claim.parameter is None else change.name(atlas.claim.parameter)
         known["level"] = None if atlas.claim.level is None else atlas.claim.level * change.level
@@ -390,7 +393,7 @@ def _piece(atlas: Atlas | PeriodicAtlas, told: Any, piece: Piece, change: Change
         names, after = atlas.system.centre_coordinates, told.system.centre_coordinates
         beside = change.beside[:1] if change.beside is not None else ()
     affine = _affine(names, piece.centre, piece.frame, beside)
-    if isinstance(atlas, PeriodicAtlas):
+    if isinstance(atlas, PeriodicAtlas) and not isinstance(atlas, EquilibriumAtlas):
         affine = _with_pivot(atlas, affine)
     before = {change.name(name): name for name in affine.rows}
     centre, frame = affine.told([before[name] for name in after], change)

@@ -282,6 +282,7 @@ CURVES: Mapping[str, Callable[[], Curve]] = {
     "periodic-arc-levels": lambda: _free(periodic_curves.levels_atlas()),
     "periodic-arc-tilted": lambda: _free(periodic_curves.tilted_atlas()),
     "periodic-arc-on-level": lambda: _free(periodic_curves.on_level_atlas()),
+    "equilibrium-arc": lambda: _free(equilibrium_cases.curve_of_equilibria(), 96, 24, 20, 2),
     "periodic-arc-functions": lambda: _free(functions.faster_atlas(), 80, 30, 20, 2),
     "periodic-arc-functions-levels": lambda: _free(functions.levels_atlas()),
 }

@@ -42,6 +42,7 @@ BESIDE = (
     "stability",
     "multipliers",
     "eigenvalues",
+    "sides",
     "characteristic",
     "local",
     "coefficients",

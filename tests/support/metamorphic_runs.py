@@ -15,13 +15,14 @@ from support.metamorphic_cases import CASES, Case, Curve, Enclosed, system_of
 from support.metamorphic_changes import changes
 from support.metamorphic_results import Named, differences
 
-from orbitproof.shared.formats import Atlas, Candidate, PeriodicAtlas
+from orbitproof.shared.formats import Atlas, Candidate, EquilibriumAtlas, PeriodicAtlas
 from orbitproof.shared.systems import description
 from orbitproof.verify import enclose
 from orbitproof.verify.atlas import conclusion_of, make_atlas_certificate
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate, Limits, Recheck, certify, recheck
 from orbitproof.verify.curve import conclude
+from orbitproof.verify.equilibrium_curve import conclude_equilibria
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.lasting import conclude_lasting
 from orbitproof.verify.periodic_curve import conclude_periodic
@@ -94,6 +95,8 @@ def _curve(case: Curve) -> Told:
 
 
 def _outcome(case: Curve, results: Any) -> Any:
+    if isinstance(case.atlas, EquilibriumAtlas):
+        return conclude_equilibria(case.atlas, results).outcome
     if isinstance(case.atlas, PeriodicAtlas):
         return conclude_periodic(case.atlas, results).outcome
     whole = conclude(case.atlas, results)

@@ -14,11 +14,14 @@ from support import equilibrium_cases as cases
 
 from orbitproof.shared.formats import Equilibrium, HopfPoint, define_system
 from orbitproof.verify.certificate import Certificate, Limits, certify
-from orbitproof.verify.equilibrium.enclosures import EquilibriumEnclosures, enclose_equilibrium, enclose_hopf
+from orbitproof.verify.equilibrium import proved_hopf
+from orbitproof.verify.equilibrium.enclosures import EquilibriumEnclosures, enclose_equilibrium, enclose_hopf, pairs
+from orbitproof.verify.equilibrium.equations import equations_of
 from orbitproof.verify.equilibrium.expansions import expand
 from orbitproof.verify.equilibrium.proved_equilibrium import prove_equilibrium
 from orbitproof.verify.equilibrium.proved_hopf import prove_hopf
-from orbitproof.verify.evidence import Checklist, NotProved, Proved, enclose, guarded
+from orbitproof.verify.equilibrium.spectrum import Spectrum, spectrum_of
+from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Proved, enclose, guarded
 from orbitproof.verify.poincare import IntegratorSettings
 
 BITS = 200
@@ -164,6 +167,154 @@ def test_hopf_points_in_other_coordinates_are_those_of_the_normal_form(seed: int
         assert (found.eigenvalues.left, found.eigenvalues.right) == (
             sum(value < 0 for value in known.others), sum(value > 0 for value in known.others),
         )  # fmt: skip
+
+
+@pytest.mark.parametrize("slaved", [False, True])
+def test_the_coefficient_of_any_field_is_that_of_the_formula_for_the_plane(slaved: bool) -> None:
+    for seed in range(5):
+        known = cases.of_any_field(seed, slaved)
+        found = certify(known.claim, FAST)
+        assert found.proved, found.reason
+        assert found.results.lyapunov.overlaps(enclose(known.lyapunov))
+        assert found.results.lyapunov.rad() < arb(2) ** -30
+        assert found.results.speed.overlaps(enclose(known.speed))
+        assert all(
+            each.overlaps(acb(enclose(k)))
+            for each, k in zip(found.results.eigenvalues.values, known.others, strict=True)
+        )
+
+
+WIDE = define_system(
+    {
+        "name": "wide", "state": "x y z", "parameters": "a b",
+        "field": {"x": "a*x*y + exp(z)*b", "y": "sin(x*y) - a**2*z**3", "z": "x*y*z/(2 + a) + y**3 - x**2*z"},
+    }
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("wide", ["x", "a", "q", "all"])
+def test_enclosures_over_a_wide_box_hold_what_is_so_at_its_points(wide: str) -> None:
+    """At exact points (x, a, q) of the box the derivatives are enclosed once more, without a box."""
+    source, tiny, size = Random(wide), Q(1, 2**60), Q(1, 16)
+    widths = {each: size if wide in (each, "all") else tiny for each in "xaq"}
+    middle, value = (Q(1, 2), Q(-3, 4), Q(5, 8)), Q(7, 8)
+    kernel = ((Q(1), Q(1, 2), Q(-1)), (Q(0), Q(-3, 4), Q(1, 4)))
+    claim = HopfPoint(
+        "wide", WIDE, {"a": value, "b": Q(1, 3)}, "a", widths["a"], middle, (widths["x"],) * 3, Q(1), tiny, kernel,
+        widths["q"],
+    )  # fmt: skip
+    found = enclose_hopf(claim, IntegratorSettings(BITS))
+    at_rest = enclose_equilibrium(
+        Equilibrium("wide", WIDE, claim.parameters, middle, claim.radii), IntegratorSettings(BITS)
+    )
+    with guarded(BITS + 64):
+
+        def inside(centre: Q, width: Q) -> arb:
+            return enclose(centre + width * Q(source.randrange(-64, 65), 64))
+
+        for _ in range(25):
+            x = [inside(each, widths["x"]) for each in middle]
+            a = [inside(value, widths["a"]), enclose(Q(1, 3))]
+            q = [acb(inside(u, widths["q"]), inside(v, widths["q"])) for u, v in zip(*kernel, strict=True)]
+            units = [[arb(int(i == place)) for i in range(5)] for place in range(4)]
+            second = expand(WIDE, x, a, units, 2)
+            third = expand(WIDE, x, a, [q, [each.conjugate() for each in q]], 3)
+            for i in range(3):
+                assert all(ball.contains(second[i].slope(j)) for j, ball in enumerate(found.field[i].slopes))
+                assert all(
+                    ball.contains(second[i].second(j, k))
+                    for (j, k), ball in zip(pairs(3), found.second[i], strict=True)
+                )
+                assert found.third[i].contains(2 * third[i][2, 1])
+            slopes = expand(WIDE, x, [enclose(value), a[1]], units[:3], 1)
+            for i in range(3):
+                assert all(ball.contains(slopes[i].slope(j)) for j, ball in enumerate(at_rest.field[i].slopes))
+        centre = expand(WIDE, [enclose(each) for each in middle], [enclose(value), a[1]], units[:3], 1)
+        for i in range(3):
+            assert found.field[i].centre.overlaps(centre[i].value)
+            assert at_rest.field[i].centre.overlaps(centre[i].value)
+            assert all(ball.overlaps(centre[i].slope(j)) for j, ball in enumerate(found.linear[i]))
+
+
+def test_a_point_beside_the_centre_is_known_better_than_its_box() -> None:
+    """The box of half-width 2^-70 is about another centre."""
+    known = cases.in_other_coordinates(
+        ((1, 1, 0), (0, 1, -1), (1, 0, 2)), [("squares", Q(1)), ("products", Q(1, 2))],
+        {"w": Q(3, 2), "d": Q(1, 2), "c": Q(-3, 4), "e": Q(1, 3)}, (Q(-1, 3),),
+    )  # fmt: skip
+    claim, step = known.claim, Q(1, 2**73)
+    beside_it = replace(
+        claim,
+        centre=tuple(value + step for value in claim.centre),
+        parameters={**claim.parameters, "a": -step},
+        frequency=claim.frequency + step,
+    )
+    found = certify(beside_it, FAST).results
+    with ctx.workprec(BITS):
+        for ball, value in ((found.parameter, Q(0)), (found.frequency, Q(3, 2)), (found.point["s0"], claim.centre[0])):
+            assert ball.overlaps(enclose(value) + arb(0, 1) / 2**118)
+            assert ball.rad() < arb(2) ** -90
+        assert (found.period * found.frequency).overlaps(2 * arb.pi())
+
+
+def test_a_single_eigenvalue_that_may_be_on_the_axis_is_refused() -> None:
+    q = [acb(1), acb(0, -1), acb(0)]
+    for width, is_known in ((0, True), (2, False)):
+        matrix = [[arb(0), arb(-1), arb(0)], [arb(1), arb(0), arb(0)], [arb(0), arb(0), arb(-1, width)]]
+        place = proved_hopf._Place(arb(1), q, proved_hopf.Derivatives(matrix, [], [], []))
+        checklist = Checklist()
+        if is_known:
+            assert proved_hopf._check_others(checklist, place).left == 1
+        else:
+            with pytest.raises(NotEstablishedError, match="may have real part 0"):
+                proved_hopf._check_others(checklist, place)
+
+
+def test_eigenvalues_that_are_not_found_are_undecided() -> None:
+    for ball in (arb("nan"), arb(0, 1)):
+        found = spectrum_of([[ball] * 3] * 3)
+        assert (found.left, found.right, found.undecided) == (0, 0, 3)
+        assert not found.is_stable
+        assert not found.is_hyperbolic
+    assert not Spectrum((), 2, 0, 1).is_stable
+    assert not Spectrum((), 2, 1, 0).is_stable
+    assert Spectrum((), 2, 0, 0).is_stable
+
+
+def test_the_derivative_of_the_equations_is_that_at_all_points_of_the_box() -> None:
+    """A wide box holds the matrices of narrow ones about its points; those of the normalisation are the claim's."""
+    source, size, tiny = Random(5), Q(1, 16), Q(1, 2**70)
+    kernel = ((Q(1), Q(1, 2), Q(-1)), (Q(0), Q(-3, 4), Q(1, 4)))
+
+    def around(x: Sequence[Q], a: Q, omega: Q, rows: Sequence[Sequence[Q]], width: Q) -> list[list[arb]]:
+        claim = HopfPoint(
+            "wide", WIDE, {"a": a, "b": Q(1, 3)}, "a", width, tuple(x), (width,) * 3, omega, width,
+            tuple(map(tuple, rows)), width,
+        )  # fmt: skip
+        return equations_of(claim, enclose_hopf(claim, IntegratorSettings(BITS)))[0]
+
+    def moved(values: Sequence[Q]) -> list[Q]:
+        return [value + size * Q(source.randrange(-64, 65), 64) for value in values]
+
+    middle = (Q(1, 2), Q(-3, 4), Q(5, 8))
+    with guarded(BITS):
+        wide = around(middle, Q(7, 8), Q(1), kernel, size)
+        for _ in range(12):
+            (a,), (omega,) = moved([Q(7, 8)]), moved([Q(1)])
+            narrow = around(moved(middle), a, omega, list(map(moved, kernel)), tiny)
+            for row, inside in zip(wide[:9], narrow[:9], strict=True):
+                assert all(ball.contains(value.mid()) for ball, value in zip(row, inside, strict=True))
+
+
+def test_a_box_with_a_second_hopf_point_is_refused() -> None:
+    """The real part of the pair is a^2 - 2^-8: it is 0 at a = 1/16 and at -1/16."""
+    field = {**PAIR, "x": PAIR["x"].replace("d*a", "(a**2 - 1/256)"), "y": PAIR["y"].replace("d*a", "(a**2 - 1/256)")}
+    system = define_system({"name": "two", "state": "x y u v", "parameters": "a c k h", "field": field})
+    numbers = {"a": Q(1, 16), "c": Q(-1), "k": Q(-1), "h": Q(0)}
+    assert certify(beside(system=system, parameters=numbers), FAST).proved
+    for radius, middle in ((Q(1, 8), Q(1, 16)), (Q(1, 8), Q(0)), (Q(9, 128), Q(0))):
+        wide = beside(system=system, parameters={**numbers, "a": middle}, parameter_radius=radius)
+        assert reason_of(wide) == "imaginary-pair"
 
 
 PAIR = {

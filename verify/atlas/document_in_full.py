@@ -10,6 +10,7 @@ from flint import arb
 
 from orbitproof.shared.stored import rules
 from orbitproof.verify.certificate.document import Verdict
+from orbitproof.verify.equilibrium_curve import Fold, SidedPart
 from orbitproof.verify.evidence import Hypothesis, Reason
 from orbitproof.verify.lasting import LastingResult
 from orbitproof.verify.periodic_curve import CountedPart, PeriodicIntervalResult, Turn
@@ -45,6 +46,8 @@ class StoredConclusion:
     period: arb | None = None
     turns: tuple[Turn, ...] = ()
     multipliers: tuple[CountedPart, ...] = ()
+    folds: tuple[Fold, ...] = ()
+    sides: tuple[SidedPart, ...] = ()
     complete: Order | None = None
 
 

@@ -11,15 +11,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from orbitproof.shared.codec import from_json
 from orbitproof.shared.formats import (
     AnyAtlas,
     AnyPiece,
     BirthPiece,
+    EquilibriumAtlas,
     LibrationPiece,
     PeriodicAtlas,
-    PeriodicCurveClaim,
     SurfacePiece,
+    atlas_without_symmetry,
+    curve_claim_from_json,
     periodic_piece_from_json,
     piece_from_json,
     system_without_symmetry,
@@ -32,6 +33,7 @@ from orbitproof.verify.attempt import counsel
 from orbitproof.verify.certificate import systems_with
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.curve import NOT_PROVED, Computation, Interval, PieceLimits, prove_birth_piece, prove_piece
+from orbitproof.verify.equilibrium_curve import EquilibriumLimits, prove_equilibrium_piece
 from orbitproof.verify.evidence import Proved, Reason
 from orbitproof.verify.lasting import LastingResult, twist_of_piece
 from orbitproof.verify.oracle import ORACLE
@@ -154,11 +156,14 @@ def _proved(
 def _periodic(argument: Mapping[str, Any], stepped: Callable[[float], None]) -> Result:
     """The result on an interval of a piece of a curve that uses no symmetry."""
     system = system_without_symmetry(argument["system"], "system", BRANCH_SYSTEMS)
-    claim = from_json(PeriodicCurveClaim, argument["claim"], "claim")
+    claim = curve_claim_from_json(argument["claim"], "claim")
     piece = periodic_piece_from_json(argument["piece"], claim.coordinates(system), system.name, "piece")
     parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
     start, end = (parse_exact(text) for text in argument["interval"])
-    atlas = PeriodicAtlas(piece.id, piece.id, system, parameters, claim, (piece,))
+    atlas = atlas_without_symmetry(piece.id, piece.id, system, parameters, claim, (piece,))
+    if isinstance(atlas, EquilibriumAtlas):
+        limits = EquilibriumLimits(**argument["integrator"])
+        return prove_equilibrium_piece(atlas, piece, (start, end), limits, stepped).stored
     return prove_periodic_piece(
         atlas, piece, (start, end), ORACLE, PeriodicLimits(**argument["integrator"]), stepped
     ).stored  # fmt: skip

@@ -18,6 +18,7 @@ from orbitproof.shared.claims import (
     CLAIMS,
     DOUBLE_RESONANCE,
     EQUILIBRIUM,
+    EQUILIBRIUM_CURVES,
     HOPF,
     INVARIANT_TORI,
     KINDS,
@@ -71,6 +72,7 @@ FURTHER: Mapping[str, str] = {
     **dict.fromkeys(CLAIMS, "curve"),
     SURFACE: "surface",
     **dict.fromkeys(PERIODIC_CURVES, "periodic_curve"),
+    **dict.fromkeys(EQUILIBRIUM_CURVES, "equilibrium_curve"),
     **{name: name for name in (WEB, INDEX, CATALOGUE)},
 }
 """The others, by the kinds of claims about branches as atlases say them, or what is joined."""

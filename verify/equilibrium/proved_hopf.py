@@ -106,8 +106,7 @@ def prove_hopf(claim: HopfPoint, checklist: Checklist, found: HopfEnclosures | N
         omega = enclose(claim.frequency) + where[size + 1]
         place = _Place(omega, list(map(acb, u, v)), derivatives_of(found))
         others = _check_others(checklist, place)
-        left = left_eigenvector(place.known.matrix, omega, place.q)
-        speed = _check_crossing(checklist, claim, place, left)
+        left, speed = _check_crossing(checklist, claim, place)
         lyapunov = _check_lyapunov(checklist, place, left)
         return HopfResults(
             point_of(claim, where[:size]),
@@ -158,16 +157,17 @@ def beside_pair(matrix: Sequence[Sequence[arb]], q: Sequence[acb]) -> list[list[
     return [[moved[i, j] for j in range(2, size)] for i in range(2, size)]
 
 
-def _check_crossing(checklist: Checklist, claim: HopfPoint, place: _Place, left: Sequence[acb]) -> arb:
-    """The pair crosses the imaginary axis while the parameter varies, and how fast."""
+def _check_crossing(checklist: Checklist, claim: HopfPoint, place: _Place) -> tuple[list[acb], arb]:
+    """The pair crosses the imaginary axis while the parameter varies; the row l, and how fast."""
     statement = f"the real part of the pair has a derivative in {claim.parameter} that is not 0"
     with checklist.hypothesis("crossing", "36.8", statement, "smaller radii, or more precision") as evidence:
         known = place.known
+        left = left_eigenvector(known.matrix, place.omega, place.q)
         moved = [-value for value in solved(known.matrix, known.rate)]
         along = [a + b for a, b in zip(known.quadratic(moved, place.q), known.mixed(place.q), strict=True)]
         speed = evidence.record("speed", product(left, along).real)
         evidence.require(excludes_zero(speed), "it may be 0", needs_precision=True)
-    return speed
+    return left, speed
 
 
 def _check_lyapunov(checklist: Checklist, place: _Place, left: Sequence[acb]) -> arb:

@@ -1,0 +1,195 @@
+"""Curves of equilibria: closed forms, folds, counts, and claims that are false (section 37)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction as Q
+from itertools import pairwise
+from random import Random
+from typing import Any
+
+import pytest
+from flint import arb
+from support import equilibrium_cases as cases
+
+from orbitproof.shared.claims import Covers, EquilibriumAtlas, EquilibriumCurveClaim, Piece
+from orbitproof.shared.formats import define_system
+from orbitproof.shared.systems import System
+from orbitproof.verify.curve import IntervalResult
+from orbitproof.verify.equilibrium_curve import (
+    EquilibriumLimits,
+    ProvedEquilibriumCurve,
+    conclude_equilibria,
+    prove_equilibrium_piece,
+)
+from orbitproof.verify.equilibrium_curve.counted import Sides, sides_of
+from orbitproof.verify.evidence import NotProved, Proved, enclose
+
+FAST = EquilibriumLimits(precision=80, order=24, width=24)
+
+
+def results_of(atlas: EquilibriumAtlas, parts: int = 1) -> list[IntervalResult]:
+    ends = [Q(2 * number, parts) - 1 for number in range(parts + 1)]
+    return [
+        prove_equilibrium_piece(atlas, piece, (start, end), FAST).stored
+        for piece in atlas.curve_pieces()
+        for start, end in pairwise(ends)
+    ]
+
+
+def proved(atlas: EquilibriumAtlas, parts: int = 1) -> ProvedEquilibriumCurve:
+    outcome = conclude_equilibria(atlas, results_of(atlas, parts)).outcome
+    assert isinstance(outcome, Proved), outcome
+    found: ProvedEquilibriumCurve = outcome.results
+    return found
+
+
+def reason(atlas: EquilibriumAtlas, results: Sequence[IntervalResult] | None = None) -> str:
+    outcome = conclude_equilibria(atlas, results_of(atlas) if results is None else results).outcome
+    assert isinstance(outcome, NotProved)
+    return outcome.reason.condition
+
+
+def line(system: System, reach: Q, a_of_x: Sequence[Q], middle: tuple[Q, ...], **more: Any) -> EquilibriumAtlas:
+    """One piece over the first coordinate of the state, the others 0; a is a polynomial of s."""
+    size = len(system.given_state)
+    columns = [1, 0, *range(2, size + 1)]
+    frame = tuple(tuple(Q(int(columns[j] == i)) for j in range(size + 1)) for i in range(size + 1))
+    polynomial = (tuple(a_of_x), *[(Q(0),)] * (size - 1))
+    piece = Piece("p", "regular", middle, frame, reach, polynomial, (Q(1, 2**12),) * size, "physical")
+    claim = EquilibriumCurveClaim("equilibrium-arc", "a", (system.given_state[0],))
+    given: dict[str, Any] = {"parameters": {}, "claim": claim, "pieces": (piece,), **more}
+    return EquilibriumAtlas("line", "a line", system, **given)
+
+
+def test_a_curve_goes_through_a_fold_which_is_regular() -> None:
+    for parts in (1, 3):
+        found = proved(cases.curve_of_equilibria(), parts)
+        assert found.ends["start"]["a"].contains(Q(1, 4).numerator / 4)
+        assert found.ends["end"]["x"].contains(0.5)
+        (fold,) = found.folds
+        assert (fold.is_maximum, fold.is_regular, fold.pieces) == (False, True, ("p1", "p1"))
+        assert fold.all_values is not None
+        assert fold.all_values.contains(0)
+        # x = (3 s - 2)/10 is 0 at 2/3.
+        assert fold.between[0] < Q(2, 3) < fold.between[1]
+        counts = [part.sides for part in found.sides]
+        assert [(each.left, each.right) if each else None for each in counts] == [(1, 1), None, (2, 0)]
+        assert found.sides[1].all_values.contains(0)
+        assert found.sides[0].values[0].contains(0.25)
+
+
+CUBIC = define_system(
+    {"name": "cubic", "state": "x y", "parameters": "a", "field": {"x": "a - x**3 + x*y", "y": "-y + x*y"}}
+)
+HOOK = define_system({"name": "hook", "state": "x y", "parameters": "a", "field": {"x": "a - 3*x + x**3", "y": "-y"}})
+
+
+def test_a_parameter_that_stands_still_has_no_fold() -> None:
+    """a = x^3."""
+    found = proved(line(CUBIC, Q(1, 2), (Q(0), Q(0), Q(0), Q(1, 8)), (Q(0), Q(0), Q(0))))
+    assert found.folds == ()
+
+
+def test_two_folds_on_one_piece() -> None:
+    """a = 3 x - x^3 from -3/2 to 3/2: a minimum at -1 and a maximum at 1."""
+    reach = Q(3, 2)
+    found = proved(line(HOOK, reach, (Q(0), 3 * reach, Q(0), -(reach**3)), (Q(0), Q(0), Q(0))), 4)
+    assert [(fold.is_maximum, fold.is_regular) for fold in found.folds] == [(False, True), (True, True)]
+    for fold, value in zip(found.folds, (-2, 2), strict=True):
+        assert fold.all_values is not None
+        assert fold.all_values.contains(value)
+    counts = [(each.sides.left, each.sides.right) for each in found.sides if each.sides is not None]
+    assert counts == [(1, 1), (2, 0), (1, 1)]
+
+
+FLAT = define_system({"name": "flat", "state": "x y", "parameters": "a", "field": {"x": "a - x**4", "y": "-y"}})
+
+
+def test_an_extremum_that_is_flat_is_not_said_to_be_regular() -> None:
+    """a = x^4."""
+    found = proved(line(FLAT, Q(1, 2), (Q(0), Q(0), Q(0), Q(0), Q(1, 16)), (Q(0), Q(0), Q(0))))
+    assert [(fold.is_maximum, fold.is_regular) for fold in found.folds] == [(False, False)]
+
+
+def test_the_eigenvalues_cross_the_axis_at_a_hopf_point() -> None:
+    """The origin of x' = a x - y + .., over a from -1/2 to 1/2, beside a stable direction."""
+    system = define_system(
+        {"name": "h", "state": "x y z", "parameters": "a",
+         "field": {"x": "a*x - y - x**3", "y": "x + a*y", "z": "x*y - 2*z"}}
+    )  # fmt: skip
+    zero, one = Q(0), Q(1)
+    frame = tuple(tuple(one if i == j else zero for j in range(4)) for i in range(4))
+    piece = Piece("p", "regular", (zero,) * 4, frame, Q(1, 2), ((zero,),) * 3, (Q(1, 2**12),) * 3, "physical")
+    claim = EquilibriumCurveClaim("equilibrium-arc", "a", ("a",), Covers("a", Q(-1, 4), Q(1, 4)))
+    found = proved(EquilibriumAtlas("h", "h", system, {}, claim, (piece,)))
+    counts = [(each.sides.left, each.sides.right) if each.sides else None for each in found.sides]
+    assert counts == [(3, 0), None, (1, 2)]
+    assert found.sides[1].all_values.contains(0)
+    assert found.folds == ()
+
+
+@pytest.mark.parametrize("size", [2, 3, 4, 5])
+def test_sides_are_those_of_known_eigenvalues(size: int) -> None:
+    """Of block triangular matrices in other coordinates; pairs, multiple ones too."""
+    source = Random(size)
+    for _ in range(30):
+        values = [Q(source.choice((-1, 1)) * source.randrange(1, 6), 2) for _ in range(size)]
+        matrix = [
+            [values[i] if i == j else Q(source.randrange(-2, 3) * (i < j)) for j in range(size)] for i in range(size)
+        ]
+        if size > 2 and source.random() < 0.7:
+            values[1] = matrix[1][1] = values[0]
+            matrix[0][1], matrix[1][0] = Q(3), Q(-3)
+        for _ in range(6):
+            i, j = source.sample(range(size), 2)
+            factor = source.randrange(-2, 3)
+            matrix[i] = [a + factor * b for a, b in zip(matrix[i], matrix[j], strict=True)]
+            for row in matrix:
+                row[j] -= factor * row[i]
+        found = sides_of([[enclose(entry) for entry in row] for row in matrix])
+        # Routh's scheme has a 0 in its first column for some matrices.
+        right = sum(value > 0 for value in values)
+        assert found in (None, Sides(size - right, right))
+        if right in (0,):
+            assert found is not None
+
+
+def test_sides_are_not_told_on_the_axis() -> None:
+    for rows in ([[0, 1], [-1, 0]], [[0, 0], [0, 1]], [[0, 1, 0], [-1, 0, 0], [0, 0, -1]], [[0, 1], [1, 0]]):
+        found = sides_of([[arb(entry) for entry in row] for row in rows])
+        assert found is None or found == Sides(1, 1)
+    assert sides_of([[arb(-1, 2), arb(0)], [arb(0), arb(-1)]]) is None
+
+
+def test_false_claims_about_curves_are_not_proved() -> None:
+    atlas = cases.curve_of_equilibria()
+    first, last = atlas.curve_pieces()
+    claim, honest = atlas.claim, results_of(atlas)
+    assert reason(replace(atlas, claim=replace(claim, increasing=("a",)))) == "increasing-a"
+    assert reason(replace(atlas, claim=replace(claim, covers=Covers("a", Q(-1, 100), Q(1, 100))))) == "covers"
+    assert reason(replace(atlas, parameters={}), honest) == "pieces"
+    assert reason(replace(atlas, parameters={"a": Q(0), "b": Q(2)}), honest) == "pieces"
+    assert reason(replace(atlas, claim=replace(claim, parameter="b")), honest) == "pieces"
+    assert reason(replace(atlas, pieces=(first, first)), honest) == "pieces"
+    assert reason(replace(atlas, pieces=(first, replace(last, tube=last.tube[:1]))), honest) == "pieces"
+    moved = replace(last, centre=(last.centre[0], last.centre[1] + Q(1, 8), last.centre[2]))
+    assert reason(replace(atlas, pieces=(first, moved))) == "curve"
+    assert reason(replace(atlas, claim=replace(claim, kind="equilibrium-loop"))) == "curve"
+    assert reason(atlas, results_of(atlas)[:1]) == "curve"
+
+
+@pytest.mark.parametrize("interval", [(Q(-2), Q(1)), (Q(0), Q(2)), (Q(1), Q(-1))])
+def test_a_piece_is_proved_within_its_interval_only(interval: tuple[Q, Q]) -> None:
+    atlas = cases.curve_of_equilibria()
+    outcome = prove_equilibrium_piece(atlas, atlas.curve_pieces()[0], interval, FAST).outcome
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.condition == "piece"
+
+
+def test_two_curves_that_cross_are_no_piece() -> None:
+    """a x = x^2 at 0."""
+    system = define_system({"name": "c", "state": "x y", "parameters": "a", "field": {"x": "a*x - x**2", "y": "-y"}})
+    atlas = line(system, Q(1, 4), (Q(0), Q(1, 4)), (Q(0), Q(0), Q(0)))
+    assert not any(result.is_proved for result in results_of(atlas))
