@@ -94,18 +94,6 @@ def attempt(slopes: Slopes, start: jax.Array, slope: jax.Array, length: jax.Arra
     return end, stages
 
 
-def scaled_error(
-    start: jax.Array,
-    end: jax.Array,
-    stages: Sequence[jax.Array],
-    length: jax.Array,
-    relative: float = RELATIVE_TOLERANCE,
-    absolute: float = ABSOLUTE_TOLERANCE,
-) -> jax.Array:
-    """The error of a step in units of the tolerance, coordinate by coordinate."""
-    return _scaled(length * _combination(_ERROR, stages), start, end, relative, absolute)
-
-
 def extended_error(start: jax.Array, end: jax.Array, stages: Sequence[jax.Array], length: jax.Array) -> jax.Array:
     """The error of a step of extended states, shape (1 + d, m, ..), in units of the tolerance, one for each orbit."""
     error = _scaled(
