@@ -216,6 +216,17 @@ def test_the_orbits_of_a_doubling_are_followed_from_their_birth() -> None:
     assert family.members[-1].value > 0.05
 
 
+@pytest.mark.slow
+def test_a_doubling_close_to_the_birth_of_its_orbits_is_found() -> None:
+    """Lur'e's system: the first step from the third doubling would lead past the fourth."""
+    lure = _system("lure", "x y z", {"x": "y", "y": "z", "z": "-a*z - y - x + x**2"}, parameters="a")
+    problem = PeriodicProblem(lure, {"a": Fraction(13, 20)})
+    first = correct(problem, [0.155619787248, -0.499553770124, 0], 6.36)
+    found = families(problem, first, "a", (0.55, 0.66), generations=3)
+    values = [each.member.value for family in found for each in family.bifurcations if each.kind == DOUBLING]
+    assert values == pytest.approx([0.630302006, 0.579629841, 0.569222720, 0.567018568], abs=1e-8)
+
+
 def test_a_family_that_goes_back_to_its_birth_ends_there() -> None:
     birth = _found(_family(MOEBIUS, "-1/20", [1, 0, 0, 0], 6.3, (-0.06, 0.05)), DOUBLING)
     doubled = new_orbits(birth, (-0.06, 0.05)).members[-1]
