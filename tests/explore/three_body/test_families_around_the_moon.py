@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from orbitproof.explore.families import Limits
+from orbitproof.explore.names.own_systems import SEARCHED
 from orbitproof.explore.orbits import stability_index
 from orbitproof.explore.search.orbits import orbits_with
 from orbitproof.explore.three_body.families import trace_family
@@ -77,4 +78,5 @@ def test_names_are_found_by_their_aliases(asked: str, found: str) -> None:
 
 def test_a_ratio_with_a_common_divisor_is_no_family() -> None:
     assert not is_family_name("cr3bp", "resonant-4-2")
+    assert tuple(FAMILY_NAMES) == SEARCHED
     assert all(is_family_name(system, name) for system, names in FAMILY_NAMES.items() for name in names)
