@@ -236,7 +236,7 @@ def test_enclosures_over_a_wide_box_hold_what_is_so_at_its_points(wide: str) -> 
             assert all(ball.overlaps(centre[i].slope(j)) for j, ball in enumerate(found.linear[i]))
 
 
-def test_a_point_beside_the_centre_is_known_better_than_its_box() -> None:
+def test_a_point_beside_the_centre_is_known_better_than_its_box(monkeypatch: pytest.MonkeyPatch) -> None:
     """The box of half-width 2^-70 is about another centre."""
     known = cases.in_other_coordinates(
         ((1, 1, 0), (0, 1, -1), (1, 0, 2)), [("squares", Q(1)), ("products", Q(1, 2))],
@@ -249,7 +249,15 @@ def test_a_point_beside_the_centre_is_known_better_than_its_box() -> None:
         parameters={**claim.parameters, "a": -step},
         frequency=claim.frequency + step,
     )
+    places: list[Any] = []
+    check = proved_hopf._check_others
+    monkeypatch.setattr(
+        proved_hopf, "_check_others", lambda checklist, place: places.append(place) or check(checklist, place)
+    )
     found = certify(beside_it, FAST).results
+    for value, u, v in zip(places[-1].q, *claim.kernel, strict=True):
+        assert value.real.contains(arb(int(u)))
+        assert value.imag.contains(arb(int(v)))
     with ctx.workprec(BITS):
         for ball, value in ((found.parameter, Q(0)), (found.frequency, Q(3, 2)), (found.point["s0"], claim.centre[0])):
             assert ball.overlaps(enclose(value) + arb(0, 1) / 2**118)
