@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 from orbitproof.explore.commands import common
 from orbitproof.explore.commands.periodic_claims import Along, ClaimStore, Passed, kept_claims
 from orbitproof.explore.names import exact_number, given_values, own_system, symmetry_of
-from orbitproof.shared.formats import InputError, check_writable, write_text
+from orbitproof.shared.formats import InputError, check_writable, write_atlas, write_text
 from orbitproof.shared.interrupts import INTERRUPTED
+from orbitproof.shared.wording import counted
 
 if TYPE_CHECKING:
     from orbitproof.explore.periodic import FoundEquilibrium
@@ -96,6 +97,8 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--family-output", type=Path, metavar="FILE", help="with --cycles: the families as JSON, for orbitproof figures"
     )
+    words = "with --along: the curve as pieces, through its folds, for orbitproof verify atlas"
+    parser.add_argument("--atlas", type=Path, metavar="FILE", help=words)
     parser.add_argument("--digits", type=common.digits, default=50, metavar="N", help="default: %(default)s")
     parser.add_argument(
         "--id", metavar="NAME", help="of the claim, numbered if there are several (default: the system)"
@@ -110,7 +113,7 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Find, print, refine and write; returns the exit code. Raises `InputError`."""
-    for path in (options.output, options.curve, options.csv, options.family_output, options.life):
+    for path in (options.output, options.curve, options.csv, options.family_output, options.life, options.atlas):
         if path is not None:
             check_writable(path)
     system = own_system(options.system)
@@ -216,15 +219,18 @@ def follow_curve(
     if curve.interrupted:
         report.error("interrupted; the curve so far is kept")
         return INTERRUPTED
+    code = 0
+    # Of explore periodic it is the curve of an orbit.
+    if hasattr(options, "cycles") and options.atlas is not None:
+        code = _cover(options, found, name, (low, high), report)
     passed = Passed(options.id or system.name, options, store, report)
     for point in curve.hopf:
         passed.take_hopf(point)
-    code = 0
     # Of explore periodic orbits are what is looked for.
     if getattr(options, "cycles", True):
         families = families_from(curve.hopf, (low, high), options.generations, None, passed.say, symmetries)
-        code = passed.take(families)
-        if code == 0 and not passed.families:
+        code = max(code, passed.take(families))
+        if code != INTERRUPTED and not passed.families:
             report.error(f"no orbits are born at a Hopf point of {system.name} on the way")
             code = 1
     if getattr(options, "life", None) is not None:
@@ -234,6 +240,25 @@ def follow_curve(
         report.error(f"no Hopf point on the way; none is in {store.path}")
         code = 1
     return code
+
+
+def _cover(
+    options: argparse.Namespace, found: FoundEquilibrium, name: str, bounds: tuple[float, float], report: Any
+) -> int:
+    """The curve of an equilibrium, written as an atlas; 1 if it does not go as far as asked for."""
+    from orbitproof.explore.periodic import PeriodicFailure, cover_equilibria
+
+    report.stage(f"covering the curve in {name}")
+    base = options.id or f"{found.problem.system.name}-equilibria"
+    try:
+        covered = cover_equilibria(found, name, bounds, base, progress=lambda text: report.update(text, None))
+    except PeriodicFailure as failure:
+        report.error(f"{found.problem.system.name}: no atlas: {failure}")
+        return 1
+    write_atlas(options.atlas, covered.atlas)
+    pieces = counted(len(covered.atlas.pieces), "piece")
+    report.message(f"{pieces} are in {options.atlas}; ends: {'; '.join(covered.ends)}")
+    return 0 if covered.reaches else 1
 
 
 def _along(options: argparse.Namespace, system: System, parameters: Mapping[str, Fraction]) -> Along | None:
@@ -251,6 +276,7 @@ def _along(options: argparse.Namespace, system: System, parameters: Mapping[str,
         "--cycles": options.cycles,
         "--curve": options.curve,
         "--life": options.life,
+        "--atlas": options.atlas,
         "--claims": options.claims,
     }
     for option, given in of_curves.items():

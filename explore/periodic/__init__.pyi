@@ -1,4 +1,5 @@
 from .atlas import cover_curve as cover_curve
+from .atlas import cover_equilibria as cover_equilibria
 from .bifurcations import refine_bifurcation as refine_bifurcation
 from .births import families as families
 from .births import is_same as is_same

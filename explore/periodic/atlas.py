@@ -11,15 +11,19 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import inf
 from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
 from orbitproof.explore.periodic.correction import PeriodicFailure
+from orbitproof.explore.periodic.equilibrium_search import FoundEquilibrium
 from orbitproof.explore.periodic.flow import Matrix, Vector
+from orbitproof.explore.periodic.rest_curve import RestCurve
 from orbitproof.explore.periodic.search import FoundOrbit
 from orbitproof.explore.periodic.section_curve import CONVERGED, CurvePoint, SectionCurve
+from orbitproof.shared.claims import EquilibriumAtlas, EquilibriumCurveClaim
 from orbitproof.shared.formats import Covers, PeriodicAtlas, PeriodicCurveClaim, Piece
 
 _NODES, _DEGREE = 24, 16
@@ -45,10 +49,12 @@ class CurveControl:
     Attributes:
         tube: least half-width of the tubes, in units of the scale of each coordinate.
         most: number of pieces in each direction.
+        widest: half-width of a piece, in units of the scales.
     """
 
     tube: float = 1e-10
     most: int = 200
+    widest: float = inf
 
 
 @dataclass(frozen=True)
@@ -146,32 +152,94 @@ def _covered(
     tangent = curve.tangent(start, found.orbit.period)
     tangent = tangent / np.linalg.norm(tangent) * (-1.0 if tangent[0] < 0 else 1.0)
     first = curve.solved(start, found.orbit.period, tangent, start, 0.0)
-    middle = _first_chart(curve, first)
-    trace = _Trace(curve, bounds, control, middle, progress)
-    ahead, reason = trace.pieces(middle.ends[1])
     varies = name or system.first_integral_name or "the first integral"
-    if reason is None:
-        charts, ends, reaches = [middle, *ahead], (f"the curve is closed: {len(ahead) + 1} pieces",), True
-    else:
-        behind, other = trace.pieces(replace(middle.ends[0], tangent=-middle.ends[0].tangent))
-        charts = [*(_turned(chart) for chart in reversed(behind)), middle, *ahead]
-        values = [trace.value(charts[0].ends[0]), trace.value(charts[-1].ends[1])]
-        ends = tuple(
-            f"{varies} = {value:.10g}: {why}" for value, why in zip(values, (other or "", reason), strict=True)
-        )  # fmt: skip
-        reaches = not any(bounds[0] <= value <= bounds[1] for value in values)
-    pieces = tuple(_piece(curve, f"p{number:03d}", chart, control) for number, chart in enumerate(charts, start=1))
-    covers = None if reason is None else _covers(name, charts[0].ends[0], charts[-1].ends[1], bounds)
+    walk = _walked(curve, first, bounds, control, varies, progress)
     claim = PeriodicCurveClaim(
-        "periodic-loop" if reason is None else "periodic-arc", section.normal, section.offset, section.direction,
-        found.crossings, name, level, (), covers,
+        "periodic-loop" if walk.is_closed else "periodic-arc", section.normal, section.offset, section.direction,
+        found.crossings, name, level, (), walk.covers(name, bounds),
     )  # fmt: skip
     parameters = {key: exact for key, exact in problem.parameters.items() if key != name}
     title = f"Periodic orbits of the {system.title} along {varies}"
-    return CoveredCurve(PeriodicAtlas(identity, title, system, parameters, claim, pieces, {}), ends, reaches)
+    atlas = PeriodicAtlas(identity, title, system, parameters, claim, walk.pieces(curve, control), {})
+    return CoveredCurve(atlas, walk.ends, walk.reaches)
 
 
-def _change(curve: SectionCurve, start: Vector, period: float) -> float:
+def cover_equilibria(
+    found: FoundEquilibrium,
+    name: str,
+    bounds: tuple[float, float],
+    identity: str,
+    control: CurveControl | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> CoveredCurve:
+    """The curve of an equilibrium in a parameter as pieces, as `cover_curve` gives that of an orbit.
+
+    Raises `PeriodicFailure` if there is no piece at all.
+    """
+    problem, system = found.problem, found.problem.system
+    control, place = control or CurveControl(), list(system.parameters).index(name)
+    start = np.append(problem.values[place], found.equilibrium.point)
+    size = float(np.abs(found.equilibrium.point).max()) or 1.0
+    scales = np.append(bounds[1] - bounds[0], np.full(len(start) - 1, size))
+    curve = RestCurve(problem, place, scales)
+    scales[1:] *= min(max(_change(curve, start, 0.0), _LEAST_CHANGES[0]), 1.0)
+    curve = replace(curve, scales=scales)
+    tangent = curve.tangent(start, 0.0)
+    first = curve.solved(start, 0.0, tangent * (-1.0 if tangent[0] < 0 else 1.0), start, 0.0)
+    walk = _walked(curve, first, bounds, control, name, progress)
+    claim = EquilibriumCurveClaim(
+        "equilibrium-loop" if walk.is_closed else "equilibrium-arc", name, (), walk.covers(name, bounds)
+    )
+    parameters = {key: exact for key, exact in problem.parameters.items() if key != name}
+    title = f"Equilibria of the {system.title} along {name}"
+    atlas = EquilibriumAtlas(identity, title, system, parameters, claim, walk.pieces(curve, control), {})
+    return CoveredCurve(atlas, walk.ends, walk.reaches)
+
+
+@dataclass(frozen=True)
+class _Walk:
+    """All pieces of a curve in float64, and why it ends, as `CoveredCurve` says."""
+
+    charts: list[_Chart]
+    ends: tuple[str, ...]
+    reaches: bool
+    is_closed: bool
+
+    def pieces(self, curve: SectionCurve | RestCurve, control: CurveControl) -> tuple[Piece, ...]:
+        return tuple(
+            _piece(curve, f"p{number:03d}", chart, control) for number, chart in enumerate(self.charts, start=1)
+        )
+
+    def covers(self, name: str | None, bounds: tuple[float, float]) -> Covers | None:
+        if self.is_closed:
+            return None
+        return _covers(name, self.charts[0].ends[0], self.charts[-1].ends[1], bounds)
+
+
+def _walked(
+    curve: SectionCurve | RestCurve,
+    first: CurvePoint,
+    bounds: tuple[float, float],
+    control: CurveControl,
+    varies: str,
+    progress: Callable[[str], None] | None,
+) -> _Walk:
+    """The pieces of a curve both ways from a point of it. Raises `PeriodicFailure` if there is none."""
+    middle = _first_chart(curve, first)
+    trace = _Trace(curve, bounds, control, middle, progress)
+    ahead, reason = trace.pieces(middle.ends[1])
+    if reason is None:
+        return _Walk([middle, *ahead], (f"the curve is closed: {len(ahead) + 1} pieces",), True, True)
+    behind, other = trace.pieces(replace(middle.ends[0], tangent=-middle.ends[0].tangent))
+    charts = [*(_turned(chart) for chart in reversed(behind)), middle, *ahead]
+    values = [trace.value(charts[0].ends[0]), trace.value(charts[-1].ends[1])]
+    ends = tuple(
+        f"{varies} = {value:.10g}: {why}" for value, why in zip(values, (other or "", reason), strict=True)
+    )  # fmt: skip
+    return _Walk(charts, ends, not any(bounds[0] <= value <= bounds[1] for value in values), False)
+
+
+def _change(curve: SectionCurve | RestCurve, start: Vector, period: float) -> float:
     """How much the coordinates of the section change with the parameter, at an orbit and not far from it."""
     tangents = [curve.tangent(start, period)]
     for length in (sign * part * _FIRST for part in (1.0, 0.2) for sign in (1.0, -1.0)):
@@ -181,7 +249,7 @@ def _change(curve: SectionCurve, start: Vector, period: float) -> float:
     return max(float(np.abs(each[1:]).max() / (abs(each[0]) or 1.0)) for each in tangents)
 
 
-def _first_chart(curve: SectionCurve, point: CurvePoint) -> _Chart:
+def _first_chart(curve: SectionCurve | RestCurve | RestCurve, point: CurvePoint) -> _Chart:
     width = _FIRST
     while True:
         try:
@@ -200,7 +268,7 @@ class _Trace:
         first: the piece from which it begins, both ways.
     """
 
-    curve: SectionCurve
+    curve: SectionCurve | RestCurve
     bounds: tuple[float, float]
     control: CurveControl
     first: _Chart
@@ -216,7 +284,7 @@ class _Trace:
     def pieces(self, start: CurvePoint) -> tuple[list[_Chart], str | None]:
         """Pieces from an end of the first one on, and why they end; `None` if they come back to the first."""
         found: list[_Chart] = []
-        end, width, low_high = start, self.first.half_width * _WIDER, self.bounds
+        end, width, low_high = start, min(self.first.half_width * _WIDER, self.control.widest), self.bounds
         while low_high[0] <= self.value(end) <= low_high[1]:
             if len(found) == self.control.most:
                 return found, f"{self.control.most} pieces are the most that were asked for"
@@ -232,6 +300,7 @@ class _Trace:
             found.append(chart)
             end = chart.ends[1]
             width = chart.half_width * (_WIDER if chart.series.shape[1] < _DEGREE - 4 else 1.0)
+            width = min(width, self.control.widest)
             if self.progress is not None:
                 self.progress(f"{len(found)} pieces, at {self.value(end):.8g}")
             if len(found) > 1 and self._is_back(end):
@@ -258,7 +327,7 @@ class _Trace:
         )
 
 
-def _chart(curve: SectionCurve, centre: CurvePoint, half_width: float) -> _Chart:
+def _chart(curve: SectionCurve | RestCurve, centre: CurvePoint, half_width: float) -> _Chart:
     """The piece about an orbit. Raises `PeriodicFailure` if it is too wide."""
     frame = _frame(centre.tangent)
     nodes = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
@@ -287,7 +356,7 @@ def _chart(curve: SectionCurve, centre: CurvePoint, half_width: float) -> _Chart
 
 
 def _at(
-    curve: SectionCurve,
+    curve: SectionCurve | RestCurve,
     centre: CurvePoint,
     near: CurvePoint,
     frame: Matrix,
@@ -326,7 +395,7 @@ def _turned(chart: _Chart) -> _Chart:
     return replace(chart, series=chart.series * signs, frame=frame, ends=(chart.ends[1], chart.ends[0]))
 
 
-def _piece(curve: SectionCurve, name: str, chart: _Chart, control: CurveControl) -> Piece:
+def _piece(curve: SectionCurve | RestCurve, name: str, chart: _Chart, control: CurveControl) -> Piece:
     centre = tuple(Fraction(float(value)) for value in chart.centre.place)
     frame = tuple(
         tuple(Fraction(float(entry)) for entry in row) for row in chart.frame * curve.scales[:, None]
