@@ -30,6 +30,9 @@ examples:
       --along rho 10 30 --cycles --life life.json -o claims.json
       also the periodic orbits that are born there, with the bifurcations that they pass
   orbitproof verify claims.json -o certificates.json
+  orbitproof explore equilibria --system lorenz.py --parameter sigma=10 rho=20 beta=8/3 --start x=7 y=7 z=19 \\
+      --along rho 10 30 --atlas curve.json
+      the curve as pieces; then orbitproof verify atlas curve.json -o certificate.json
   orbitproof figures periodic life.json certificates.json -o figures-out/
 
 The system's file needs neither R nor section.

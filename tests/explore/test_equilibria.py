@@ -11,18 +11,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from orbitproof import explore
+from orbitproof import explore, verify
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.periodic import (
     BRANCH,
     FOLD,
     EquilibriumCurve,
+    FoundEquilibrium,
     Hopf,
     PeriodicFailure,
     PeriodicProblem,
     continue_equilibrium,
     continue_orbit,
     correct,
+    cover_equilibria,
     cycles_of,
     equilibria_from_many_starts,
     equilibrium_near,
@@ -228,6 +230,17 @@ def test_what_the_command_writes_is_proved(
     capsys.readouterr()
     assert main([*words[:9], "--along", "A", "9/5", "5/2", "-o", "none.json", "--quiet"]) == 1
     assert "no Hopf point on the way" in capsys.readouterr().err
+
+
+def test_a_curve_in_pieces_is_proved_through_its_folds() -> None:
+    problem = _problem({"x": "a + x - x**3", "y": "x - y"}, "0")
+    found = FoundEquilibrium(problem, equilibrium_near(problem, [1, 1]))
+    covered = cover_equilibria(found, "a", (-1 / 2, 1 / 2), "cubic")
+    assert covered.reaches
+    (proof,) = verify.certify(covered.atlas, quiet=True, jobs=1)
+    assert proof.proved
+    assert proof.theorem is not None
+    assert proof.theorem.count("It has a fold") == 2
 
 
 def test_a_hopf_point_that_is_degenerate_is_no_claim() -> None:
