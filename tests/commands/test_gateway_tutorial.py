@@ -38,5 +38,5 @@ def test_every_command_of_the_page_runs_and_proves_what_it_says(
     for part in ("real", "imaginary"):
         assert results["multipliers"][1][part]["decimal"][1:30] in PAGE
     report = (tmp_path / "gateway-report.md").read_text("utf-8")
-    assert "exactly one point x" in report
+    assert "exactly one point $x$ of" in report
     assert "The least distance from the smaller primary over the whole orbit" in report

@@ -313,9 +313,9 @@ def oscillator() -> Enclosed:
 
 
 def lorenz() -> Enclosed:
-    """From a plane to the plane, obliquely."""
+    """From a plane to the plane, obliquely; in other units too z is what follows from the others on the plane."""
     box = enclose.box({"x": "-2", "y": "2", "z": "27", "sigma": 10, "rho": 28, "beta": "8/3"}, radii={"x": "1e-6"})
-    return Enclosed(periodic.LORENZ, box, section=enclose.section({"z": 1, "x": "1/4"}, "27"), crossings=2)
+    return Enclosed(periodic.LORENZ, box, section=enclose.section({"z": 1, "x": "1/32"}, "27"), crossings=2)
 
 
 def with_functions() -> Enclosed:

@@ -32,12 +32,15 @@ RATES = ("frequency", "eigenvalues")
 OF_PARAMETER = ("parameter", "values", "all_values")
 OF_OTHER_UNITS = (
     "opening", "speed", "slope", "curvature", "unfolding", "coefficient", "gamma", "beta", "alpha", "twist", "defect",
-    "lyapunov", "torsion", "torsion_determinant", "normal_form", "local", "reversibility",
+    "lyapunov", "torsion", "torsion_determinant", "normal_form", "local",
 )  # fmt: skip
 """In units of the parameter, of coordinates in the section, or of both: of these only the accuracy is compared where
 units differ."""
 IN_ANY_ORDER = ("parameters", "multipliers", "values")
-LEFT_OUT = ("chain", "segments", "hypotheses", "computation", "theorem", "certificates", "reason", "steps", "bits")
+LEFT_OUT = (
+    "chain", "segments", "hypotheses", "computation", "theorem", "certificates", "reason", "steps", "bits", "reversibility",
+)  # fmt: skip
+"""What says how something was shown; `reversibility` gives shares of widths of enclosures."""
 BESIDE = (
     "stability",
     "multipliers",
