@@ -38,7 +38,8 @@ OF_OTHER_UNITS = (
 units differ."""
 IN_ANY_ORDER = ("parameters", "multipliers", "values")
 LEFT_OUT = (
-    "chain", "segments", "hypotheses", "computation", "theorem", "certificates", "reason", "steps", "bits", "reversibility",
+    "chain", "segments", "hypotheses", "computation", "theorem", "certificates", "reason", "steps", "bits",
+    "reversibility",
 )  # fmt: skip
 """What says how something was shown; `reversibility` gives shares of widths of enclosures."""
 BESIDE = (
