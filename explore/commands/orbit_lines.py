@@ -115,9 +115,9 @@ class _Told:
     def nearest(self, state: Sequence[float], period: float, mass: float) -> None:
         import numpy as np
 
-        from orbitproof.explore.three_body.catalogues import distances
+        from orbitproof.explore.three_body.catalogues import distances_from_primaries
 
-        least = float(distances(np.array([state], float), np.array([period]), mass).least[0])
+        least = float(distances_from_primaries(np.array([state], float), np.array([period]), mass).least[0])
         result, far, units = {"least_distance": least}, "", units_of_system(mass)
         if units is not None:
             result["least_distance_km"] = least * units.length

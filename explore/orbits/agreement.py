@@ -9,7 +9,7 @@ from decimal import Decimal
 import numpy as np
 
 from orbitproof.explore.flow import Vector
-from orbitproof.explore.orbits.singular_places import singular_places
+from orbitproof.explore.orbits.singularities import singular_places
 from orbitproof.shared.systems import System
 
 REMEDY = "mend the file, or take the orbit that was found: --accept"

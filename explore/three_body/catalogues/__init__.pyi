@@ -5,7 +5,7 @@ from .columns import PROVED as PROVED
 from .comparison import ROW as ROW
 from .comparison import compare_certificates as compare_certificates
 from .dense import with_distances as with_distances
-from .distances import distances as distances
+from .distances import distances_from_primaries as distances_from_primaries
 from .file import Catalogue as Catalogue
 from .file import read_catalogue as read_catalogue
 from .file import table_of as table_of

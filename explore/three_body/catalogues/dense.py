@@ -22,7 +22,7 @@ from orbitproof.explore.three_body.catalogues.columns import (
     NUMERICAL,
     PROVED,
 )
-from orbitproof.explore.three_body.catalogues.distances import PARTS, distances
+from orbitproof.explore.three_body.catalogues.distances import PARTS, distances_from_primaries
 from orbitproof.explore.three_body.catalogues.file import Catalogue
 from orbitproof.explore.three_body.catalogues.orbits import catalogue_of
 from orbitproof.shared.systems import UNITS
@@ -103,7 +103,7 @@ def with_distances(catalogue: Catalogue, crossings: int = 1, *, symmetric: bool 
     mass = float(catalogue.mass_ratio)
     times = catalogue.periods / 2 if symmetric else catalogue.periods
     parts = PARTS * min(crossings, 8)
-    found = distances(catalogue.states, times, mass, parts)
+    found = distances_from_primaries(catalogue.states, times, mass, parts)
     more = {
         LEAST: tuple(map(_known, found.least)),
         GREATEST: tuple(map(_known, found.greatest)),

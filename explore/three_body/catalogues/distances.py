@@ -34,7 +34,7 @@ class Distances:
     least_from_larger: Vector
 
 
-def distances(states: Matrix, times: Vector, mass: float, parts: int = PARTS) -> Distances:
+def distances_from_primaries(states: Matrix, times: Vector, mass: float, parts: int = PARTS) -> Distances:
     """Over the arcs that begin at N states of the CR3BP, shape (N, 6), and take these times: whole or half orbits."""
     here, steps, values = np.asarray(states, dtype=float), times / parts, np.full((len(times), 1), mass)
     larger, smaller = primaries(mass)
