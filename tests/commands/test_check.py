@@ -84,6 +84,8 @@ def test_the_longest_are_left_out_with_the_fixtures_that_nobody_else_needs() -> 
     assert heavy.longest(*costs, 9) == ["b"]
     assert heavy.longest(*costs, 3.5) == ["a", "b"]
     assert heavy.longest(*costs, 0.5) == ["a", "b", "c"]
+    costs = heavy.read([*lines, '{"test": "b", "seconds": 2, "fixtures": ["::shared"], "quick": true}'])
+    assert heavy.longest(*costs, 0.5) == ["a", "c"]
 
 
 def test_the_list_of_long_tests_names_tests_that_there_are() -> None:

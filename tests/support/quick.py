@@ -77,7 +77,8 @@ class Costs:
         self.apart, self.used, begin = 0.0, set(_shared(item)), spent()
         result = yield
         own = spent() - begin - self.apart
-        self.add(test=item.nodeid, seconds=round(own, 3), fixtures=sorted(self.used))
+        quick = "quick" in item.keywords
+        self.add(test=item.nodeid, seconds=round(own, 3), fixtures=sorted(self.used), quick=quick)
         return result
 
     @pytest.hookimpl(wrapper=True)
