@@ -10,17 +10,19 @@ from random import Random
 from typing import Any
 
 import pytest
-from flint import arb
+from flint import arb, arb_mat, ctx
 from support import equilibrium_cases as cases
 
 from orbitproof.shared.claims import Covers, EquilibriumAtlas, EquilibriumCurveClaim, Piece
 from orbitproof.shared.formats import define_system
 from orbitproof.shared.systems import System
 from orbitproof.verify.curve import IntervalResult
+from orbitproof.verify.equilibrium.expansions import expand
 from orbitproof.verify.equilibrium_curve import (
     EquilibriumLimits,
     ProvedEquilibriumCurve,
     conclude_equilibria,
+    folds,
     prove_equilibrium_piece,
 )
 from orbitproof.verify.equilibrium_curve.counted import Sides, sides_of
@@ -78,6 +80,49 @@ def test_a_curve_goes_through_a_fold_which_is_regular() -> None:
         assert [(each.left, each.right) if each else None for each in counts] == [(1, 1), None, (2, 0)]
         assert found.sides[1].all_values.contains(0)
         assert found.sides[0].values[0].contains(0.25)
+
+
+def test_tangents_are_known_up_to_the_bounds_of_the_slopes() -> None:
+    stretch = proved(cases.curve_of_equilibria()).chain.stretches[0]
+    frame, reach = stretch.tube.piece.frame, stretch.tube.piece.half_width
+    found = folds._tangent(stretch, (Q(1, 4), Q(1, 2)), Q(-1, 8), Q(1, 8))
+    for s in (Q(-1, 8), Q(1, 8)):
+        for first, second in ((Q(1, 4), Q(-1, 2)), (Q(-1, 4), Q(1, 2))):
+            # x = -1/5 + 3 s/10, a = x^2.
+            along = (reach, 2 * Q(-1, 5) * reach + 2 * reach**2 * s + first, second)
+            for ball, row in zip(found, frame, strict=True):
+                assert ball.contains(enclose(sum((x * y for x, y in zip(row, along, strict=True)), Q(0))))
+
+
+def test_the_slope_of_the_determinant_is_its_derivative_along_the_curve() -> None:
+    """Against a quotient of differences, of a field in three coordinates that has all of them in all rates."""
+    system = define_system(
+        {"name": "f", "state": "x y z", "parameters": "b a",
+         "field": {"x": "x*y*z + a*x**2 - b*y", "y": "x**2*z + y**3 - a*z", "z": "a*y*z + x*z**2 + exp(x)"}}
+    )  # fmt: skip
+    claim = EquilibriumCurveClaim("equilibrium-arc", "a")
+    atlas = EquilibriumAtlas("f", "f", system, {"b": Q(3, 7)}, claim, cases.curve_of_equilibria().pieces)
+    step = Q(1, 2**80)
+    with ctx.workprec(500):
+
+        def determinant(point: Sequence[arb]) -> arb:
+            units = [[arb(int(i == j)) for i in range(3)] for j in range(3)]
+            rates = expand(system, point[1:], [enclose(Q(3, 7)), point[0]], units, 1)
+            return arb_mat([[f.slope(j) for j in range(3)] for f in rates]).det()
+
+        point = [arb(n) / 8 for n in (3, 5, -7, 11)]
+        for tangent in (
+            [arb(n) for n in (2, -3, 5, 7)],
+            [arb(n) for n in (1, 0, 0, 0)],
+            [arb(n) for n in (0, 0, 1, 0)],
+        ):
+            before, after = (
+                determinant([x + sign * enclose(step) * t for x, t in zip(point, tangent, strict=True)])
+                for sign in (-1, 1)
+            )
+            found = folds._slope_of_determinant(atlas, point, tangent)
+            assert abs(found - (after - before) / (2 * enclose(step))) < arb(2) ** -120
+            assert found.rad() < arb(2) ** -120
 
 
 CUBIC = define_system(
