@@ -172,6 +172,10 @@ What the enclosures say, and what they do not: [validated integration](validated
 """
 
 
+OTHER = "\n## Against an earlier version\n"
+"""What stands from here on is made by another benchmark, and kept."""
+
+
 def main() -> None:
     """Print the tables, and write the page if that is asked for."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
@@ -184,7 +188,9 @@ def main() -> None:
                 print(line, flush=True)
                 lines.append(line)
     if options.output is not None:
-        options.output.write_text(PAGE + "\n".join(lines) + "\n", encoding="utf-8")
+        before = options.output.read_text("utf-8") if options.output.is_file() else ""
+        rest = before.partition(OTHER)
+        options.output.write_text(PAGE + "\n".join(lines) + "\n" + "".join(rest[1:]), encoding="utf-8")
 
 
 if __name__ == "__main__":
