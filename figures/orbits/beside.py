@@ -14,7 +14,7 @@ from orbitproof.figures.orbits.fixed_set import Array
 from orbitproof.figures.orbits.orbit import OrbitNotClosed
 from orbitproof.figures.orbits.return_map import ReturnMap
 from orbitproof.figures.orbits.returning import ReturningOrbit, returning_orbit
-from orbitproof.shared.formats import PERIODIC_DOUBLING, PERIODIC_FOLD, PERIODIC_PITCHFORK, PeriodicBifurcation
+from orbitproof.shared.formats import PERIODIC_DOUBLING, PeriodicBifurcation
 
 _FIRST = 0.01
 """The first distance on the section, relative to the size of the orbit."""
@@ -151,9 +151,9 @@ class _Beside:
             raise OrbitNotClosed(f"orbits are found beside it, but not {side} it")
         first = self._orbit(unknowns)
         apart = _NEW * abs(self.distance(unknowns))
-        if self.claim.kind == PERIODIC_FOLD:
+        if self.claim.is_fold:
             second = self._orbit(self.other(unknowns))
-        elif self.claim.kind == PERIODIC_PITCHFORK:
+        elif self.claim.is_mirrored:
             assert self.claim.symmetry is not None
             matrix = np.array([[float(value) for value in row] for row in self.claim.symmetry])
             second = ReturningOrbit(first.times, first.states @ matrix.T, first.crossings @ matrix.T)

@@ -81,7 +81,7 @@ def draw_periodic_bifurcation(claim: PeriodicBifurcation, found: Results | None 
     orbit = _orbit(claim, start, values)
     figure = plt.figure(figsize=_SIZE)
     try:
-        if claim.kind == PERIODIC_TORUS:
+        if claim.is_torus:
             beside, reason = _torus(claim, orbit, values, found), ""
         else:
             beside, reason = new_orbits(claim, orbit, values, None if found is None else found.side), ""
@@ -134,7 +134,7 @@ def _orbit(claim: PeriodicBifurcation, start: list[float], values: list[float]) 
     try:
         return returning_orbit(claim, start, values=values)
     except OrbitNotClosed:
-        if claim.kind != PERIODIC_PITCHFORK:
+        if not claim.is_mirrored:
             raise
         return returning_orbit(claim, start, 2 * claim.crossings, values)
 

@@ -58,6 +58,26 @@ class Claim:
         return self.kind in ("loop", "symmetric-loop")
 
     @property
+    def is_arc(self) -> bool:
+        """Whether it is one curve with two ends, and no symmetry maps it to itself."""
+        return self.kind == "arc"
+
+    @property
+    def begins_at(self) -> Fraction:
+        """Where in its first piece the curve begins, if it is not closed without symmetry."""
+        return Fraction(0 if self.is_of_symmetric_curve else -1)
+
+    @property
+    def ends_at(self) -> Fraction:
+        """Where in its last piece the curve, or the half of it that is in pieces, ends."""
+        return Fraction(0 if self.is_closed else 1)
+
+    @property
+    def goes_round(self) -> bool:
+        """Whether its last piece leads into its first: it is closed, and all of it is in pieces."""
+        return self.is_closed and not self.is_of_symmetric_curve
+
+    @property
     def needs_symmetry(self) -> bool:
         """Whether a claim of this kind is about a symmetry."""
         return self.is_of_symmetric_curve or self.kind == SURFACE

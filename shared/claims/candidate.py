@@ -22,18 +22,12 @@ KINDS = (*ONCE, "period_tupling", "touch_and_go")
 LEADING_POWERS = {kind: 1 if kind == "touch_and_go" else 2 for kind in KINDS}
 """Powers with which the bifurcation parameter begins to change along the new orbits, by kind (section 9.5)."""
 
-ORBIT = "orbit"
-"""What a claim about one orbit says in place of the kind of a bifurcation; k = 1."""
-STABLE_ORBIT = "stable_orbit"
-"""What a claim about one orbit says that is stable for ever."""
-INVARIANT_TORI = "invariant_tori"
-"""What a claim about one orbit says at which invariant tori accumulate."""
+ORBIT, STABLE_ORBIT, INVARIANT_TORI = "orbit", "stable_orbit", "invariant_tori"
+"""What a claim says about one orbit, one that is stable for ever, one at which invariant tori accumulate; k = 1."""
 ORBIT_KINDS = (ORBIT, STABLE_ORBIT, INVARIANT_TORI)
 """Claims about one orbit that an equation singles out."""
-REVERSOR_BREAKING = "reversor_breaking"
-"""What a claim says about an orbit at which two are born that R does not map to themselves; k = 1."""
-KREIN_COLLISION = "krein_collision"
-"""What a claim says about an orbit at which two pairs of multipliers meet on the unit circle and leave it; k = 1."""
+REVERSOR_BREAKING, KREIN_COLLISION = "reversor_breaking", "krein_collision"
+"""Two orbits are born that R does not map to themselves; two pairs of multipliers meet on the unit circle and leave."""
 DOUBLE_RESONANCE = "double_resonance"
 """What a claim says about a parameter at which two 1:k resonances of a family meet: a value of a coordinate beside
 those of Fix(R)."""
@@ -61,8 +55,34 @@ class Equation:
     coordinate: Identifier | None = None
 
 
+class OfKind:
+    """What is about a symmetric orbit or bifurcation, and says what by a `kind`, one of `BOX_KINDS`."""
+
+    kind: Any
+
+    @property
+    def is_of_orbit(self) -> bool:
+        """Whether it is about one orbit, and no bifurcation."""
+        return bool(self.kind in ORBIT_KINDS)
+
+    @property
+    def is_fold(self) -> bool:
+        """Whether the family turns back there in the bifurcation parameter."""
+        return bool(self.kind == FOLD)
+
+    @property
+    def breaks_symmetry(self) -> bool:
+        """Whether the orbits that branch off are not those that S maps to themselves."""
+        return bool(self.kind == "symmetry_breaking")
+
+    @property
+    def loses_reversor(self) -> bool:
+        """Whether orbits are born that R does not map to themselves."""
+        return bool(self.kind == REVERSOR_BREAKING)
+
+
 @dataclass(frozen=True, repr=False)
-class Candidate:
+class Candidate(OfKind):
     """A claim: the box ``centre + frame * (P_0 x P_1 x P_2)`` contains a bifurcation, or one orbit.
 
     Attributes:
@@ -154,11 +174,8 @@ class Candidate:
                 refuse(name, "wrong shape", f"give {n} rows of {n} numbers")
         numbers: dict[str, Sequence[Sequence[Fraction]]] = {
             **{f"parameters.{name}": [[value]] for name, value in self.parameters.items()},
-            "centre": [self.centre],
-            "frame": self.frame,
-            "kernel_frame": self.kernel_frame,
-            "radii": [self.radii],
-        }
+            "centre": [self.centre], "frame": self.frame, "kernel_frame": self.kernel_frame, "radii": [self.radii],
+        }  # fmt: skip
         if self.equation is not None:
             numbers[_EQUATION_VALUE] = [[self.equation.value]]
         for name, rows in numbers.items():
@@ -170,8 +187,7 @@ class Candidate:
                 except ValueError:
                     refuse(name, f"{short(str(value))} is neither dyadic nor decimal", "round it to a decimal number")
                 if not short_enough:
-                    why = "a number is too long to be written exactly"
-                    refuse(name, why, "give fewer digits or an exponent closer to 0")
+                    refuse(name, "a number is too long to be written exactly", "give fewer digits, an exponent near 0")
         for position, radius in enumerate(self.radii):
             if radius <= 0:
                 refuse(f"radii[{position}]", "not positive", "give positive half-widths")
@@ -191,16 +207,6 @@ class Candidate:
         """What people call the `coordinates`; nothing is found by these."""
         level = self.system.first_integral_name or "first integral"
         return tuple(level if name == LEVEL_NAME else name for name in self.coordinates)
-
-    @property
-    def is_of_orbit(self) -> bool:
-        """Whether it is about one orbit, and no bifurcation."""
-        return self.kind in ORBIT_KINDS
-
-    @property
-    def is_fold(self) -> bool:
-        """Whether the family turns back there in the bifurcation parameter."""
-        return self.kind == FOLD
 
     @property
     def has_branch(self) -> bool:
@@ -223,11 +229,6 @@ class Candidate:
         return self.kind in ACROSS_KINDS
 
     @property
-    def breaks_symmetry(self) -> bool:
-        """Whether the orbits that branch off are not those that S maps to themselves."""
-        return self.kind == "symmetry_breaking"
-
-    @property
     def uses_symmetry(self) -> bool:
         """Whether the theorem rests on a symmetry S, which maps the family to itself, point by point."""
         return self.breaks_symmetry or (self.kind == "period_tupling" and self.k == 3)
@@ -235,7 +236,7 @@ class Candidate:
     @property
     def is_tangential(self) -> bool:
         """Whether the bifurcation parameter has an extremum along the branch, or along the curve of a fold."""
-        return LEADING_POWERS[self.kind] > 1
+        return LEADING_POWERS.get(self.kind, 2) > 1
 
     @property
     def uses_level(self) -> bool:

@@ -60,7 +60,7 @@ class PeriodicBifurcation(BoxInSection):
             refuse("kind", f"{self.kind!r} is no kind", f"give one of {', '.join(PERIODIC_BIFURCATIONS)}")
         self._check_kernel()
         self._check_interval()
-        is_torus, is_pitchfork = self.kind == PERIODIC_TORUS, self.kind == PERIODIC_PITCHFORK
+        is_torus, is_pitchfork = self.is_torus, self.is_mirrored
         if (self.multiplier is None) == is_torus or (is_torus and len(self.multiplier or ()) != 2):
             refuse("multiplier", f"{self.kind} with {self.multiplier}", "a torus has two numbers, others have none")
         if (self.symmetry is None) == is_pitchfork:
@@ -70,9 +70,24 @@ class PeriodicBifurcation(BoxInSection):
             refuse("symmetry", "wrong shape", f"give {size} rows of {size} numbers")
         check_numbers({"multiplier": [self.multiplier or ()], "symmetry": self.symmetry or ()})
 
+    @property
+    def is_fold(self) -> bool:
+        """Whether the orbit turns back there in what varies: a multiplier is 1."""
+        return self.kind == PERIODIC_FOLD
+
+    @property
+    def is_mirrored(self) -> bool:
+        """Whether S takes the orbit to itself, and orbits branch off that it exchanges: a pitchfork."""
+        return self.kind == PERIODIC_PITCHFORK
+
+    @property
+    def is_torus(self) -> bool:
+        """Whether a torus is born: two multipliers leave the unit circle."""
+        return self.kind == PERIODIC_TORUS
+
     def _check_kernel(self) -> None:
         size = len(self.radii)
-        wanted = 2 if self.kind == PERIODIC_TORUS else 1
+        wanted = 2 if self.is_torus else 1
         if len(self.kernel) != wanted or any(len(row) != size for row in self.kernel):
             refuse("kernel", "wrong shape", f"give {wanted} of {size} numbers")
         check_numbers({"kernel": self.kernel, "kernel_radius": [(self.kernel_radius,)]})
@@ -84,14 +99,14 @@ class PeriodicBifurcation(BoxInSection):
         self.check_level(self.level)
         check_numbers({"parameter_radius": [(self.parameter_radius,)]})
         check_positive("parameter_radius", [self.parameter_radius])
-        if self.kind == PERIODIC_TORUS and (self.level is not None or self.parameter is None):
+        if self.is_torus and (self.level is not None or self.parameter is None):
             refuse("level", "a torus is claimed while a parameter varies, on no level", "name the parameter alone")
         if self.parameter is None:
             if self.level is None:
                 refuse("parameter", "there is none, and no level", "name the parameter that varies, or give the level")
         else:
             self.check_varying(self.parameter, self.parameter_radius)
-        fewest = 2 + (self.level is not None or self.kind == PERIODIC_TORUS)
+        fewest = 2 + (self.level is not None or self.is_torus)
         if len(self.system.given_state) < fewest:
             refuse("kind", f"{self.kind} takes a state of at least {fewest} coordinates", "give another kind")
 

@@ -48,11 +48,17 @@ class PeriodicCurveClaim:
     covers: Covers | None = None
 
     symmetry = None
+    begins_at, ends_at = Fraction(-1), Fraction(1)
 
     @property
     def is_closed(self) -> bool:
         """Whether the curve is claimed to be closed."""
         return self.kind == "periodic-loop"
+
+    @property
+    def goes_round(self) -> bool:
+        """Whether its last piece leads into its first."""
+        return self.is_closed
 
     @property
     def uses_integral(self) -> bool:

@@ -102,6 +102,7 @@ class SurfacePiece:
     bend: Polynomials = ()
 
     kind = "symmetry_breaking"
+    is_symmetric = False
 
 
 @dataclass(frozen=True)
@@ -131,6 +132,7 @@ class LibrationPiece:
     tube: Fraction
 
     kind = "libration"
+    is_symmetric = False
 
 
 @dataclass(frozen=True)
@@ -159,6 +161,7 @@ class BirthPiece:
     tube: Numbers
 
     kind = "birth"
+    is_symmetric = False
 
 
 AnyPiece = Piece | SurfacePiece | LibrationPiece | BirthPiece

@@ -99,7 +99,7 @@ def test_flow_encloses_random_point_orbits(name: str, number: int) -> None:
 def test_enclosures_are_narrow(name: str) -> None:
     """What the tests of containment would not notice: enclosures too wide to be of use."""
     candidate, found = enclosures(name)
-    grading = grading_for(candidate.kind, candidate.k, len(candidate.radii))
+    grading = grading_for(candidate, len(candidate.radii))
     with ctx.workprec(400):
         for number, tables in enumerate(found.iterates):
             for table in tables:

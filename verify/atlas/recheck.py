@@ -161,7 +161,7 @@ def form(certificate: Certificate, given: Given, examination: Examination) -> It
     document = certificate.document
     atlas = atlas_of(document)
     yield from taken_names(atlas.system, document["software"])
-    symmetric = {piece.id for piece in atlas.pieces if piece.kind == "symmetric"}
+    symmetric = {piece.id for piece in atlas.pieces if piece.is_symmetric}
     try:
         results = results_from_json(atlas, document["results"])
     except InputError as error:

@@ -8,7 +8,7 @@ from math import isqrt
 
 from flint import arb
 
-from orbitproof.shared.formats import KINDS, BoxClaim
+from orbitproof.shared.formats import KINDS, LEADING_POWERS, BoxClaim
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.verify.attempt.remedies import advice_on
 from orbitproof.verify.evidence import Hypothesis, Reason, enclose, exact_value, is_inside, is_outside
@@ -52,7 +52,7 @@ def _factors(
         advice = advice_on(claim.kind, radii, hypotheses) if failed is not None else None
         if advice is not None:
             return {axis: _SLACK * factor if factor > 1 else factor / _SLACK for axis, factor in advice.factors.items()}
-        order = 1 if claim.kind == "touch_and_go" else 2
+        order = LEADING_POWERS[claim.kind]
         narrower = {axis: _MUCH_NARROWER**power for axis, power in enumerate((order, 1, 2)[: len(radii)])}
     else:
         narrower = dict.fromkeys(range(len(radii)), _NARROWER)

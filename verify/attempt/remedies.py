@@ -14,7 +14,7 @@ from math import ceil, isqrt
 
 from flint import arb
 
-from orbitproof.shared.formats import FOLD
+from orbitproof.shared.formats import FOLD, LEADING_POWERS
 from orbitproof.verify.evidence import Hypothesis, enclose, excludes_zero, is_inside, is_outside
 from orbitproof.verify.newton import is_regular
 
@@ -50,7 +50,7 @@ def advice_on(kind: str, radii: Sequence[Fraction], hypotheses: Sequence[Hypothe
     """What helps about the condition that failed, the last, from its enclosures and those before; `None` if they do not
     tell. `kind` is that of a bifurcation, `radii` the half-widths of the box that the hypotheses are about.
     """
-    last, order = hypotheses[-1], 1 if kind == "touch_and_go" else 2
+    last, order = hypotheses[-1], LEADING_POWERS.get(kind, 2)
     if last.name in ("G_11", "h_b'") and order == 1 and (tangent := of_tangency(hypotheses, radii[1])) is not None:
         return tangent
     if last.name in _AT_THE_POINT or (last.name == "point" and kind == FOLD):

@@ -8,6 +8,7 @@ from fractions import Fraction
 
 from flint import acb, arb
 
+from orbitproof.shared.claims.candidate import KREIN_COLLISION, OfKind
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve.followed import Partner, Point, no_partner
@@ -22,7 +23,7 @@ LACKS_COORDINATES = "the certificate does not have all coordinates of the point"
 
 
 @dataclass(frozen=True)
-class CertifiedPoint:
+class CertifiedPoint(OfKind):
     """What a certificate proves of a point: that it lies on a symmetric orbit, and what orbit that is.
 
     Attributes:
@@ -63,7 +64,7 @@ class CertifiedPoint:
     @property
     def is_planar(self) -> bool:
         """Whether, of the CR3BP, it is an orbit in the plane: where S breaks, the orbit itself is fixed by it (8.6)."""
-        return self.kind == "symmetry_breaking" and self.symmetry == PLANAR
+        return self.breaks_symmetry and self.symmetry == PLANAR
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ class PlaceOnCurve:
 
 
 @dataclass(frozen=True)
-class Bifurcation:
+class Bifurcation(OfKind):
     """A certificate of a bifurcation, or of one orbit, and whether the point lies on the curve.
 
     Attributes:
@@ -111,6 +112,11 @@ class Bifurcation:
     is_foreign: bool = False
     reversor: str | None = None
     stability: tuple[acb, ...] = ()
+
+    @property
+    def has_colliding_multipliers(self) -> bool:
+        """Whether it is certified that two pairs of multipliers meet there."""
+        return self.kind == KREIN_COLLISION
 
     def found(self, place: PlaceOnCurve | str) -> Bifurcation:
         """The bifurcation with its place on the curve, or with why it has none."""
@@ -163,7 +169,7 @@ def place_bifurcation(
         return replace(entry, reason="the curve itself is not proved")
     # By what it does: another system of the same name may call another symmetry so.
     own = atlas.system.symmetries.get(str(atlas.claim.symmetry))
-    breaks = entry.kind == "symmetry_breaking" and own is not None and certified.signs == own
+    breaks = entry.breaks_symmetry and own is not None and certified.signs == own
     place = locate(atlas, chain, list(point.values()), breaks)
     if isinstance(place, PlaceOnCurve):
         return replace(entry, place=place)

@@ -26,8 +26,8 @@ def hypotheses_of(atlas: Atlas) -> tuple[str, ...]:
         "symmetries",
         "pieces",
         "curve",
-        *(("plane",) if claim.kind in ("symmetric-arc", "symmetric-loop") else ()),
-        *(("two-points",) if claim.kind == "symmetric-loop" else ()),
+        *(("plane",) if claim.is_of_symmetric_curve else ()),
+        *(("two-points",) if claim.is_of_symmetric_curve and claim.is_closed else ()),
         *(f"increasing-{name}" for name in claim.increasing),
         *(("covers",) if claim.covers is not None else ()),
         *(("vertical",) if _is_of_vertical_orbits(atlas) else ()),
@@ -54,11 +54,11 @@ def check_curve(checklist: Checklist, atlas: Atlas, results: Sequence[IntervalRe
     found: Chain | None = None
     statement = "every piece is proved where the curve uses it and leads into the tube of the next one"
     with checklist.hypothesis("curve", "15.5", statement, _REMEDY) as evidence:
-        found = follow(evidence, claim.kind, tubes)
+        found = follow(evidence, claim, tubes)
     assert found is not None
-    if claim.kind in ("symmetric-arc", "symmetric-loop"):
+    if claim.is_of_symmetric_curve:
         _check_plane(checklist, atlas, found)
-    if claim.kind == "symmetric-loop":
+    if claim.is_of_symmetric_curve and claim.is_closed:
         check_two_points(checklist, atlas.system.centre_coordinates, *found.ends)
     names, system = atlas.system.centre_coordinates, atlas.system
     for name in claim.increasing:
@@ -96,7 +96,7 @@ def _check_pieces(evidence: Evidence, atlas: Atlas) -> None:
         not claim.is_of_symmetric_curve or claim.symmetry in atlas.system.symmetries,
         f"a {claim.kind} needs a symmetry of the system",
     )
-    evidence.require(len(pieces) > (1 if claim.kind in ("symmetric-loop", "loop") else 0), "there are too few pieces")
+    evidence.require(len(pieces) > (1 if claim.is_closed else 0), "there are too few pieces")
     if not evidence.holds:
         return
     at_ends = {"symmetric-arc": (0,), "symmetric-loop": (0, len(pieces) - 1)}.get(claim.kind, ())
@@ -109,9 +109,8 @@ def _check_pieces(evidence: Evidence, atlas: Atlas) -> None:
         require_birth_piece(evidence, birth)
     for number, piece in enumerate(atlas.curve_pieces()):
         wanted = "symmetric" if number in at_ends else "regular"
-        evidence.require(
-            piece.kind == wanted, f"piece {piece.id} is {piece.kind}, in a {claim.kind} it has to be {wanted}"
-        )
+        why = f"piece {piece.id} is {piece.kind}, in a {claim.kind} it has to be {wanted}"
+        evidence.require(piece.is_symmetric == (number in at_ends), why)
         require_piece(evidence, atlas.system, piece, claim.symmetry)
 
 

@@ -29,7 +29,7 @@ def check_doubled(checklist: Checklist, atlas: Atlas, chain: Chain) -> None:
     statement = f"{MASS} increases along an arc of first returns, and {HEIGHT} has one sign on it"
     with checklist.hypothesis("doubled", "15.10", statement, "claim that, in narrower tubes") as evidence:
         claim, index = atlas.claim, HILL_VARIED.centre_coordinates.index(HEIGHT)
-        evidence.require(claim.kind == "arc" and claim.crossings == 1, "it is no arc of first returns")
+        evidence.require(claim.is_arc and claim.crossings == 1, "it is no arc of first returns")
         evidence.require(MASS in claim.increasing, f"the claim does not say that {MASS} increases")
         side = 1 if chain.stretches[0].tube.piece.centre[index] > 0 else -1
         for stretch in chain.stretches:

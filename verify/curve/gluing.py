@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Protocol
 
 from flint import arb
 
@@ -14,6 +15,22 @@ from orbitproof.verify.evidence import Evidence, all_finite, enclose, exact_inte
 
 _TRIALS = 32
 """Places along a piece where the next one is looked for, from its end backwards."""
+
+
+class Course(Protocol):
+    """Where a curve in pieces begins and ends, as a claim of whatever kind has it."""
+
+    @property
+    def goes_round(self) -> bool:
+        """Whether its last piece leads into its first."""
+
+    @property
+    def begins_at(self) -> Fraction:
+        """The s at which it begins in its first piece, if it does not go round."""
+
+    @property
+    def ends_at(self) -> Fraction:
+        """The s at which it ends in its last piece, if it does not go round."""
 
 
 @dataclass(frozen=True)
@@ -71,17 +88,17 @@ class Chain:
         return first.tube.point(first.run, first.enters), last.tube.point(last.run, last.leaves)
 
 
-def follow(evidence: Evidence, kind: str, tubes: Sequence[Tube]) -> Chain | None:
-    """The curve through the tubes in order, for a claim of this kind; `None`, with the reason in `evidence`, if not.
+def follow(evidence: Evidence, claim: Course, tubes: Sequence[Tube]) -> Chain | None:
+    """The curve through the tubes in order, as it is claimed; `None`, with the reason in `evidence`, if not.
 
     An arc begins at s = -1 of the first piece and ends at s = 1 of the last; a symmetric arc begins at s = 0; a
     symmetric loop begins and ends at s = 0; a loop begins where its last piece enters the first.
     """
     first = tubes[0]
-    if kind == "loop":
+    if claim.goes_round:
         run, enters = (first.runs[-1], first.runs[-1].start) if first.runs else (None, Fraction(0))
     else:
-        enters = Fraction(-1) if kind == "arc" else Fraction(0)
+        enters = claim.begins_at
         run = next((run for run in first.runs if run.start <= enters < run.end), None)
     if run is None:
         evidence.require(False, _nothing_proved(first, enters, f"s = {_decimal(enters)}"))
@@ -89,10 +106,10 @@ def follow(evidence: Evidence, kind: str, tubes: Sequence[Tube]) -> Chain | None
     reached = enters
     stretches: list[Stretch] = []
     joints: list[Joint] = []
-    successors = [*tubes[1:], *([first] if kind == "loop" else [])]
+    successors = [*tubes[1:], *([first] if claim.goes_round else [])]
     for number, tube in enumerate(tubes):
         if number == len(successors):
-            leaves = Fraction(1) if kind in ("arc", "symmetric-arc") else Fraction(0)
+            leaves = claim.ends_at
             evidence.require(reached < leaves, f"piece {tube.piece.id} is entered after s = {leaves}, its end")
             evidence.require(
                 run.end >= leaves,
@@ -111,7 +128,7 @@ def follow(evidence: Evidence, kind: str, tubes: Sequence[Tube]) -> Chain | None
         enters, reached, run = lower_end(joint.enters), upper_end(joint.enters), next_run
     if not evidence.holds:
         return None
-    if kind == "loop":
+    if claim.goes_round:
         start = stretches[0]
         if run != start.run or not reached < start.leaves:
             place = f"{first.piece.id} is entered behind the place where the curve leaves it"

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from flint import arb
 
-from orbitproof.shared.formats import REVERSOR_BREAKING, Atlas
+from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import AXIAL, CR3BP, CR3BP_AXIAL, LIFTED
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint, PlaceOnCurve, entry_of, locate
 from orbitproof.verify.curve.birth_piece import Birth, tube_of_birth
@@ -37,7 +37,7 @@ def check_from_plane(checklist: Checklist, atlas: Atlas) -> None:
         "from-plane", "16.10", statement, "claim it, in an arc that begins in the plane"
     ) as found:
         covers = atlas.claim.covers
-        found.require(atlas.claim.kind == "arc" and atlas.claim.crossings == 1, "it is no arc of first returns")
+        found.require(atlas.claim.is_arc and atlas.claim.crossings == 1, "it is no arc of first returns")
         from_rest = SIZE in atlas.claim.increasing and covers is not None and covers.coordinate == SIZE
         found.require(
             from_rest and covers is not None and covers.start <= 0 < covers.end, "the claim does not say the former"
@@ -107,9 +107,9 @@ def place_birth(
         return entry
     if chain is None:
         return replace(entry, reason="the curve itself is not proved")
-    if certified.kind == REVERSOR_BREAKING:
+    if certified.loses_reversor:
         return entry.found(_at_vertical_orbit(birth, certified))
-    elif certified.kind == "symmetry_breaking":
+    elif certified.breaks_symmetry:
         found: PlaceOnCurve | str = "it is no birth of axial orbits"
         for carried in _carried(certified, follow, atlas.parameters):
             entry, found = replace(entry, point=carried), locate(atlas, chain, list(carried.values()))

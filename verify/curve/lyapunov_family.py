@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from flint import arb, ctx
 
-from orbitproof.shared.formats import ORBIT_KINDS, Atlas
+from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, HILL_VARIED, LIFTED, ReversibleSystem
 from orbitproof.verify.curve.bifurcations_on_it import LACKS_COORDINATES, CertifiedPoint
 from orbitproof.verify.curve.libration_point import derived_parameter
@@ -54,7 +54,7 @@ def carried(atlas: Atlas, certified: CertifiedPoint) -> dict[str, arb] | str:
     """A certified point of the CR3BP by the coordinates of a curve in units of its orbits, or why it is none of it."""
     if not {"x", "vy"} <= set(certified.point):
         return LACKS_COORDINATES
-    if certified.kind in ORBIT_KINDS:
+    if certified.is_of_orbit:
         return "the curve is one of orbits in units of their size"
     found = in_units_of_orbit(atlas.system, atlas.parameters, certified.point) if certified.is_planar else None
     return "it is not shown to be a planar orbit away from the libration point" if found is None else found

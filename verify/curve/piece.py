@@ -162,7 +162,7 @@ class _Proof:
     @property
     def divided(self) -> bool:
         """Whether the equations are divided by s, which their symmetry allows on an interval about 0 only."""
-        return self.piece.kind == "symmetric" and self.asked[0] <= 0 <= self.asked[1]
+        return self.piece.is_symmetric and self.asked[0] <= 0 <= self.asked[1]
 
     @property
     def interval(self) -> Interval:
@@ -219,7 +219,7 @@ class _Proof:
                 for index, equation in zip(self.system.kernel_coordinates, equations, strict=True)
             ]
         deviation, slope_deviation = check_newton(checklist, equations, self.radius, self.divided)
-        if self.piece.kind == "symmetric" and not self.divided:
+        if self.piece.is_symmetric and not self.divided:
             nearest = min(abs(end) for end in self.interval)
             slope_deviation = [bound / enclose(nearest) for bound in slope_deviation]
         bounds = in_units(self.tube, deviation), in_units(self.tube, slope_deviation)

@@ -28,7 +28,7 @@ def require_piece(evidence: Evidence, system: ReversibleSystem, piece: Piece, sy
     evidence.require(
         min(piece.half_width, *piece.tube) > 0, f"half_width and tube of piece {piece.id} have to be positive"
     )
-    if piece.kind != "symmetric":
+    if not piece.is_symmetric:
         return
     if symmetry is None or symmetry not in system.symmetries:
         evidence.require(False, f"piece {piece.id} is symmetric, and {symmetry} is no symmetry of {system.name}")
@@ -50,7 +50,7 @@ def require_piece(evidence: Evidence, system: ReversibleSystem, piece: Piece, sy
 def takes_birth(atlas: Atlas) -> bool:
     """Whether a curve can end in a piece of a birth: one of axial orbits, or of half orbits of two crossings."""
     claim, is_born_twice = atlas.claim, atlas.system is CR3BP and atlas.claim.crossings == _TWICE
-    return claim.kind == "arc" and (atlas.system is LIFTED or is_born_twice)
+    return claim.is_arc and (atlas.system is LIFTED or is_born_twice)
 
 
 def require_birth_piece(evidence: Evidence, piece: BirthPiece) -> None:
@@ -81,6 +81,6 @@ def _require_level(evidence: Evidence, system: ReversibleSystem, piece: Piece, s
             bool(quadratic_coefficient(system)),
             f"the first integral is not shown to be A + b {name}^2, A independent of {name}, b a constant other than 0",
         )
-    if piece.kind == "symmetric" and symmetry is not None and symmetry in system.symmetries:
+    if piece.is_symmetric and symmetry is not None and symmetry in system.symmetries:
         fixed = system.symmetries[symmetry][system.state.index(name)] == 1
         evidence.require(fixed, f"{symmetry} does not fix {name}, the coordinate that follows from the level")

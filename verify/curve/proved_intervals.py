@@ -91,7 +91,7 @@ def read_results(
             refusals.append(found)
             continue
         intervals.append(found)
-        if piece.kind == "symmetric":
+        if piece.is_symmetric:
             intervals.append(found.mirrored())
     runs: list[list[ProvedInterval]] = []
     reached = Fraction(-2)

@@ -58,7 +58,7 @@ class Tube:
     @property
     def is_symmetric(self) -> bool:
         """Whether the piece goes through the points that the symmetry fixes, at s = 0."""
-        return self.piece.kind == "symmetric"
+        return self.piece.is_symmetric
 
     @cached_property
     def _polynomials(self) -> tuple[arb_poly, ...]:

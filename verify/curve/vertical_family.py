@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from flint import arb, ctx
 
-from orbitproof.shared.formats import REVERSOR_BREAKING, Atlas
+from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, VERTICAL, ReversibleSystem
 from orbitproof.verify.curve.bifurcations_on_it import CertifiedPoint
 from orbitproof.verify.curve.followed import Partner, Point
@@ -37,7 +37,7 @@ def check_vertical(checklist: Checklist, atlas: Atlas, chain: Chain) -> None:
     with checklist.hypothesis("vertical", "16.7", statement, remedy) as evidence:
         covers = atlas.claim.covers
         from_rest = covers is not None and covers.coordinate == SIZE
-        evidence.require(atlas.claim.kind == "arc", f"the claim is about no arc, but about a {atlas.claim.kind}")
+        evidence.require(atlas.claim.is_arc, f"the claim is about no arc, but about a {atlas.claim.kind}")
         evidence.require(atlas.claim.crossings == 1, "the claim is about a later return")
         evidence.require(
             from_rest and covers is not None and covers.start <= 0 < covers.end, "the claim does not say the former"
@@ -93,7 +93,7 @@ def in_units_of_vertical_orbit(
 
 def carried_vertical(atlas: Atlas, certified: CertifiedPoint, partner: Partner) -> dict[str, arb] | str:
     """A loss of R at a vertical orbit by the coordinates of a curve of such orbits, or why it is none (16.8)."""
-    if certified.kind != REVERSOR_BREAKING:
+    if not certified.loses_reversor:
         return "only orbits that lose R are looked for among vertical orbits"
     if ACROSS_PLANE not in certified.shifted_by:
         return "it is not shown that z -> -z shifts its orbit by half the period"

@@ -11,7 +11,7 @@ from typing import Literal
 from flint import arb
 
 from orbitproof.shared.claims.fields import Title
-from orbitproof.shared.formats import DOUBLE_RESONANCE, Candidate
+from orbitproof.shared.formats import Candidate
 from orbitproof.verify.claim import check_frames, check_symmetries, inverse
 from orbitproof.verify.double_resonance.equations import ResonanceEquations, Unfolding, equations_of
 from orbitproof.verify.double_resonance.following import ResonanceEnclosures
@@ -82,7 +82,7 @@ class ResonanceTheorem:
 def theorem_of_resonance(candidate: Candidate) -> ResonanceTheorem | Reason:
     """The theorem that a candidate claims, or why none applies."""
     system = candidate.system
-    if candidate.kind != DOUBLE_RESONANCE:
+    if not candidate.resonances_meet:
         return Reason("theorem", f"{candidate.kind} is about other points", "claim another kind")
     if system.normalised or system.derived_parameters or system.first_integral is None:
         message = f"{system.name} has units of its own, derived parameters or no first integral"

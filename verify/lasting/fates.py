@@ -164,7 +164,7 @@ def lasting_list(
         orbit = orbit_between(chain, found.segments, entry.begin, entry.end)
         assert orbit is not None
         signs[entry.end.stretch, entry.end.lower] = sign_at(*orbit)
-    stable, undecided = intervals_where(chain, whole, atlas.claim.kind == "loop", rule)
+    stable, undecided = intervals_where(chain, whole, atlas.claim.goes_round, rule)
     listed = sorted((point for point in whole.points if rule.ends_at(point)), key=_place)
     return LastingList(
         tuple(ExceptionalOrbit(point, _fate(chain, found, results, point)) for point in listed),

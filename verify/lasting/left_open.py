@@ -82,7 +82,7 @@ def exceptions_to_sharpen(piece: Piece, result: LastingResult) -> list[Interval]
 
 def _beginning(piece: Piece, result: LastingResult) -> Fraction:
     """The first value of tau that counts; those of a symmetric piece are even."""
-    return Fraction(0) if piece.kind == "symmetric" and result.interval[0] <= 0 <= result.interval[1] else -1 / REACH
+    return Fraction(0) if piece.is_symmetric and result.interval[0] <= 0 <= result.interval[1] else -1 / REACH
 
 
 def _elliptic(s: BoundedFunction, parts: Sequence[Interval]) -> list[Interval]:

@@ -15,7 +15,7 @@ def odd_coordinate(system: ReversibleSystem, piece: Piece) -> str | None:
     The system is one with n = 1.
     """
     names = system.centre_coordinates
-    if piece.kind != "regular" or len(piece.frame) != len(names) or system.defined:
+    if piece.is_symmetric or len(piece.frame) != len(names) or system.defined:
         return None
     for symmetry in system.symmetries:
         signs = signs_on(system, symmetry, names)

@@ -70,9 +70,9 @@ class Step:
 
 @dataclass
 class _Run:
-    """Intervals on which the second derivative has one sign, one after another."""
+    """Intervals on which the second derivative has one sign, `turn`, one after another."""
 
-    kind: int
+    turn: int
     parts: list[tuple[Step, arb, arb]]
 
 
@@ -113,11 +113,11 @@ class DistanceAlong:
         """An interval on which the rate has a sign; it ends a run."""
         run, self._run = self._run, None
         if self._clear is None:
-            if run is None or run.kind != slope:
+            if run is None or run.turn != slope:
                 raise _undecided("it is not shown to be extremal where the orbit starts")
-            self.start_kind = run.kind
+            self.start_kind = run.turn
         elif slope != self._sign:
-            if run is None or run.kind != slope:
+            if run is None or run.turn != slope:
                 raise _undecided("its rate changes sign, and a zero is not shown")
             self.found.append(_located(run))
         self._sign, self._clear = slope, until
@@ -126,7 +126,7 @@ class DistanceAlong:
         """An interval on which the second derivative has a sign."""
         if self._run is None:
             self._run = _Run(turn, [])
-        if self._run.kind != turn:
+        if self._run.turn != turn:
             raise _undecided("its second derivative changes sign near a zero of the first")
         self._run.parts.append((step, left, right))
 
@@ -140,10 +140,10 @@ class DistanceAlong:
         Raises `IntegrationFailure` if that is not beyond it, or if the rate may have another zero near the end.
         """
         run, clear = self._run, self._clear
-        alone = run is not None and clear is not None and run.kind == -self._sign and is_below(clear, half_period)
+        alone = run is not None and clear is not None and run.turn == -self._sign and is_below(clear, half_period)
         if run is None or not alone or not is_below(half_period, reached):
             raise _undecided("it is not shown to be extremal at the other point on Fix(R)")
-        return run.kind
+        return run.turn
 
 
 def _located(run: _Run) -> Approach:
@@ -152,7 +152,7 @@ def _located(run: _Run) -> Approach:
         raise _undecided("a zero of its rate is not found")
     first, *others = found
     return Approach(
-        hull(first.time, *(zero.time for zero in others)), hull(first.value, *(zero.value for zero in others)), run.kind
+        hull(first.time, *(zero.time for zero in others)), hull(first.value, *(zero.value for zero in others)), run.turn
     )
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from orbitproof.shared.formats import PERIODIC_FOLD, PeriodicBifurcation
+from orbitproof.shared.formats import PeriodicBifurcation
 from orbitproof.verify.evidence import Checklist, dot, enclose
 from orbitproof.verify.newton import enclose_zero
 from orbitproof.verify.periodic_bifurcation.equations import Matrix, PointEquations, radii_of
@@ -15,7 +15,7 @@ from orbitproof.verify.periodic_bifurcation.equations import Matrix, PointEquati
 
 def multiplier_of(claim: PeriodicBifurcation) -> int:
     """sigma: the multiplier of the map at a fold is 1, at a doubling and a pitchfork -1."""
-    return 1 if claim.kind == PERIODIC_FOLD else -1
+    return 1 if claim.is_fold else -1
 
 
 @dataclass(frozen=True)

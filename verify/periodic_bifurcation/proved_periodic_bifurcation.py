@@ -9,7 +9,7 @@ from typing import ClassVar, Literal
 from flint import acb, arb
 
 from orbitproof.shared.claims.fields import Title
-from orbitproof.shared.formats import PERIODIC_FOLD, PERIODIC_PITCHFORK, PERIODIC_TORUS, PeriodicBifurcation
+from orbitproof.shared.formats import PeriodicBifurcation
 from orbitproof.verify.claim import keeps_volume
 from orbitproof.verify.evidence import (
     Checklist,
@@ -83,8 +83,8 @@ class PeriodicBifurcationTheorem:
     @property
     def hypotheses(self) -> tuple[str, ...]:
         """As in `evidence.Theorem`."""
-        on_level, mirrored = self.claim.level is not None, self.claim.kind == PERIODIC_PITCHFORK
-        is_fold = self.claim.kind == PERIODIC_FOLD
+        on_level, mirrored = self.claim.level is not None, self.claim.is_mirrored
+        is_fold = self.claim.is_fold
         return (
             *(["functions"] if self.claim.system.defined else []),
             "section", *(["symmetry"] if mirrored else []), *(["first-integral"] if on_level else []), "direction",
@@ -97,7 +97,7 @@ def check_bifurcation_exactly(checklist: Checklist, claim: PeriodicBifurcation) 
     """All hypotheses that need no integration; raises `NotEstablishedError` for the first that fails."""
     check_functions_of(checklist, claim.system)
     check_coordinates(checklist, claim)
-    if claim.kind == PERIODIC_PITCHFORK:
+    if claim.is_mirrored:
         check_symmetry(checklist, claim)
     if claim.level is not None:
         check_integral(checklist, claim)
@@ -118,15 +118,15 @@ def prove_periodic_bifurcation(
         place = check_extended(checklist, claim, equations)
         if claim.level is not None:
             check_last(checklist, claim, equations)
-        if claim.kind != PERIODIC_FOLD:
+        if not claim.is_fold:
             _check_curve(checklist, claim, equations)
-        is_fixed = check_mirrored(checklist, claim, place) if claim.kind == PERIODIC_PITCHFORK else None
+        is_fixed = check_mirrored(checklist, claim, place) if claim.is_mirrored else None
         check_least(checklist, claim, found.earlier, place.where)
         coefficients = _check_side(checklist, claim, equations, place)
         return _results(claim, found, equations, place, coefficients, is_fixed)
 
     theorem: PeriodicBifurcationTheorem | Reason = PeriodicBifurcationTheorem(claim)
-    if claim.kind == PERIODIC_TORUS:
+    if claim.is_torus:
         theorem = Reason("theorem", f"{claim.kind} is about two multipliers", "claim another kind")
     return concluded(theorem, checklist, check)
 
@@ -143,7 +143,7 @@ def _check_side(
     checklist: Checklist, claim: PeriodicBifurcation, equations: PointEquations, place: BifurcationPoint
 ) -> Coefficients:
     """On which side of the bifurcation the new orbits are."""
-    is_fold = claim.kind == PERIODIC_FOLD
+    is_fold = claim.is_fold
     section = "25.4" if is_fold else "25.5"
     statement = "the coefficients of s and y^2 in the bifurcation equation are not 0"
     with checklist.hypothesis("side", section, statement, "smaller radii, or more precision") as evidence:
@@ -178,7 +178,7 @@ def _results(
         name,
         enclose(middle) + s,
         2 * time if is_fixed is False else time,
-        -1 if claim.kind not in (PERIODIC_FOLD, PERIODIC_PITCHFORK) else 1,
+        1 if claim.is_fold or claim.is_mirrored else -1,
         _other_multipliers(claim, equations, place, is_fixed),
         "above" if is_positive(coefficients.opening) else "below",
         coefficients.opening,
@@ -193,7 +193,7 @@ def _criticality(
     claim: PeriodicBifurcation, coefficients: Coefficients
 ) -> Literal["supercritical", "subcritical"] | None:
     """Where a multiplier leaves the unit circle, if it is one alone (Lemma 25.4)."""
-    if claim.kind == PERIODIC_FOLD or claim.level is not None or not excludes_zero(coefficients.pairing):
+    if claim.is_fold or claim.level is not None or not excludes_zero(coefficients.pairing):
         return None
     same = is_positive(coefficients.bend) == is_positive(coefficients.pairing)
     return "supercritical" if same else "subcritical"

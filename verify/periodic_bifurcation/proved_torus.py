@@ -10,7 +10,7 @@ from typing import Literal
 from flint import acb, arb, arb_mat
 
 from orbitproof.shared.claims.fields import Title
-from orbitproof.shared.formats import PERIODIC_TORUS, PeriodicBifurcation
+from orbitproof.shared.formats import PeriodicBifurcation
 from orbitproof.verify.evidence import (
     Checklist,
     Outcome,
@@ -115,7 +115,7 @@ def prove_torus(
         return _results(claim, found, place, others, coefficients)
 
     theorem: TorusTheorem | Reason = TorusTheorem(claim)
-    if claim.kind != PERIODIC_TORUS:
+    if not claim.is_torus:
         theorem = Reason("theorem", f"{claim.kind} is about no torus", "claim a torus")
     return concluded(theorem, checklist, check)
 

@@ -108,7 +108,7 @@ def check_periodic_curve(checklist: Checklist, atlas: PeriodicAtlas, results: Se
     remedy = "write the atlas again with more overlap, wider tubes, or narrower pieces where they are not proved"
     found: Chain | None = None
     with checklist.hypothesis("curve", "26.4", statement, remedy) as evidence:
-        found = follow(evidence, "loop" if claim.is_closed else "arc", tubes)
+        found = follow(evidence, claim, tubes)
     assert found is not None
     for name in claim.increasing:
         check_increasing(checklist, atlas.coordinates, atlas.system, found, name)

@@ -13,7 +13,7 @@ from typing import Protocol
 
 from flint import arb
 
-from orbitproof.shared.formats import DOUBLE_RESONANCE, ORBIT_KINDS, Candidate
+from orbitproof.shared.formats import Candidate
 from orbitproof.shared.stored import stored
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.claim import inverse, level_program, quadratic_coefficient
@@ -65,20 +65,16 @@ class Watch(Protocol):
         """After every crossing but the last."""
 
 
-def grading_for(kind: str, k: int, dimension: int) -> Grading:
+def grading_for(candidate: Candidate, dimension: int) -> Grading:
     """The weights of section 2.1: along the bifurcating branch p_0 and p_2 vary like p_1^2.
 
     For a touch-and-go bifurcation the branch has a slope in p_0, and grade 2 is enough. For an orbit all
     coordinates count alike, and their first derivatives are enough; where resonances meet, those to order 3.
     """
-    if kind == DOUBLE_RESONANCE:
-        return Grading((1,) * dimension, 3)
-    if kind in ORBIT_KINDS:
-        return Grading((1,) * dimension, 1)
+    if candidate.resonances_meet or candidate.is_of_orbit:
+        return Grading((1,) * dimension, 1 if candidate.is_of_orbit else 3)
     across = (2,) * (dimension - 2)
-    if kind == "touch_and_go":
-        return Grading((1, 1, *across), 2)
-    return Grading((2, 1, *across), 3)
+    return Grading((2, 1, *across), 3) if candidate.is_tangential else Grading((1, 1, *across), 2)
 
 
 def enclose_iterates(
@@ -126,7 +122,7 @@ def box_of(candidate: Candidate, bits: int, order: int, across: bool = False, wi
     scales = tuple(radius / BOX_RATIO for radius in radii)
     along = 1 if width is None else 2
     weights = (*(along,) * size, *(1,) * len(kernel))
-    grading = Grading(weights, 3) if across else grading_for(candidate.kind, candidate.k, variables)
+    grading = Grading(weights, 3) if across else grading_for(candidate, variables)
     further, loss = grade_bits(grading, scales, bits)
     arithmetic = Arithmetic(grading, bits, further, order, loss)
     point = {name: arithmetic.constant(value) for name, value in candidate.parameters.items()}

@@ -9,7 +9,7 @@ from typing import Literal
 from flint import arb
 
 from orbitproof.shared.claims.fields import Title
-from orbitproof.shared.formats import REVERSOR_BREAKING, Candidate
+from orbitproof.shared.formats import Candidate
 from orbitproof.verify.claim import (
     LevelEquation,
     check_frames,
@@ -85,7 +85,7 @@ class BreakingTheorem:
 
 def theorem_of(candidate: Candidate) -> BreakingTheorem | Reason:
     """The theorem that a candidate claims, or why none applies."""
-    if candidate.kind != REVERSOR_BREAKING:
+    if not candidate.loses_reversor:
         return Reason("theorem", f"{candidate.kind} is about symmetric orbits", "claim another kind")
     return not_about_maps(candidate) or BreakingTheorem(candidate)
 

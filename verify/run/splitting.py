@@ -71,7 +71,7 @@ class Plan:
 
 def full_interval(piece: AnyPiece) -> Interval:
     """The interval of s on which a piece has to be proved; its symmetry gives the other half of a symmetric one."""
-    return (Fraction(0), Fraction(1)) if piece.kind == "symmetric" else (Fraction(-1), Fraction(1))
+    return (Fraction(0), Fraction(1)) if piece.is_symmetric else (Fraction(-1), Fraction(1))
 
 
 def halves(interval: Interval) -> tuple[Interval, Interval]:
@@ -205,7 +205,7 @@ def with_closer_looks(
 def _asked(piece: AnyPiece, interval: Interval) -> Interval:
     """What was asked for: a proof on a symmetric piece about 0 is one on both sides of it."""
     start, end = interval
-    return (Fraction(0), end) if piece.kind == "symmetric" and start == -end else interval
+    return (Fraction(0), end) if piece.is_symmetric and start == -end else interval
 
 
 def made_with(result: Result, settings: Settings) -> bool:

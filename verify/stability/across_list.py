@@ -89,13 +89,13 @@ def list_across(
     if atlas.system.normalised:
         points = [_away_from_centre(point) for point in points]
     points.sort(key=lambda entry: (entry.stretch, entry.s.mid()))
-    births = [entry for entry in bifurcations if entry.kind == "symmetry_breaking"]
+    births = [entry for entry in bifurcations if entry.breaks_symmetry]
     for kind, reversor in ((Kind.ACROSS_SYMMETRIC, None), (Kind.ACROSS_AXIAL, AXIAL)):
         here = [number for number, point in enumerate(points) if point.kind is kind]
         own = [entry for entry in births if entry.reversor == reversor]
         for number, point in zip(here, with_certificates([points[n] for n in here], gaps, own), strict=True):
             points[number] = point
     found = CompleteList(plane.order, 1, tuple(points), tuple(gaps), tuple(segments))
-    stable, unknown = stable_intervals(chain, found, atlas.claim.kind == "loop")
+    stable, unknown = stable_intervals(chain, found, atlas.claim.goes_round)
     constants = tuple(_jacobi_constant(atlas, point) for point in points)
     return ListAcross(found, tuple(stable), tuple(unknown), constants)

@@ -8,7 +8,6 @@ from itertools import pairwise
 
 from flint import arb
 
-from orbitproof.shared.formats import ORBIT_KINDS
 from orbitproof.shared.systems import shown
 from orbitproof.verify.curve import Bifurcation
 from orbitproof.verify.evidence import EmptyIntersectionError, enclose, hull, is_below, is_positive
@@ -73,7 +72,7 @@ def _orbits_on(segment: Segment, piece: str, certified: Sequence[Bifurcation]) -
     found = []
     for entry in certified:
         place, values = entry.place, [value.real for value in entry.stability]
-        if entry.kind not in ORBIT_KINDS or place is None or place.piece != piece or not _is_within(place.s, segment):
+        if not entry.is_of_orbit or place is None or place.piece != piece or not _is_within(place.s, segment):
             continue
         if len(values) != len(segment.characteristic) or not all(value.imag.is_zero() for value in entry.stability):
             continue

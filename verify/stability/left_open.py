@@ -39,7 +39,7 @@ def open_on(piece: Piece, result: StabilityResult, order: int) -> str:
 
 def _open(piece: Piece, interval: Interval, known: StabilityFunctions, order: int) -> str:
     low, high = interval
-    symmetric = piece.kind == "symmetric" and low <= 0 <= high
+    symmetric = piece.is_symmetric and low <= 0 <= high
     start = Fraction(0) if symmetric else low
     with ctx.workprec(PRECISION):
         segment = segment_of(0, (start, start, high), interval, known, False)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from flint import arb
 
-from orbitproof.shared.formats import FOLD, KREIN_COLLISION, ORBIT_KINDS, REVERSOR_BREAKING, Atlas
+from orbitproof.shared.formats import FOLD, REVERSOR_BREAKING, Atlas
 from orbitproof.shared.systems import CR3BP_PLANAR, shown
 from orbitproof.verify.curve import Bifurcation
 from orbitproof.verify.evidence import EmptyIntersectionError, enclose, is_below
@@ -28,16 +28,16 @@ def about_the_list(atlas: Atlas, bifurcations: Sequence[Bifurcation], order: int
     orbits in the plane (18.15).
     """
     if is_of_axial_orbits(atlas.system):
-        return [entry for entry in bifurcations if entry.kind == "symmetry_breaking"]
+        return [entry for entry in bifurcations if entry.breaks_symmetry]
     if is_of_vertical_orbits(atlas.system):
-        return [entry for entry in bifurcations if entry.kind == REVERSOR_BREAKING]
+        return [entry for entry in bifurcations if entry.loses_reversor]
     return [
         entry
         for entry in bifurcations
         if entry.k <= order
-        and entry.kind not in ORBIT_KINDS
+        and not entry.is_of_orbit
         and not atlas.system.normalised
-        and not (atlas.system is CR3BP_PLANAR and entry.kind == "symmetry_breaking")
+        and not (atlas.system is CR3BP_PLANAR and entry.breaks_symmetry)
     ]
 
 
@@ -79,7 +79,7 @@ def with_certificates(
 
 def _is_of(entry: Bifurcation, kind: Kind, k: int, halved: bool) -> bool:
     """Whether a point of the list is a zero of the function that vanishes at a certified one."""
-    if entry.kind == KREIN_COLLISION:
+    if entry.has_colliding_multipliers:
         return kind is Kind.COLLISION
     # A square root of 1 is 1 or -1.
     return k in ((1, 2) if halved else (entry.k,))
@@ -87,7 +87,7 @@ def _is_of(entry: Bifurcation, kind: Kind, k: int, halved: bool) -> bool:
 
 def _may_hide(gap: Gap, entry: Bifurcation, piece: str, s: arb, halved: bool) -> bool:
     """Whether the certified point at s may be one that is not listed."""
-    if entry.kind == KREIN_COLLISION:
+    if entry.has_colliding_multipliers:
         is_about = gap.subject in (Matter.EVERYTHING, Matter.COLLISION)
     else:
         is_resonance = isinstance(gap.subject, Resonance) and gap.subject.k in ((1, 2) if halved else (entry.k,))

@@ -105,7 +105,7 @@ class TubeOfOrbits:
     @property
     def divided(self) -> bool:
         """Whether the equations are divided by sigma."""
-        return self.piece.kind == "symmetric" and self.interval[0] <= 0 <= self.interval[1]
+        return self.piece.is_symmetric and self.interval[0] <= 0 <= self.interval[1]
 
     @property
     def middle(self) -> Fraction:

@@ -113,7 +113,7 @@ def conclude_list(
             return refused(Reason("complete", message, "report this"))
         except (NotEstablishedError, IntegrationFailure) as error:
             return refused(error.reason)
-        stable, unknown = stable_intervals(chain, found, atlas.claim.kind == "loop")
+        stable, unknown = stable_intervals(chain, found, atlas.claim.goes_round)
     known = ProvedList(curve.outcome.results, found, tuple(stable), tuple(unknown), across)
     theorem = ListTheorem(CurveTheorem(atlas), order)
     return ListConclusion(curve, order, Proved(theorem, known, curve.outcome.hypotheses))

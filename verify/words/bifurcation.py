@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from flint import arb
 
-from orbitproof.shared.formats import FOLD, Candidate
+from orbitproof.shared.formats import Candidate
 from orbitproof.verify.bifurcation import BifurcationResults, TheoremInBox, parameter_name
 from orbitproof.verify.claim import claim_in_words, sheet_in_words
 from orbitproof.verify.evidence import decimal_interval, located
@@ -31,7 +31,7 @@ def _statement(candidate: Candidate) -> str:
     where = f"{power} of the {system.title}{f' ({fixed} as in the candidate)' if fixed else ''}"
     origin = (
         f"the R-symmetric period-two points of the {where} in the box are one regular curve"
-        if candidate.kind != "symmetry_breaking"
+        if not candidate.breaks_symmetry
         else f"the R- and {candidate.symmetry}-symmetric period-two points of the {where} in the box are one regular "
         "curve"
     )
@@ -49,7 +49,7 @@ def _statement(candidate: Candidate) -> str:
         sign = ">" if candidate.level_sign > 0 else "<"
         names = ", ".join(candidate.titles)
         others += f" The box is in the coordinates {names}, with {system.level_coordinate} {sign} 0."
-    if candidate.kind == FOLD:
+    if candidate.is_fold:
         return (
             f"{origin}; at exactly one point of it, the bifurcation point, it undergoes a fold, the parameter being "
             f"the {parameter}: the derivative of the parameter along the curve vanishes there and nowhere else in the "
@@ -78,20 +78,20 @@ def _statement(candidate: Candidate) -> str:
 def kind_in_words(claim: Candidate) -> str:
     """What the kind of bifurcation means that a claim names, told in words of the claim."""
     k = claim.k
-    if claim.kind == FOLD:
+    if claim.is_fold:
         return (
             "Fold means: on one side of the value of the parameter at the bifurcation point the box contains no point "
             "x of Fix(R) with P^2(x) = x; for every value on the other side that is near enough it contains exactly "
             "two, on two different orbits, and they merge at the bifurcation point."
         )
     along = "near the bifurcation point the family has one point for every value of the parameter near its value there"
-    if claim.kind == "touch_and_go":
+    if not claim.is_tangential:
         return (
             f"Touch-and-go of order {k} means: {along}; besides it the points x of Fix(R) with P^{2 * k}(x) = x are "
             f"one more curve, which also has one point for every such value, and the two meet at the bifurcation "
             f"point only."
         )
-    if claim.kind == "symmetry_breaking":
+    if claim.breaks_symmetry:
         return (
             f"Symmetry breaking means: {along}; on one side of this value only, there are exactly two further points "
             f"x of Fix(R) near by with P^2(x) = x, exchanged by {claim.symmetry}, and they merge at the bifurcation "
@@ -118,5 +118,5 @@ def found_in_words(found: BifurcationResults, claim: Candidate, point: Mapping[s
     return [
         f"The bifurcation point has {where}.",
         f"The parameter there, {parameter_name(claim)}, lies in {decimal_interval(found.parameter, _DIGITS)}.",
-        f"The {'two' if claim.kind == FOLD else 'new'} orbits exist {_SIDES[found.side]}.",
+        f"The {'two' if claim.is_fold else 'new'} orbits exist {_SIDES[found.side]}.",
     ]

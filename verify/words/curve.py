@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from flint import arb
 
-from orbitproof.shared.formats import ORBIT_KINDS, Atlas
+from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import HILL_VARIED, LIFTED, ReversibleSystem, shown
 from orbitproof.shared.wording import itemised
 from orbitproof.verify.claim import atlas_in_words, keyed_in_words, names_in_words, sheet_in_words, signs_on
@@ -59,7 +59,7 @@ def times_are_of_quarters(system: ReversibleSystem) -> bool:
 def bifurcations_in_words(atlas: Atlas, bifurcations: Sequence[Bifurcation]) -> str:
     """Which of the certified bifurcations and orbits lie on the curve, and which are not shown to."""
     placed = [entry for entry in bifurcations if entry.place is not None]
-    on, orbits = ([entry for entry in placed if (entry.kind in ORBIT_KINDS) is orbit] for orbit in (False, True))
+    on, orbits = ([entry for entry in placed if entry.is_of_orbit is orbit] for orbit in (False, True))
     off = [entry for entry in bifurcations if entry.place is None and not entry.is_foreign]
     foreign = sum(entry.is_foreign for entry in bifurcations)
     lines = [
@@ -112,12 +112,12 @@ def _curve(atlas: Atlas, ends: Ends) -> str:
     where = f"in the coordinates ({coordinates}) of Fix(R)"
     first, last = _point(ends["start"]), _point(ends["end"])
     fixed = f"Fix({claim.symmetry})"
-    if claim.kind == "arc":
+    if claim.is_arc:
         simple = " without self-intersections" if claim.increasing else ""
         return f"There is a smooth curve{simple} {where} from {first} to {last}; {orbits}."
-    if claim.kind == "loop":
+    if claim.goes_round:
         return f"There is a smooth closed curve without self-intersections {where}, through {first}; {orbits}."
-    if claim.kind == "symmetric-arc":
+    if not claim.is_closed:
         return (
             f"There is a smooth curve without self-intersections {where}, mapped to itself by {claim.symmetry}; "
             f"{orbits}. It meets {fixed} in exactly one point, {first}, and leads from there to {last} and to the "
@@ -131,9 +131,9 @@ def _curve(atlas: Atlas, ends: Ends) -> str:
 
 def _increasing(atlas: Atlas, ends: Ends) -> str:
     claim = atlas.claim
-    if claim.kind == "symmetric-loop":
+    if claim.is_of_symmetric_curve and claim.is_closed:
         return f"From the first of these points to the second, along the half of the pieces: {_grow(claim.increasing)}."
-    if claim.kind != "symmetric-arc":
+    if not claim.is_of_symmetric_curve:
         return f"Along it {_grow(claim.increasing)}."
     names = atlas.system.centre_coordinates
     signs = dict(zip(names, signs_on(atlas.system, str(claim.symmetry), names), strict=True))
@@ -164,7 +164,7 @@ def _bifurcation(atlas: Atlas, entry: Bifurcation) -> str:
     name = own.get(entry.parameter_name, entry.parameter_name)
     value = "" if entry.parameter is None else f", {name} in {interval_text(entry.parameter, _DIGITS)}"
     # On a regular piece s = 0 is a point like any other.
-    symmetric = {piece.id for piece in atlas.curve_pieces() if piece.kind == "symmetric"}
+    symmetric = {piece.id for piece in atlas.curve_pieces() if piece.is_symmetric}
     where = "at the symmetric point of" if entry.place.s.is_zero() and entry.place.piece in symmetric else "in"
     which = "the other point of the orbit on Fix(R), " if entry.place.other_point else ""
     mirror = " (its mirror image)" if entry.place.mirrored else ""

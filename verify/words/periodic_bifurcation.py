@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from orbitproof.shared.formats import PERIODIC_DOUBLING, PERIODIC_FOLD, PERIODIC_PITCHFORK, PeriodicBifurcation
+from orbitproof.shared.formats import PeriodicBifurcation
 from orbitproof.verify.claim import keyed_in_words, names_in_words
 from orbitproof.verify.evidence import decimal_interval, exact_text, located
 from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults, PeriodicBifurcationTheorem
@@ -33,9 +33,9 @@ def periodic_bifurcation_in_words(theorem: PeriodicBifurcationTheorem) -> str:
         restricted = ", restricted to the level,"
     crossing = f"crossing number {m} of the section in the direction of the candidate"
     comes = f"at which the point comes back to itself at {crossing}"
-    if claim.kind == PERIODIC_PITCHFORK:
+    if claim.is_mirrored:
         comes = f"at which S, the symmetry of the candidate, takes {crossing} after the point to the point"
-    multiplier = 1 if claim.kind == PERIODIC_FOLD else -1
+    multiplier = 1 if claim.is_fold else -1
     return (
         f"In the box, which lies in the section, and in the interval of {varying} there are exactly one point and one "
         f"value of {varying} {comes}{on_level}, {flow}, and the derivative of this map at the point{restricted} has "
@@ -50,13 +50,13 @@ def _what_happens(claim: PeriodicBifurcation) -> str:
     near = "" if claim.level is None else " of the level"
     side = f"or values of {varying} near it, on the side that the results name"
     crosses = f"crosses the section in that direction {'once' if m == 1 else f'in {m} points'} in its least period."
-    if claim.kind == PERIODIC_FOLD:
+    if claim.is_fold:
         return (
             f"The orbit of the point is periodic and {crosses} It is a fold of periodic orbits: f{side}, exactly two "
             f"points{near} near the point come back to themselves at that crossing, and they are on two periodic "
             "orbits, each with as many crossings in its least period; for values near it on the other side none does."
         )
-    if claim.kind == PERIODIC_DOUBLING:
+    if not claim.is_mirrored:
         return (
             f"The orbit of the point is periodic and {crosses} It continues as a periodic orbit for values of "
             f"{varying} on both sides. F{side}, exactly one further periodic orbit{near} passes near the point whose "
@@ -135,7 +135,7 @@ def _stability(claim: PeriodicBifurcation, found: PeriodicBifurcationResults) ->
     if not found.multipliers.is_attracting:
         return
     here, there = found.side, _OTHER[found.side]
-    if claim.kind == PERIODIC_FOLD:
+    if claim.is_fold:
         yield "Near the bifurcation one of the two orbits is asymptotically stable, and the other is unstable."
     elif found.criticality == "supercritical":
         yield (

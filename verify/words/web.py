@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from orbitproof.shared.claims.web import BRANCHES
-from orbitproof.shared.formats import REVERSOR_BREAKING
 from orbitproof.shared.systems import AXIAL, LIFTED, shown
 from orbitproof.shared.wording import counted, itemised
 from orbitproof.verify.claim import atlas_in_words, system_in_words
@@ -103,7 +102,7 @@ def _meeting(entry: Incidence, arc: Arc) -> str:
     if place is None:
         return f"{meets}: its orbits shrink to the libration point"
     if arc.atlas.system is LIFTED:
-        born = "vertical" if arc.placed[entry.vertex].kind == REVERSOR_BREAKING else "planar"
+        born = "vertical" if arc.placed[entry.vertex].loses_reversor else "planar"
         return f"{meets}: from that {born} orbit, on piece {place.piece}, its orbits are born"
     if is_at_birth(arc.atlas, place):
         return f"{meets}: from that orbit, on piece {place.piece}, its orbits, of about twice the period, are born"
