@@ -30,7 +30,7 @@ def read_losses(path: Path, digits: int, kind: str = REVERSOR_BREAKING) -> list[
         raise InputError(f"{path}: there is no complete list; make one with: orbitproof verify atlas --complete K")
     atlas = atlas_from_json(document["statement"]["atlas"], f"{path}: field statement.atlas")
     examined(atlas.system, f"{path}: statement.atlas")
-    if not isinstance(atlas, Atlas) or atlas.system.normalised:
+    if not atlas.is_of_symmetric_orbits or atlas.system.normalised:
         raise InputError(f"{path}: its orbits have no such claims; give the list of another curve")
     return tasks_of(atlas, listed, digits, kind)
 

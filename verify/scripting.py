@@ -118,7 +118,7 @@ def certify(
     if isinstance(claims, (str, Path)):
         asked = read_any_claims(Path(claims))
     else:
-        asked = [claims] if isinstance(claims, AnyClaim) else list(claims)
+        asked = list(claims) if isinstance(claims, Iterable) else [claims]
     workplace = Workplace(_jobs(jobs), scheduler, timeout, int(memory * GIBIBYTE), quiet)
     where = None if output is None else Path(output)
     return certified(asked, Asked(_several(rests_on), workplace, where, fresh, options))

@@ -77,7 +77,7 @@ def check_file(path: Path, quiet: bool) -> int:
     examined(atlas.system, str(path))
     if atlas.is_surface:
         raise InputError(f"{path}: field claim.kind: {atlas.claim.kind}; this check is for curves")
-    if not isinstance(atlas, Atlas):
+    if not atlas.is_of_symmetric_orbits:
         raise InputError(f"{path}: field claim.kind: {atlas.claim.kind}; this check is for curves of symmetric orbits")
     if atlas.system.normalised:
         raise InputError(f"{path}: field system: {atlas.system.name}; families in units of their size are not checked")

@@ -18,6 +18,7 @@ import numpy as np
 
 from orbitproof.explore.names import examined
 from orbitproof.explore.records import Array, Entry, to_json
+from orbitproof.shared.claims.candidate import OfKind
 from orbitproof.shared.formats import REVERSOR_BREAKING, read_document, read_system, validate_document, write_text
 from orbitproof.shared.systems import ReversibleSystem
 
@@ -84,7 +85,7 @@ class BranchSide:
 
 
 @dataclass(frozen=True)
-class BranchRecord:
+class BranchRecord(OfKind):
     """A branch, or why there is none, as it stands in a file.
 
     Attributes:
@@ -116,11 +117,6 @@ class BranchRecord:
     birth: Birth | None
     failure: str
     sides: tuple[BranchSide, ...]
-
-    @property
-    def loses_reversor(self) -> bool:
-        """Whether the new orbits are not symmetric under R."""
-        return self.kind == REVERSOR_BREAKING
 
     @property
     def contradicts(self) -> bool:

@@ -30,7 +30,8 @@ from orbitproof.explore.refinement import (
     start_jets,
 )
 from orbitproof.shared.claims import LEADING_POWERS
-from orbitproof.shared.formats import REVERSOR_BREAKING, Candidate
+from orbitproof.shared.claims.candidate import OfKind
+from orbitproof.shared.formats import Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems import ReversibleSystem, with_functions
 
@@ -43,7 +44,7 @@ class NoBranch(Exception):
 
 
 @dataclass(frozen=True)
-class BranchPoint:
+class BranchPoint(OfKind):
     """Where a branch starts.
 
     Attributes:
@@ -73,11 +74,6 @@ class BranchPoint:
     def half_period(self) -> float:
         """From the point to the other one on Fix(R)."""
         return sum(self.times)
-
-    @property
-    def loses_reversor(self) -> bool:
-        """Whether the new orbits are not symmetric under R."""
-        return self.kind == REVERSOR_BREAKING
 
     @property
     def scale(self) -> Vector:
@@ -129,9 +125,9 @@ def branch_point(candidate: Candidate) -> BranchPoint:
     """Prepare the start of the branch of a claim. Raises `NoBranch`, one line."""
     if candidate.is_fold:
         raise NoBranch("no branch begins at a fold: the family itself turns back in the parameter")
-    if not (candidate.has_branch or candidate.kind == REVERSOR_BREAKING):
+    if not (candidate.has_branch or candidate.loses_reversor):
         raise NoBranch(f"no branch is followed from a claim of the kind {candidate.kind}")
-    if candidate.crossings != 1 and candidate.kind != REVERSOR_BREAKING:
+    if candidate.crossings != 1 and not candidate.loses_reversor:
         raise NoBranch(f"its half orbit meets the section {candidate.crossings} times; branches of one are followed")
     context = working_context(BITS)
     system, parameters = candidate.system, candidate.parameters
@@ -145,7 +141,7 @@ def branch_point(candidate: Candidate) -> BranchPoint:
         start, parameter = start_jets(system, centre, [], JetBasis.graded((1,), 0))
         crossings = section_crossings(system, parameters, start, parameter, context)
         times = [0.0, *(crossing.time for crossing in islice(crossings, candidate.crossings))]
-        order, slope = 2 if candidate.kind == REVERSOR_BREAKING else LEADING_POWERS[candidate.kind], 0.0
+        order, slope = LEADING_POWERS.get(candidate.kind, 2), 0.0
         if order == 1:
             slope = _slope(candidate, exact, Frame(context.matrix(frame), kernel), context)
         level = level_at(system, parameters, centre, context)

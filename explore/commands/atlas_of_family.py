@@ -27,7 +27,7 @@ from orbitproof.explore.records import read_families
 from orbitproof.explore.three_body.atlases import doubled_atlas
 from orbitproof.explore.three_body.families import branch_of, trace_family, trace_reaching
 from orbitproof.explore.three_body.names import name_on, on_branch
-from orbitproof.shared.formats import Atlas, InputError, Piece, write_atlas
+from orbitproof.shared.formats import Atlas, InputError, write_atlas
 from orbitproof.shared.systems import REGULARISATIONS
 from orbitproof.shared.wording import counted
 
@@ -77,7 +77,7 @@ def run_source(source: Source, options: argparse.Namespace) -> int:
 
 def summary(atlas: Atlas) -> str:
     """The atlas in one line."""
-    pieces = [piece for piece in atlas.pieces if isinstance(piece, Piece)]
+    pieces = atlas.curve_pieces()
     regularised = sum(piece.coordinates == "regularised" for piece in pieces)
     widths = [float(piece.half_width) for piece in pieces]
     inside = f", {regularised} of them in regularised coordinates" if regularised else ""

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 from orbitproof.explore.commands.common import add_command, add_output, add_quiet
 from orbitproof.explore.names import examined
 from orbitproof.shared.answers import tell
-from orbitproof.shared.claims import REVERSOR_BREAKING
 from orbitproof.shared.formats import (
     Candidate,
     InputError,
@@ -143,7 +142,7 @@ def read_claims(path: Path) -> list[Claim]:
 
 
 def _is_followed(candidate: Candidate) -> bool:
-    return candidate.has_branch or candidate.kind == REVERSOR_BREAKING
+    return candidate.has_branch or candidate.loses_reversor
 
 
 def _branch(

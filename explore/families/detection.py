@@ -30,6 +30,7 @@ from orbitproof.explore.orbits import (
     SymmetricOrbit,
     tupling_sides,
 )
+from orbitproof.shared.claims.candidate import OfKind
 from orbitproof.shared.formats import FOLD
 
 BREAKS = "the symmetry breaks"
@@ -45,7 +46,7 @@ _DIFFERENCE = 1e-5
 
 
 @dataclass(frozen=True)
-class LocatedResonance:
+class LocatedResonance(OfKind):
     """A bifurcation of symmetric orbits, located in float64.
 
     Attributes:
@@ -65,11 +66,6 @@ class LocatedResonance:
     side: Side
     other_side: bool
     value: float
-
-    @property
-    def is_fold(self) -> bool:
-        """Whether the family turns back there in the bifurcation parameter."""
-        return self.kind == FOLD
 
     @property
     def point(self) -> Vector:

@@ -86,14 +86,14 @@ def refine_bifurcation(
     extended = ExtendedSystem(
         found.problem.system, found.problem.parameters, found.name, found.level,
         start.section.onto(tuple(map(Fraction, start.point))), _frame(start.section, found), found.symmetry,
-        None if found.kind == TORUS else 1 if found.kind == FOLD else -1,
+        None if found.is_torus else found.sign,
         tuple(tuple(value / length for value in vector) for vector in kernel),
     )  # fmt: skip
     n = extended.size
     guess = [*(Fraction(0),) * n, Fraction(start.time), Fraction(found.member.value)]
     for vector, (_, time) in zip(kernel, start.vectors, strict=True):
         guess += [*vector, Fraction(time)]
-    if found.kind == TORUS:
+    if found.is_torus:
         guess += [Fraction(start.multiplier.real), Fraction(start.multiplier.imag)]
     narrow = digits_of_box(found)
     rule = replace(RULE, farthest=3e-2)
@@ -135,7 +135,7 @@ def _claim(
         parameter_radius=radius,
         parameter=found.name,
         level=value if found.name is None else found.level,
-        multiplier=(unknowns[-2], unknowns[-1]) if found.kind == TORUS else None,
+        multiplier=(unknowns[-2], unknowns[-1]) if found.is_torus else None,
         symmetry=None if found.symmetry is None else found.symmetry.rows,
         provenance={"digits": digits},
     )  # fmt: skip
@@ -226,14 +226,14 @@ def _eigenvector(
     found: Bifurcation, derivative: Matrix, frame: Matrix, point: Vector
 ) -> tuple[complex, tuple[Vector, ...]]:
     """The multiplier and its eigenvector: real, or real and imaginary part; of length 1."""
-    if found.kind == TORUS:
+    if found.is_torus:
         values, vectors = np.linalg.eig(derivative)
         j = int(np.argmin(np.abs(values - found.multiplier)))
         # Real and imaginary part are as far from parallel as a complex factor can make them.
         vector = vectors[:, j] * np.exp(-0.5j * np.angle(np.sum(vectors[:, j] ** 2)))
         vector = vector / np.linalg.norm(vector)
         return values[j] / abs(values[j]), (vector.real, vector.imag)
-    sign = 1.0 if found.kind == FOLD else -1.0
+    sign = float(found.sign)
     rows = derivative - sign * np.eye(len(derivative))
     if found.name is None or found.level is not None:
         slopes, _ = found.problem.level_slopes(point, found.member.orbit.values)

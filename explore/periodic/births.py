@@ -19,7 +19,7 @@ from orbitproof.explore.periodic.continuation import (
     traced,
 )
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem
-from orbitproof.explore.periodic.detection import DOUBLING, PITCHFORK, Bifurcation, gap_of, is_real
+from orbitproof.explore.periodic.detection import Bifurcation, gap_of, is_real
 from orbitproof.explore.periodic.family import FamilyEquations, FamilyMember
 from orbitproof.explore.periodic.flow import Vector, arc_of
 from orbitproof.explore.periodic.symmetries import Symmetry, linear_symmetries
@@ -41,11 +41,11 @@ def new_orbits(
 
     Raises `PeriodicFailure` if it cannot be reached.
     """
-    if bifurcation.kind not in (DOUBLING, PITCHFORK):
+    if not bifurcation.has_new_orbits:
         raise PeriodicFailure(f"no new orbits are looked for at a {bifurcation.kind}")
     control = control or StepControl()
     problem, name, old = bifurcation.problem, bifurcation.name, bifurcation.member.orbit
-    times = 2 if bifurcation.kind == DOUBLING else 1
+    times = bifurcation.times
     if symmetries is None:
         symmetries = linear_symmetries(problem, name)
     try:
@@ -74,9 +74,9 @@ def _first(bifurcation: Bifurcation, family: FamilyEquations, begin: FamilyMembe
 
     The new orbits may bifurcate themselves, close to where they are born: one before that is taken if there is one.
     """
-    old = 0 if bifurcation.kind == DOUBLING else _past_doubling(bifurcation.member.orbit)
+    old = 0 if bifurcation.times == 2 else _past_doubling(bifurcation.member.orbit)
     longest: list[FamilyMember] = []
-    parts = 2 if bifurcation.kind == DOUBLING else bifurcation.parts
+    parts = max(bifurcation.times, bifurcation.parts)
 
     def attempt(length: float) -> tuple[FamilyMember, float]:
         first = family.corrected(begin, length)
@@ -169,7 +169,7 @@ def with_descendants(
         if parent.generation == generations:
             continue
         for birth in parent.bifurcations:
-            if birth.kind not in (DOUBLING, PITCHFORK) or any(is_same(birth, other) for other in known):
+            if not birth.has_new_orbits or any(is_same(birth, other) for other in known):
                 continue
             known.append(birth)
             say(f"new orbits of the {birth.kind} at {parent.name} = {birth.member.value:.8g}", None)

@@ -71,6 +71,26 @@ class Bifurcation:
         """Parameter, or level of the first integral, at which the bifurcation lies."""
         return self.member.value
 
+    @property
+    def is_torus(self) -> bool:
+        """Whether a complex pair meets the circle."""
+        return self.kind == TORUS
+
+    @property
+    def sign(self) -> int:
+        """The multiplier, of a pitchfork that of the map followed by the symmetry, where it is real."""
+        return 1 if self.kind == FOLD else -1
+
+    @property
+    def has_new_orbits(self) -> bool:
+        """Whether one family of new orbits is known to begin there."""
+        return self.kind in (DOUBLING, PITCHFORK)
+
+    @property
+    def times(self) -> int:
+        """How many periods of the old orbit one of a new one is near."""
+        return 2 if self.kind == DOUBLING else 1
+
 
 class UnresolvedError(Exception):
     """The multipliers moved too far to be followed; a shorter step may do."""

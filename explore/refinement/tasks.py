@@ -58,8 +58,9 @@ def refine_task(task: Task, progress: Progress | None = None) -> Refined:
     """Refine one point; a failure is a result, not an exception."""
     started = time.monotonic()
     try:
-        if task.kind in _ONE_POINT:
-            candidate = _ONE_POINT[task.kind](
+        refined_alone = _ONE_POINT.get(task.kind)
+        if refined_alone is not None:
+            candidate = refined_alone(
                 task.system,
                 task.parameters,
                 task.guess,

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from orbitproof.figures.orbits import Array
-from orbitproof.shared.formats import AnyAtlas, Atlas, InputError, PeriodicAtlas, Piece
+from orbitproof.shared.formats import AnyAtlas, InputError, Piece
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import System
 from orbitproof.verify.certificate import Certificate, read_certificate
@@ -107,7 +107,7 @@ class Curve:
         """The curve of a certificate that is about a curve."""
         atlas = certificate.atlas
         pieces = atlas.curve_pieces()
-        symmetric = isinstance(atlas, Atlas) and atlas.claim.is_of_symmetric_curve
+        symmetric = atlas.claim.is_of_symmetric_curve
         begin = 0.0 if pieces[0].is_symmetric and symmetric else -1.0
         length = 0.0
         stretches: list[Stretch] = []
@@ -134,8 +134,7 @@ class Curve:
     @property
     def coordinates(self) -> tuple[str, ...]:
         """Names of the coordinates of its points."""
-        atlas = self.atlas
-        return atlas.coordinates if isinstance(atlas, PeriodicAtlas) else atlas.system.centre_coordinates
+        return self.atlas.coordinates
 
     @property
     def has_parameter(self) -> bool:
@@ -151,7 +150,7 @@ class Curve:
     def signs(self) -> Array | None:
         """The claim's symmetry on the centre coordinates, or `None`."""
         atlas, names = self.atlas, self.coordinates
-        if not isinstance(atlas, Atlas) or atlas.claim.symmetry is None:
+        if atlas.claim.symmetry is None:
             return None
         signs, state = atlas.system.symmetries[atlas.claim.symmetry], atlas.system.state
         return np.array([signs[state.index(name)] if name in state else 1 for name in names], dtype=float)

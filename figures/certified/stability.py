@@ -14,11 +14,10 @@ import numpy as np
 from orbitproof.figures.certified.curve import Curve, Stretch
 from orbitproof.figures.certified.twist import twist_on
 from orbitproof.figures.orbits import Array
-from orbitproof.shared.formats import Atlas
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.functions import StoredFunction
-from orbitproof.verify.stability import REACH, StabilityFunctions, StabilityResult
+from orbitproof.verify.stability import REACH, StabilityFunctions
 
 Ends = tuple[tuple[str, float], tuple[str, float]]
 """Two places on a curve, by (piece, s)."""
@@ -124,14 +123,12 @@ def _end(entry: Mapping[str, Any], which: int) -> tuple[str, float]:
 
 def _on_stretch(stretch: Stretch, certificate: Certificate) -> StabilityOnStretch:
     atlas, results = certificate.atlas, certificate.results
-    twist = twist_on(stretch, atlas, results) if isinstance(atlas, Atlas) else np.full(len(stretch.s), np.nan)
+    twist = twist_on(stretch, atlas, results)
     # As in the list: of two results the one on the shorter interval, at equal lengths the one with more bits.
     known = [
         (float(result.interval[0]), float(result.interval[1]), result.stability)
         for result in sorted(results, key=lambda result: -(result.computation.precision or 0))
-        if result.piece == stretch.piece
-        and isinstance(result, StabilityResult)
-        and isinstance(result.stability, StabilityFunctions)
+        if result.piece == stretch.piece and isinstance(result.stability, StabilityFunctions)
     ]
     known.sort(key=lambda item: item[1] - item[0])
     size = len(known[0][2].characteristic) if known else 1

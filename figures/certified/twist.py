@@ -11,7 +11,7 @@ from orbitproof.figures.certified.curve import Stretch
 from orbitproof.figures.orbits import Array, state_on_fixed_set
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.atlas import Result
-from orbitproof.verify.lasting import LastingResult, TwistFunctions
+from orbitproof.verify.lasting import TwistFunctions
 from orbitproof.verify.stability import REACH, StabilityFunctions
 
 _STEP = 1e-6
@@ -22,7 +22,7 @@ _FLAT = 1e-6
 def twist_on(stretch: Stretch, atlas: Atlas, results: Sequence[Result]) -> Array:
     """The twist of the orbits at the stretch's s in the coordinates of section 28.6; NaN where nothing is known."""
     found = np.full(len(stretch.s), np.nan)
-    known = [each for each in results if each.piece == stretch.piece and isinstance(each, LastingResult)]
+    known = [each for each in results if each.piece == stretch.piece]
     for result in sorted(known, key=lambda each: each.interval[0] - each.interval[1]):
         if isinstance(result.stability, StabilityFunctions) and isinstance(result.twist, TwistFunctions):
             start, end = map(float, result.interval)

@@ -55,7 +55,6 @@ class ReturnMap:
         count = len(states)
         values: list[Array | float] = list(self.values)
         if varied is not None:
-            assert isinstance(self.claim, PeriodicBifurcation)
             values[list(self.claim.system.parameters).index(str(self.claim.parameter))] = varied
 
         def field(x: Array) -> Array:

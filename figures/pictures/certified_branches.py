@@ -20,7 +20,6 @@ from orbitproof.figures.pictures.family import covered_by, crowds, free_corner
 from orbitproof.figures.pictures.legends import legend_below, legend_height, legend_row
 from orbitproof.figures.pictures.marks import draw_point, show_around
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of, unit_of
-from orbitproof.shared.formats import Atlas
 from orbitproof.verify.poincare import PHYSICAL
 
 _WIDTH = 7.2
@@ -114,12 +113,12 @@ def _draw_curve(axes: Axes, curve: Curve) -> dict[str, Line2D]:
             handles.setdefault(str(line.get_label()), line)
     for mark in curve.marks:
         draw_point(axes, curve.place_of(mark)[1][:2], mark.k, True, mark.id, mark.kind)
-    if isinstance(curve.atlas, Atlas) and names[:2] == ("x", "z"):
+    if curve.atlas.is_of_symmetric_orbits and names[:2] == ("x", "z"):
         handles |= _draw_primaries(axes, curve)
         axes.axhline(0.0, color=SECOND_CURVE, linewidth=0.6, zorder=1)
         axes.set_aspect("equal", adjustable="datalim")
         axes.apply_aspect()
-    if isinstance(curve.atlas, Atlas) and curve.atlas.claim.is_closed and curve.atlas.claim.is_of_symmetric_curve:
+    if curve.atlas.claim.is_closed and curve.atlas.claim.is_of_symmetric_curve:
         _magnify(axes, curve)
     if axis.is_logarithmic:
         axes.set_xscale("log")

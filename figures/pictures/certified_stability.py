@@ -248,15 +248,13 @@ def _legend(found: CertifiedStability, shows_stable: bool) -> list[list[Any]]:
 
 
 def _label(point: ListedPoint) -> str:
-    if point.kind == FOLD:
-        return FOLD
-    if point.kind == _LOSS:
-        return "$R$ is lost" if point.certified else "$R$ may be lost"
-    return f"1:{point.k}" if point.k < _MANY else f"1:{_MANY} and above"
+    loss = "$R$ is lost" if point.certified else "$R$ may be lost"
+    many = f"1:{point.k}" if point.k < _MANY else f"1:{_MANY} and above"
+    return {FOLD: FOLD, _LOSS: loss}.get(point.kind, many)
 
 
 def _look(point: ListedPoint) -> dict[str, Any]:
-    marker, colour = marker_of(point.k, REVERSOR_BREAKING if point.kind == _LOSS else point.kind)
+    marker, colour = marker_of(point.k, {_LOSS: REVERSOR_BREAKING}.get(point.kind, point.kind))
     small = point.k > _NAMED
     return {
         "marker": marker,

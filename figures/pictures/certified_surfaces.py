@@ -14,7 +14,6 @@ from orbitproof.figures.orbits import Array
 from orbitproof.figures.style import CURVE, INK, label_of
 from orbitproof.shared.formats import Atlas, SurfacePiece
 from orbitproof.verify.certificate import Certificate
-from orbitproof.verify.surface import SurfaceResult
 
 _WIDTH = 7.2
 _SAMPLES = 200
@@ -76,7 +75,7 @@ def _sheet(certificate: Certificate, piece: SurfacePiece) -> Sheet:
     for result in certificate.results:
         if result.piece == piece.id and result.is_proved:
             intervals.append((float(result.interval[0]), float(result.interval[1])))
-            ends += [float(part.end) for part in (result.parts if isinstance(result, SurfaceResult) else ())]
+            ends += [float(part.end) for part in result.parts]
     reached = -1.0
     for start, end in sorted(intervals):
         reached = max(reached, end) if start <= reached else reached

@@ -13,22 +13,6 @@ from orbitproof.figures.style import marker_of
 from orbitproof.verify.certificate.kinds import kind_named
 
 _LEGEND_ROW, _LEGEND_FOOT, _LABEL_HEIGHT = 0.2, 0.05, 0.44
-_KINDS = {
-    "symmetry_breaking": "$k={k}$, symmetry breaking",
-    "fold": "$k={k}$, fold",
-    "period_tupling": "$k={k}$, period tupling",
-    "touch_and_go": "$k={k}$, touch-and-go",
-    "orbit": "one orbit",
-    "reversor_breaking": "$R$ is lost",
-    "krein_collision": "Krein collision",
-    "double_resonance": "two $k={k}$ resonances",
-    "invariant_tori": "one orbit, tori near it",
-    "stable_orbit": "one orbit, stable for ever",
-}
-
-_DOUBLING = "$k=2$, period doubling"
-
-
 _DASHES = 2.7
 """Length of the sample of a dashed line, in sizes of its letters."""
 
@@ -47,9 +31,8 @@ def legend_handles(claims: Iterable[tuple[int, str]]) -> list[Line2D]:
 
 
 def _label(kind: str, k: int) -> str:
-    if (k, kind) == (2, "period_tupling"):
-        return _DOUBLING
-    return _KINDS[kind].format(k=k) if kind in _KINDS else kind_named(kind).said(k, kind)
+    known = kind_named(kind)
+    return (known.legend or known.said)(k, kind)
 
 
 def verdict_handles(certified: Sequence[bool]) -> list[Line2D]:

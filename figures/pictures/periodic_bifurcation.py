@@ -142,7 +142,7 @@ def _orbit(claim: PeriodicBifurcation, start: list[float], values: list[float]) 
 def _torus(
     claim: PeriodicBifurcation, orbit: ReturningOrbit, values: list[float], found: Results | None
 ) -> TorusPoints:
-    if not isinstance(found, TorusResults):
+    if found is None or not claim.is_torus:
         raise OrbitNotClosed("a torus is drawn of a certificate that says where it is")
     others = found.multipliers
     against = found.criticality == "subcritical"

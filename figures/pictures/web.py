@@ -19,7 +19,7 @@ from orbitproof.figures.orbits import Array
 from orbitproof.figures.pictures.legends import bottom_margin, legend_below
 from orbitproof.figures.pictures.marks import draw_point
 from orbitproof.figures.style import INK, label_of, level_label
-from orbitproof.shared.formats import AnyAtlas, BirthPiece, InputError
+from orbitproof.shared.formats import AnyAtlas, InputError
 from orbitproof.shared.systems import (
     AROUND,
     BRANCH_SYSTEMS,
@@ -101,7 +101,7 @@ def _drawn(arc: StoredArc, name: str, curve: Curve, vertices: Mapping[str, Store
         vertex = vertices[meeting.vertex]
         if meeting.piece is None or meeting.s is None:
             x = states.libration_point
-        elif meeting.piece in {piece.id for piece in curve.atlas.pieces if isinstance(piece, BirthPiece)}:
+        elif meeting.piece in {piece.id for piece in curve.atlas.birth_pieces()}:
             # Where the curve goes on to it: the picture does not follow the piece of a birth.
             x = float(lines[-1][1, -1])
         else:

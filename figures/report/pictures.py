@@ -27,15 +27,9 @@ from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.report.document import Picture
 from orbitproof.figures.report.theorems import ARC, VERTEX, Checked
 from orbitproof.figures.style import close, use_style
-from orbitproof.shared.formats import Candidate, InputError, PeriodicBifurcation, PeriodicOrbit
+from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import shown
-from orbitproof.verify.certificate.kinds import CATALOGUE, WEB
-from orbitproof.verify.double_resonance import ResonanceResults
-from orbitproof.verify.orbit import OrbitResults
-from orbitproof.verify.periodic import PeriodicResults
-from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults, TorusResults
-from orbitproof.verify.reversor_breaking import BreakingResults
-from orbitproof.verify.twist import StableOrbitResults
+from orbitproof.verify.certificate.kinds import CATALOGUE, WEB, box_kind
 
 _PNG_DPI = 130
 _FROM_POLYNOMIALS = "drawn from the polynomials of the pieces, from which the true curve is not further than the tube"
@@ -68,36 +62,49 @@ def _of_catalogue(entry: Checked) -> tuple[Picture, ...]:
 
 
 def _of_row(entry: Checked) -> tuple[Picture, ...]:
+    """The one that its kind names."""
+    drawn = _BY_NAME.get(box_kind(entry.certificate.kind).picture)
+    return () if drawn is None else drawn(entry)
+
+
+def _of_orbit(entry: Checked) -> tuple[Picture, ...]:
     name = entry.certificate.id
-    if entry.certificate.periodic is not None:
-        return _of_periodic(entry, entry.certificate.periodic)
-    if isinstance(entry.candidate, PeriodicBifurcation):
-        return _of_periodic_bifurcation(entry, entry.candidate)
-    if entry.certificate.orbit is not None:
-        caption = (
-            f"{shown(name)}: the orbit, integrated in double precision from the middle of its enclosures; the marked "
-            "points and times are enclosed by the certificate, far closer than can be seen"
-        )
-        figure = draw_orbit(entry.candidate, entry.certificate.orbit)
-        return (_picture(f"orbit-{file_name(name)}", caption, figure), *_section_of(entry, entry.certificate.orbit))
-    if isinstance(entry.certificate.results, BreakingResults):
-        caption = (
-            f"{shown(name)}: (a) the parameter of the new orbits to leading order, between the ends of the enclosure "
-            "of kappa, and the symmetric orbits; how far from the point this holds is not said; (b) the orbit at which "
-            "R is lost, integrated in double precision from the middle of its enclosures"
-        )
-        figure = draw_reversor_breaking(entry.candidate, entry.certificate.results)
-        return (_picture(f"birth-{file_name(name)}", caption, figure),)
-    if isinstance(entry.certificate.results, ResonanceResults):
-        caption = (
-            f"{shown(name)}: (a) the stability parameter along the families of three values of the parameter, and (b) "
-            "where it is that of the resonance, to leading order from the middle of the enclosed coefficients; how far "
-            "from the point this holds is not said"
-        )
-        figure = draw_double_resonance(entry.candidate, entry.certificate.results)
-        return (_picture(f"meeting-{file_name(name)}", caption, figure),)
-    if entry.candidate.looks_across:
-        return ()
+    caption = (
+        f"{shown(name)}: the orbit, integrated in double precision from the middle of its enclosures; the marked "
+        "points and times are enclosed by the certificate, far closer than can be seen"
+    )
+    figure = draw_orbit(entry.candidate, entry.certificate.results)
+    return (_picture(f"orbit-{file_name(name)}", caption, figure),)
+
+
+def _of_stable_orbit(entry: Checked) -> tuple[Picture, ...]:
+    return (*_of_orbit(entry), *_section_of(entry))
+
+
+def _of_birth(entry: Checked) -> tuple[Picture, ...]:
+    name = entry.certificate.id
+    caption = (
+        f"{shown(name)}: (a) the parameter of the new orbits to leading order, between the ends of the enclosure "
+        "of kappa, and the symmetric orbits; how far from the point this holds is not said; (b) the orbit at which "
+        "R is lost, integrated in double precision from the middle of its enclosures"
+    )
+    figure = draw_reversor_breaking(entry.candidate, entry.certificate.results)
+    return (_picture(f"birth-{file_name(name)}", caption, figure),)
+
+
+def _of_meeting(entry: Checked) -> tuple[Picture, ...]:
+    name = entry.certificate.id
+    caption = (
+        f"{shown(name)}: (a) the stability parameter along the families of three values of the parameter, and (b) "
+        "where it is that of the resonance, to leading order from the middle of the enclosed coefficients; how far "
+        "from the point this holds is not said"
+    )
+    figure = draw_double_resonance(entry.candidate, entry.certificate.results)
+    return (_picture(f"meeting-{file_name(name)}", caption, figure),)
+
+
+def _of_box(entry: Checked) -> tuple[Picture, ...]:
+    name = entry.certificate.id
     figure = draw_certified(CertifiedCurves.of(entry.certificate.to_json(), f"certificate {name!r}"), None)
     fold = entry.candidate.is_fold
     curves, along = ("the family", "it") if fold else ("the family and the branch", "the branch")
@@ -108,13 +115,10 @@ def _of_row(entry: Checked) -> tuple[Picture, ...]:
     return (_picture(f"box-{file_name(name)}", caption, figure),)
 
 
-def _section_of(entry: Checked, found: OrbitResults) -> tuple[Picture, ...]:
-    """The return map about an orbit that is stable for ever; none where orbits near it cannot be followed."""
-    if not isinstance(found, StableOrbitResults):
-        return ()
-    assert isinstance(entry.candidate, Candidate)
+def _section_of(entry: Checked) -> tuple[Picture, ...]:
+    """The return map about an orbit; none where orbits near it cannot be followed."""
     try:
-        figure = draw_section(entry.candidate, found)
+        figure = draw_section(entry.candidate, entry.certificate.results)
     except OrbitNotClosed:
         return ()
     name = entry.certificate.id
@@ -126,12 +130,11 @@ def _section_of(entry: Checked, found: OrbitResults) -> tuple[Picture, ...]:
     return (_picture(f"section-{file_name(name)}", caption, figure),)
 
 
-def _of_periodic(entry: Checked, found: PeriodicResults) -> tuple[Picture, ...]:
+def _of_periodic(entry: Checked) -> tuple[Picture, ...]:
     """An orbit without symmetry; none of one that is too unstable to be drawn in double precision."""
-    assert isinstance(entry.candidate, PeriodicOrbit)
     name = entry.certificate.id
     try:
-        figure = draw_periodic_orbit(entry.candidate, found.point)
+        figure = draw_periodic_orbit(entry.candidate, entry.certificate.results.point)
     except OrbitNotClosed:
         return ()
     caption = (
@@ -141,12 +144,11 @@ def _of_periodic(entry: Checked, found: PeriodicResults) -> tuple[Picture, ...]:
     return (_picture(f"orbit-{file_name(name)}", caption, figure),)
 
 
-def _of_periodic_bifurcation(entry: Checked, claim: PeriodicBifurcation) -> tuple[Picture, ...]:
+def _of_periodic_bifurcation(entry: Checked) -> tuple[Picture, ...]:
     """None of an orbit that is too unstable to be drawn in double precision."""
-    name, found = entry.certificate.id, entry.certificate.results
-    assert isinstance(found, PeriodicBifurcationResults | TorusResults)
+    name = entry.certificate.id
     try:
-        drawn = draw_periodic_bifurcation(claim, found)
+        drawn = draw_periodic_bifurcation(entry.candidate, entry.certificate.results)
     except OrbitNotClosed:
         return ()
     caption = (
@@ -176,6 +178,17 @@ def _of_atlas(entry: Checked) -> tuple[Picture, ...]:
         ),
     )
 
+
+_BY_NAME = {
+    "box": _of_box,
+    "birth": _of_birth,
+    "meeting": _of_meeting,
+    "orbit": _of_orbit,
+    "stable orbit": _of_stable_orbit,
+    "periodic orbit": _of_periodic,
+    "bifurcation": _of_periodic_bifurcation,
+}
+"""Pictures of claims about boxes, as `BoxKind.picture` names them."""
 
 _DRAWN = {VERTEX: _of_row, ARC: _of_atlas, WEB: _of_web, CATALOGUE: _of_catalogue}
 """By what a certificate can be for others; there is no picture of an index."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import groupby
+from typing import Any
 
 from flint import arb
 
@@ -27,18 +28,17 @@ from orbitproof.figures.report.theorems import ARC, VERTEX, Checked
 from orbitproof.shared.claims.fields import Matrix, Vector
 from orbitproof.shared.formats import (
     KINDS,
-    REVERSOR_BREAKING,
-    Candidate,
     Equilibrium,
     HopfPoint,
     InSection,
-    PeriodicAtlas,
     PeriodicBifurcation,
+    PeriodicOrbit,
     as_options,
 )
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import shown
-from orbitproof.verify.certificate.kinds import kind_named
+from orbitproof.verify.atlas.kinds import kind_of as of_branches
+from orbitproof.verify.certificate.kinds import box_kind, kind_named
 from orbitproof.verify.claim import claim_in_words, keyed_in_words, names_in_words
 from orbitproof.verify.evidence import ball_from_json, decimal_interval, exact_text, interval_text
 from orbitproof.verify.words.curve import times_are_of_quarters
@@ -134,7 +134,7 @@ def box_label(entry: Checked) -> str:
 
 
 def _normal_form(entry: Checked) -> Iterator[Block]:
-    section = "27.5" if entry.certificate.kind == REVERSOR_BREAKING else "9.5"
+    section = box_kind(entry.certificate.kind).normal_form_section
     balls = {name: ball for name, ball in entry.certificate.normal_form.items() if name in ("alpha", "gamma", "beta")}
     if balls:
         runs: list[Run] = [f"The coefficients of the normal form (section {section}):"]
@@ -192,10 +192,8 @@ def piece_table(entry: Checked) -> Table:
             margin: Runs = () if tube is None else (_tube_margin(result["deviation"], tube),)
             times = (_shown(ball_from_json(result["time"])),)
             rows.append(((piece,), (_interval(result["interval"]),), parts, times, margin))
-    times_of = "half periods"
-    if isinstance(atlas, PeriodicAtlas):
-        times_of = "periods"
-    elif times_are_of_quarters(atlas.system):
+    times_of = f"{of_branches(atlas).time}s"
+    if atlas.is_of_symmetric_orbits and times_are_of_quarters(atlas.system):
         times_of = "T"
     return Table(
         ("piece", "s", "parts", times_of, "deviation from the polynomial"), tuple(rows),
@@ -214,11 +212,9 @@ def _tube_margin(deviations: Sequence[str], tube: Sequence[Fraction]) -> str:
 
 def box_table(entry: Checked) -> Table:
     """Parameters and box of a claim, exactly; with a level form also the candidate's own box."""
-    if isinstance(entry.candidate, InSection):
-        return _box_in_section(entry.candidate)
-    if isinstance(entry.candidate, Equilibrium | HopfPoint):
-        return _box_of_equilibrium(entry.candidate)
-    assert isinstance(entry.claim, Candidate)
+    other = _BOXES.get(type(entry.candidate))
+    if other is not None:
+        return other(entry.candidate)
     claim, candidate = claim_in_words(entry.claim), claim_in_words(entry.candidate)
     rows: list[tuple[Runs, ...]] = [
         ((Math(to_latex(name)),), (Code(format_rational(value)),)) for name, value in candidate.parameters.items()
@@ -247,7 +243,7 @@ def _box_in_section(claim: InSection) -> Table:
     rows.append((("value on the section",), (Code(format_exact(claim.offset)),)))
     if claim.level is not None:
         rows.append((("level of the first integral",), (Code(format_rational(claim.level)),)))
-    if isinstance(claim, PeriodicBifurcation):
+    if claim.parameter_radius:
         rows += _of_bifurcation(claim)
     rows += _box_rows(claim.centre, claim.frame, claim.radii, coordinates, "")
     title = f"The box of {shown(claim.id)}; entries of A, the frame, that are 0 are left out"
@@ -276,6 +272,15 @@ def _box_of_equilibrium(claim: Equilibrium | HopfPoint) -> Table:
         rows.append((("half-width of the box of the kernel",), (Code(format_exact(claim.kernel_radius)),)))
     rows += _box_rows(claim.centre, (), claim.radii, coordinates, "")
     return Table(("", "exact value"), tuple(rows), f"The box of {shown(claim.id)}", (0.26, 0.68))
+
+
+_BOXES: Mapping[type[Any], Callable[[Any], Table]] = {
+    PeriodicOrbit: _box_in_section,
+    PeriodicBifurcation: _box_in_section,
+    Equilibrium: _box_of_equilibrium,
+    HopfPoint: _box_of_equilibrium,
+}
+"""By the type of the claim; the others are about points of Fix(R)."""
 
 
 def _of_bifurcation(claim: PeriodicBifurcation) -> Iterator[tuple[Runs, ...]]:

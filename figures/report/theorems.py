@@ -10,12 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.shared.formats import (
-    DOUBLE_RESONANCE,
-    KREIN_COLLISION,
     ArgumentError,
     BoxClaim,
     InputError,
-    InSection,
     claim_from_json,
     select_ids,
 )
@@ -94,7 +91,8 @@ class Checked:
     @property
     def side(self) -> str:
         """Where the new orbits are; empty if none are told of: the side of a collision is that of stable orbits."""
-        return "" if self.certificate.kind in (KREIN_COLLISION, DOUBLE_RESONANCE) else self.certificate.side or ""
+        told = kind_named(self.certificate.kind).tells_new_orbits
+        return (self.certificate.side or "") if told else ""
 
     @cached_property
     def candidate(self) -> BoxClaim:
@@ -106,7 +104,7 @@ class Checked:
     @cached_property
     def claim(self) -> BoxClaim:
         """What the hypotheses about a box are about, the candidate or its level form."""
-        if "level_form" not in self.document["statement"] or isinstance(self.candidate, InSection):
+        if "level_form" not in self.document["statement"]:
             return self.candidate
         return level_form(self.candidate) or self.candidate
 

@@ -23,7 +23,6 @@ from orbitproof.shared.formats import (
     ArgumentError,
     InputError,
     InSection,
-    PeriodicBifurcation,
     read_candidates,
     read_claims,
     select_ids,
@@ -335,14 +334,13 @@ def draw_periodic(
                     figure = draw_periodic_family(drawing)
                 elif isinstance(drawing, LifeRecord):
                     figure = draw_life(drawing, certified)
-                elif isinstance(drawing.claim, PeriodicBifurcation):
-                    assert not isinstance(drawing.found, PeriodicResults)
+                elif not drawing.claim.is_of_orbit:
                     drawn = draw_periodic_bifurcation(drawing.claim, drawing.found)
                     figure = drawn.figure
                     if not drawn.is_complete:
                         not_drawn[name] = f"what is born there: {drawn.beside}"
                 else:
-                    point = drawing.found.point if isinstance(drawing.found, PeriodicResults) else None
+                    point = None if drawing.found is None else drawing.found.point
                     figure = draw_periodic_orbit(drawing.claim, point)
             except OrbitNotClosed as error:
                 not_drawn[name] = str(error)
@@ -383,12 +381,19 @@ def _points(path: Path) -> list[CertifiedPoint]:
     return found
 
 
+def _is_drawn(claim: BoxClaim) -> bool:
+    """Whether it is about a periodic orbit without symmetry, or a bifurcation of one."""
+    from orbitproof.verify.certificate.kinds import kind_of
+
+    return kind_of(claim).picture in ("periodic orbit", "bifurcation")
+
+
 def _stem(claim: InSection) -> str:
-    return "bifurcation" if isinstance(claim, PeriodicBifurcation) else "orbit"
+    return "orbit" if claim.is_of_orbit else "bifurcation"
 
 
 def _numerical(path: Path) -> list[_Claimed]:
-    return [_Claimed(claim) for claim in read_claims(path) if isinstance(claim, InSection)]
+    return [_Claimed(claim) for claim in read_claims(path) if _is_drawn(claim)]
 
 
 def _certified(path: Path) -> list[_Claimed]:
@@ -396,10 +401,8 @@ def _certified(path: Path) -> list[_Claimed]:
 
     claimed = []
     for entry in read_certificates(path).values():
-        if isinstance(entry.candidate, InSection):
-            found = entry.results
-            is_known = isinstance(found, PeriodicResults | PeriodicBifurcationResults | TorusResults)
-            claimed.append(_Claimed(entry.candidate, found if is_known else None))
+        if _is_drawn(entry.candidate):
+            claimed.append(_Claimed(entry.candidate, entry.results))
     return claimed
 
 

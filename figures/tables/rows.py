@@ -15,6 +15,7 @@ from flint import arb
 from orbitproof.explore.three_body.names import NORTH, SOUTH
 from orbitproof.figures.orbits import centre_on_fixed_set
 from orbitproof.figures.tables.intervals import Interval, parse_interval
+from orbitproof.shared.claims.candidate import OfKind
 from orbitproof.shared.formats import (
     KINDS,
     REVERSOR_BREAKING,
@@ -44,7 +45,7 @@ class Enclosure:
 
 
 @dataclass(frozen=True)
-class CertifiedRow:
+class CertifiedRow(OfKind):
     """One certificate.
 
     Attributes:

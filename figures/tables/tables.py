@@ -13,7 +13,6 @@ from fractions import Fraction
 
 from orbitproof.figures.tables.published import Comparison, PublishedList, PublishedRow, compare, match
 from orbitproof.figures.tables.rows import CertifiedRow
-from orbitproof.shared.formats import REVERSOR_BREAKING
 from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
 
 MISSING = "missing"
@@ -147,7 +146,7 @@ def _section(rows: Sequence[CertifiedRow], published: Sequence[PublishedList]) -
     # A list of another name may still be about these orbits, if no list has ours: the values decide.
     named = [p for p in same if p.family == first.family]
     # No list is about orbits at which R is lost.
-    resonant = [row for row in rows if row.kind != REVERSOR_BREAKING]
+    resonant = [row for row in rows if not row.loses_reversor]
     found = [(p, match(resonant, p.rows)) for p in named or same]
     found = [(p, matched) for p, matched in found if named or matched]
     listed = {name: row for _, matched in found for name, row in matched.items()}
@@ -164,7 +163,7 @@ def _section(rows: Sequence[CertifiedRow], published: Sequence[PublishedList]) -
 
 def _row(row: CertifiedRow, published: PublishedRow | None, complete: bool) -> TableRow:
     # Only a bifurcation that is proved can be one that the paper does not list.
-    unlisted = published is None and complete and row.proved and row.kind != REVERSOR_BREAKING
+    unlisted = published is None and complete and row.proved and not row.loses_reversor
     return TableRow(row, published, None if published is None else compare(row, published), unlisted)
 
 

@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Annotated, Any, Final, Literal
 
 from orbitproof.shared.claims.fields import Crossings, Id, Identifier, Line
-from orbitproof.shared.claims.pieces import AnyPiece, BirthPiece, LibrationPiece, Piece, SurfacePiece
+from orbitproof.shared.claims.pieces import AnyPiece, BirthPiece, LibrationPiece, Piece, SurfacePiece, pieces_of
 from orbitproof.shared.stored import Rational, rules, stored
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.shared.wording import counted
@@ -78,9 +78,19 @@ class Claim:
         return self.is_closed and not self.is_of_symmetric_curve
 
     @property
+    def setting(self) -> tuple[Any, ...]:
+        """What a proof of a piece depends on beside the piece, the system and its parameters."""
+        return self.symmetry, self.crossings
+
+    @property
+    def is_of_surface(self) -> bool:
+        """Whether it is about a surface over the parameters."""
+        return self.kind == SURFACE
+
+    @property
     def needs_symmetry(self) -> bool:
         """Whether a claim of this kind is about a symmetry."""
-        return self.is_of_symmetric_curve or self.kind == SURFACE
+        return self.is_of_symmetric_curve or self.is_of_surface
 
 
 @dataclass(frozen=True, repr=False)
@@ -107,6 +117,8 @@ class Atlas:
     pieces: Pieces
     provenance: Mapping[str, Any] = stored(always=True, default_factory=dict)
 
+    is_of_symmetric_orbits = True
+
     def __repr__(self) -> str:
         pieces = counted(len(self.pieces), "piece")
         return f"<Atlas {self.id!r}: {self.claim.kind} in {pieces}, of {self.system.name}>"
@@ -114,20 +126,25 @@ class Atlas:
     @property
     def is_surface(self) -> bool:
         """Whether the claim is about a surface over the parameters."""
-        return self.claim.kind == SURFACE
+        return self.claim.is_of_surface
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates of a point."""
+        return self.system.centre_coordinates
 
     def curve_pieces(self) -> tuple[Piece, ...]:
         """The pieces of a curve; none for a surface."""
-        return tuple(piece for piece in self.pieces if isinstance(piece, Piece))
+        return pieces_of(Piece, self.pieces)
 
     def birth_pieces(self) -> tuple[BirthPiece, ...]:
         """The pieces at whose middle the orbits of a curve are born from others; at most one is allowed."""
-        return tuple(piece for piece in self.pieces if isinstance(piece, BirthPiece))
+        return pieces_of(BirthPiece, self.pieces)
 
     def surface_pieces(self) -> tuple[SurfacePiece, ...]:
         """The pieces of a surface; none for a curve."""
-        return tuple(piece for piece in self.pieces if isinstance(piece, SurfacePiece))
+        return pieces_of(SurfacePiece, self.pieces)
 
     def libration_pieces(self) -> tuple[LibrationPiece, ...]:
         """The pieces of the planar families over which a surface lives; none for a curve."""
-        return tuple(piece for piece in self.pieces if isinstance(piece, LibrationPiece))
+        return pieces_of(LibrationPiece, self.pieces)

@@ -126,6 +126,8 @@ class Candidate(OfKind):
     equation: Equation | None = None
     twist: Literal[1, -1] | None = None
 
+    uses_reversor = True
+
     def __post_init__(self) -> None:
         """Raises `InputError`, one line that begins with the field, for what could not be written as a claim."""
 

@@ -71,3 +71,8 @@ class BoxInSection(WithoutSymmetry):
         if self.system.first_integral_program is None:
             refuse("level", f"{self.system.name} has no first integral", "leave it out")
         check_numbers({"level": [(level,)]}, rational=True)
+
+    @property
+    def half_widths(self) -> Vector:
+        """Those of the box, and then of what varies, if anything does."""
+        return self.radii

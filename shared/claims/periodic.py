@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 from orbitproof.shared.claims.in_section import BoxInSection
@@ -30,6 +31,8 @@ class PeriodicOrbit(BoxInSection):
     provenance: Mapping[str, Any] = stored(always=True, default_factory=dict)
 
     kind = PERIODIC
+    is_of_orbit = True
+    parameter, parameter_radius = None, Fraction(0)
 
     def __post_init__(self) -> None:
         """Raises `InputError`, one line that begins with the field, for what could not be written as a claim."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Literal
 
-from orbitproof.shared.claims.fields import Identifier, Pair, Rows
+from orbitproof.shared.claims.fields import Identifier, Pair, Rows, Vector
 from orbitproof.shared.claims.in_section import BoxInSection
 from orbitproof.shared.claims.without_symmetry import check_numbers, check_positive, refuse
 from orbitproof.shared.stored import Rational, stored
@@ -69,6 +69,11 @@ class PeriodicBifurcation(BoxInSection):
         if self.symmetry is not None and (len(self.symmetry) != size or any(len(row) != size for row in self.symmetry)):
             refuse("symmetry", "wrong shape", f"give {size} rows of {size} numbers")
         check_numbers({"multiplier": [self.multiplier or ()], "symmetry": self.symmetry or ()})
+
+    @property
+    def half_widths(self) -> Vector:
+        """Those of the box, then that of what varies."""
+        return (*self.radii, self.parameter_radius)
 
     @property
     def is_fold(self) -> bool:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from orbitproof.shared.claims.atlas import Atlas, Covers, Names, Pieces
 from orbitproof.shared.claims.fields import Crossings, Id, Identifier, Line, Numbers
-from orbitproof.shared.claims.pieces import LibrationPiece, Piece, SurfacePiece
+from orbitproof.shared.claims.pieces import BirthPiece, LibrationPiece, Piece, SurfacePiece, pieces_of
 from orbitproof.shared.stored import Rational, stored
 from orbitproof.shared.systems import System
 from orbitproof.shared.wording import counted
@@ -48,6 +48,7 @@ class PeriodicCurveClaim:
     covers: Covers | None = None
 
     symmetry = None
+    is_of_symmetric_curve = False
     begins_at, ends_at = Fraction(-1), Fraction(1)
 
     @property
@@ -103,7 +104,7 @@ class PeriodicAtlas:
     pieces: Pieces
     provenance: Mapping[str, Any] = stored(always=True, default_factory=dict)
 
-    is_surface = False
+    is_surface = is_of_symmetric_orbits = False
 
     def __repr__(self) -> str:
         pieces = counted(len(self.pieces), "piece")
@@ -116,7 +117,11 @@ class PeriodicAtlas:
 
     def curve_pieces(self) -> tuple[Piece, ...]:
         """The pieces."""
-        return tuple(piece for piece in self.pieces if isinstance(piece, Piece))
+        return pieces_of(Piece, self.pieces)
+
+    def birth_pieces(self) -> tuple[BirthPiece, ...]:
+        """None."""
+        return ()
 
     def surface_pieces(self) -> tuple[SurfacePiece, ...]:
         """None: it is about a curve."""

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Literal, get_args
+from typing import Literal, TypeVar, get_args
 
 from orbitproof.shared.claims.fields import (
     Identifier,
@@ -56,6 +56,8 @@ class Piece:
     polynomial: Polynomials
     tube: Numbers
     coordinates: Coordinates = stored(always=True, default="auto")
+
+    is_of_curve = can_be_halved = True
 
     @property
     def is_symmetric(self) -> bool:
@@ -102,7 +104,7 @@ class SurfacePiece:
     bend: Polynomials = ()
 
     kind = "symmetry_breaking"
-    is_symmetric = False
+    is_symmetric, is_of_curve, can_be_halved = False, False, True
 
 
 @dataclass(frozen=True)
@@ -132,7 +134,7 @@ class LibrationPiece:
     tube: Fraction
 
     kind = "libration"
-    is_symmetric = False
+    is_symmetric, is_of_curve, can_be_halved = False, False, True
 
 
 @dataclass(frozen=True)
@@ -161,10 +163,18 @@ class BirthPiece:
     tube: Numbers
 
     kind = "birth"
-    is_symmetric = False
+    is_symmetric, is_of_curve = False, False
+    can_be_halved = False
+    """It is proved on intervals about its middle, and no half of one is shorter (16.12)."""
 
 
 AnyPiece = Piece | SurfacePiece | LibrationPiece | BirthPiece
+OneKind = TypeVar("OneKind", bound=AnyPiece)
+
+
+def pieces_of(kind: type[OneKind], pieces: Sequence[AnyPiece]) -> tuple[OneKind, ...]:
+    """Those of one kind, in their order."""
+    return tuple(piece for piece in pieces if isinstance(piece, kind))
 
 
 def evaluate(coefficients: Sequence[Fraction], s: Fraction) -> Fraction:

@@ -30,6 +30,8 @@ class WithoutSymmetry:
     kind: str
     level: Fraction | None = None
 
+    is_of_orbit = uses_reversor = False
+
     def check_setting(self) -> None:
         """Raises `InputError` for an id that is none, and for parameters that are not those of the system."""
         if not fits(ID, self.id):

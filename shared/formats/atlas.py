@@ -23,6 +23,7 @@ from orbitproof.shared.claims import (
     LibrationPiece,
     SurfacePiece,
 )
+from orbitproof.shared.claims.pieces import pieces_of
 from orbitproof.shared.codec import from_json, to_json
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats.candidates import find_system, read_system
@@ -93,23 +94,24 @@ def atlas_from_json(
         if (item["kind"] in (SurfacePiece.kind, LibrationPiece.kind)) != surface:
             why = f"{item['kind']!r} in a claim {claim.kind!r}"
             refuse(f"{place}.kind", why, "symmetry_breaking belongs to surfaces, and libration; the others to curves")
-        if item["kind"] == LibrationPiece.kind and system is not HILL:
+        kind = item["kind"]
+        if kind == LibrationPiece.kind and system is not HILL:
             refuse(f"{place}.kind", f"'libration' in a surface of {system.name}", f"it belongs to {HILL.name}")
-        takes_birth = system is LIFTED or (system is CR3BP and claim.kind == "arc" and claim.crossings == 2)
-        if item["kind"] == BirthPiece.kind and not (takes_birth and index == len(entry["pieces"]) - 1 > 0):
+        takes_birth = system is LIFTED or (system is CR3BP and claim.is_arc and claim.crossings == 2)
+        if kind == BirthPiece.kind and not (takes_birth and index == len(entry["pieces"]) - 1 > 0):
             why = f"'birth' in a curve of {system.name}"
             others = f"in an arc of {LIFTED.name}, or of {CR3BP.name} with 2 crossings"
             refuse(f"{place}.kind", why, f"it stands last, after other pieces, {others}")
         piece = piece_from_json(item, system, f"{source}: field {place}")
         if piece.id in seen:
             refuse(f"{place}.id", f"{piece.id!r} appears twice", "give each piece its own id")
-        if piece.kind == "symmetric" and claim.symmetry is None:
+        if piece.is_symmetric and claim.symmetry is None:
             refuse(f"{place}.kind", "a symmetric piece in a claim without a symmetry", "name it in claim.symmetry")
         seen.add(piece.id)
         pieces.append(piece)
-    if len({piece.point for piece in pieces if isinstance(piece, LibrationPiece)}) > 1:
+    if len({piece.point for piece in pieces_of(LibrationPiece, pieces)}) > 1:
         refuse("pieces", "libration pieces of two points", "an atlas is about one libration point")
-    if surface and not any(isinstance(piece, SurfacePiece) for piece in pieces):
+    if surface and not pieces_of(SurfacePiece, pieces):
         refuse("pieces", "no symmetry_breaking piece in a surface", "give the pieces of the surface")
     provenance = entry.get("provenance", {})
     return Atlas(entry["id"], entry["title"], system, parameters, claim, tuple(pieces), provenance)
@@ -123,7 +125,7 @@ def claim_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
 
     claim = from_json(Claim, entry, source)
     known = ", ".join(system.symmetries) or "none"
-    if system is HILL_VARIED and claim.kind != "arc":
+    if system is HILL_VARIED and not claim.is_arc:
         refuse("kind", f"{claim.kind!r} of {system.name}", "period doublings over the mass are claimed as an arc")
     if claim.symmetry is not None and claim.symmetry not in system.symmetries:
         refuse("symmetry", f"{system.name} has no symmetry {claim.symmetry!r}", f"known: {known}")
@@ -133,7 +135,7 @@ def claim_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
         if name not in system.centre_coordinates or name in claim.increasing[:position]:
             wanted = ", ".join(system.centre_coordinates)
             refuse(f"increasing[{position}]", f"{name!r}", f"name each coordinate once; {system.name} has: {wanted}")
-    surface = claim.kind == SURFACE
+    surface = claim.is_of_surface
     if claim.crossings != 1 and (surface or system.normalised):
         where = "on a surface" if surface else f"in {system.name}"
         remedy = "leave it out if half orbits meet the section once; others are claimed in arcs and loops"

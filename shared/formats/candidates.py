@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any, NoReturn, cast
 
 from orbitproof.shared.claims import (
     ACROSS_KINDS,
@@ -55,9 +55,9 @@ def read_candidates(path: Path) -> list[Candidate]:
     """The candidates of a file whose claims are all about symmetric orbits. Raises `InputError` for others too."""
     candidates: list[Candidate] = []
     for claim in read_claims(path):
-        if not isinstance(claim, Candidate):
+        if not claim.uses_reversor:
             raise InputError(f"{path}: {claim.id!r} {_WITHOUT_SYMMETRY}, which is not available here; leave it out")
-        candidates.append(claim)
+        candidates.append(cast(Candidate, claim))
     return candidates
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from fractions import Fraction
 from typing import Any, NoReturn
@@ -21,29 +21,36 @@ def piece_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
     piece = from_json(kinds.get(entry["kind"], Piece), entry, source)
     check = _Check(piece, source)
     check.form()
-    if isinstance(piece, LibrationPiece):
-        _check_libration_piece(piece, check)
-        return piece
-    if isinstance(piece, BirthPiece):
-        check.regular("directions", 2)
-        check.of_tube(piece, 4, "give one for each of x, z, vy, b")
-        return piece
-    size, kernel = len(system.centre_coordinates), len(system.kernel_coordinates)
-    wanted = f"{system.name} needs {size}: {', '.join(system.centre_coordinates)}"
-    check.regular("frame", size)
-    if isinstance(piece, SurfacePiece):
-        if set(piece.parameters) != set(system.fixed_parameters):
-            names = ", ".join(system.fixed_parameters) or "none"
-            check.refuse("parameters", f"not those of {system.name}", f"give exactly: {names}")
-        check.rows("centre", size, wanted)
-        check.regular("kernel_frame", kernel)
-        check.positive("radii", size, f"{system.name} needs {size}")
-        for name, rows in (("tilt", size - 2), ("bend", size - 1)):
-            if name in entry:
-                check.rows(name, rows, f"{system.name} needs {rows}")
-        return piece
-    check.of_curve(piece, size, kernel, wanted, system.name)
+    _CHECKS[type(piece)](piece, check, system)
     return piece
+
+
+def _check_birth_piece(piece: BirthPiece, check: _Check, system: ReversibleSystem) -> None:
+    check.regular("directions", 2)
+    check.of_tube(piece, 4, "give one for each of x, z, vy, b")
+
+
+def _check_surface_piece(piece: SurfacePiece, check: _Check, system: ReversibleSystem) -> None:
+    size, kernel = len(system.centre_coordinates), len(system.kernel_coordinates)
+    check.regular("frame", size)
+    if set(piece.parameters) != set(system.fixed_parameters):
+        names = ", ".join(system.fixed_parameters) or "none"
+        check.refuse("parameters", f"not those of {system.name}", f"give exactly: {names}")
+    check.rows("centre", size, _wanted(system))
+    check.regular("kernel_frame", kernel)
+    check.positive("radii", size, f"{system.name} needs {size}")
+    for name, rows in (("tilt", size - 2), ("bend", size - 1)):
+        if getattr(piece, name):
+            check.rows(name, rows, f"{system.name} needs {rows}")
+
+
+def _check_piece(piece: Piece, check: _Check, system: ReversibleSystem) -> None:
+    check.regular("frame", len(system.centre_coordinates))
+    check.of_curve(piece, len(system.centre_coordinates), len(system.kernel_coordinates), _wanted(system), system.name)
+
+
+def _wanted(system: ReversibleSystem) -> str:
+    return f"{system.name} needs {len(system.centre_coordinates)}: {', '.join(system.centre_coordinates)}"
 
 
 def periodic_piece_from_json(entry: Mapping[str, Any], names: Sequence[str], system: str, source: str) -> Piece:
@@ -60,12 +67,20 @@ def periodic_piece_from_json(entry: Mapping[str, Any], names: Sequence[str], sys
     return piece
 
 
-def _check_libration_piece(piece: LibrationPiece, check: _Check) -> None:
+def _check_libration_piece(piece: LibrationPiece, check: _Check, system: ReversibleSystem) -> None:
     for name, pair in (("distance", piece.distance), ("size", piece.size)):
         if len(pair) != 2 or pair[1] <= 0:
             check.refuse(name, "not a middle and a positive half-width", "give two numbers")
     if piece.tube <= 0:
         check.refuse("tube", "not positive", "give a positive half-width")
+
+
+_CHECKS: Mapping[type[AnyPiece], Callable[[Any, _Check, ReversibleSystem], None]] = {
+    Piece: _check_piece,
+    SurfacePiece: _check_surface_piece,
+    LibrationPiece: _check_libration_piece,
+    BirthPiece: _check_birth_piece,
+}
 
 
 class _Check:

@@ -21,7 +21,7 @@ from support.stored import values
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.formats import read_atlas, read_candidates
 from orbitproof.verify.atlas import interval_proof
-from orbitproof.verify.atlas.conclusion_as_json import conclusion_to_json
+from orbitproof.verify.atlas.conclusion_as_json import curve_to_json, list_to_json
 from orbitproof.verify.atlas.interval_proof import question
 from orbitproof.verify.certificate import Limits, certify, contradictions, rechecking
 from orbitproof.verify.certificate.kinds import numbers
@@ -115,7 +115,7 @@ def test_what_is_stored_of_a_curve_and_of_points_on_it_is_what_is_known() -> Non
     curve = replace(conclude(atlas(), values(results())), bifurcations=(on_it, beside))
     assert isinstance(curve.outcome, Proved)
     chain = curve.outcome.results.chain
-    told = conclusion_to_json(curve, "words")
+    told = curve_to_json(curve, "words")
     stored = [(each["piece"], parse_exact(each["enters"]), parse_exact(each["leaves"])) for each in told["stretches"]]
     assert stored == [(each.tube.piece.id, each.enters, each.leaves) for each in chain.stretches]
     (joint,), (entry,) = chain.joints, told["joints"]
@@ -182,7 +182,7 @@ def test_what_is_stored_of_a_list_is_what_is_known() -> None:
         unknown=(_interval(2),),
         across=ListAcross(across, (_interval(3),), (_interval(4),), (arb(9), None)),
     )
-    told = conclusion_to_json(replace(conclusion, outcome=replace(conclusion.outcome, results=listed)), "words")
+    told = list_to_json(replace(conclusion, outcome=replace(conclusion.outcome, results=listed)), "words")
     complete = told["complete"]
     assert told["statement"] == "words"
     assert (complete["order"], complete["stability_parameters"]) == (6, 2)
@@ -214,7 +214,7 @@ def test_a_list_that_is_not_proved_lists_nothing_and_the_reason_is_its_own() -> 
     curve = conclude(atlas(), values(results()))
     refused = conclude(atlas(), values(results()[:1]))
     assert not refused.is_proved
-    told = conclusion_to_json(ListConclusion(curve, 4, refused.outcome), "")  # type: ignore[arg-type]
+    told = list_to_json(ListConclusion(curve, 4, refused.outcome), "")  # type: ignore[arg-type]
     assert told["verdict"] == "not proved"
     assert told["reason"] == reason_to_json(refused.outcome.reason)  # type: ignore[union-attr]
     empty = ("hypotheses", "points", "stable", "undecided", "gaps", "extrema", "open_extrema")

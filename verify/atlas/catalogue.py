@@ -10,17 +10,18 @@ from typing import Annotated, Any, ClassVar, Literal
 from flint import arb, ctx
 
 from orbitproof.shared.claims.fields import Id, PieceId, Title, Vector
-from orbitproof.shared.formats import FIELDS, Atlas, CatalogueRows, InputError
+from orbitproof.shared.formats import FIELDS, CatalogueRows, InputError
 from orbitproof.shared.stored import Rational, rules
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, TITLE, ReversibleSystem, fits, shown
 from orbitproof.verify.atlas.its_curve import curve_given, names_its_curve
+from orbitproof.verify.atlas.kinds import symmetric_curve
+from orbitproof.verify.atlas.results import on_curve
 from orbitproof.verify.certificate import Certificate, Examination, Finding, Given, digest, in_all_data, sealed
 from orbitproof.verify.certificate.document import Digest, RestsOn, Software, Verdict
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.evidence import Proved, enclose, is_below, software
 from orbitproof.verify.orbit_on_curve import PRECISION, OrbitOnCurve, OrbitPlace, OrbitsOfCurve
-from orbitproof.verify.stability import StabilityResult
 from orbitproof.verify.words.catalogue import catalogue_in_words
 
 SCHEMA = "catalogue-certificate"
@@ -151,11 +152,11 @@ def check_title(catalogue: CatalogueRows) -> None:
 
 def orbits_of(curve: Certificate) -> OrbitsOfCurve:
     """The orbits of a certified curve of the three-body problem, one by one. Raises `InputError` for other curves."""
-    atlas = curve.atlas
-    if not isinstance(atlas, Atlas) or atlas.system not in SPATIAL_PROBLEMS:
+    atlas = symmetric_curve(curve.atlas)
+    if atlas is None or atlas.system not in SPATIAL_PROBLEMS:
         known = ", ".join(system.name for system in SPATIAL_PROBLEMS)
         raise InputError(f"the certificate {shown(curve.id)}: is of no curve in {known}; give the family of the rows")
-    results = [result for result in curve.results if isinstance(result, StabilityResult)]
+    results = on_curve(atlas, curve.results)
     conclusion = conclude(atlas, results)
     if not (curve.proved and isinstance(conclusion.outcome, Proved)):
         raise InputError(f"the certificate {shown(curve.id)}: proves no curve; prove it first")
@@ -182,7 +183,6 @@ def _row(orbits: OrbitsOfCurve, row: CertifiedRow, place: OrbitPlace | None, wit
 
 
 def _document(curve: Certificate, title: str, within: Fraction, rows: tuple[CertifiedRow, ...]) -> dict[str, Any]:
-    assert isinstance(curve.atlas, Atlas)
     mass, rests_on = curve.atlas.parameters["mu"], RestsOn(curve.id, digest(curve.document))
     found = [row.number for row in rows if row.orbit is not None]
     words = catalogue_in_words(curve.atlas, rests_on.id, rests_on.digest, len(found), len(rows), within)

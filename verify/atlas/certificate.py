@@ -16,7 +16,6 @@ from orbitproof.shared.formats import (
     ArgumentError,
     Atlas,
     InputError,
-    PeriodicAtlas,
     atlas_from_json,
     atlas_to_json,
     validate_document,
@@ -162,18 +161,11 @@ def results_for(certificate: Certificate, atlas: AnyAtlas) -> list[Result]:
     """The stored results that are about an atlas: of this software, of the same claim, of pieces that are unchanged."""
     before = certificate.atlas
     same_system = before.system == atlas.system and before.parameters == atlas.parameters
-    same_claim = same_system and _setting(before) == _setting(atlas)
+    same_claim = same_system and before.claim.setting == atlas.claim.setting
     if not same_claim or differs_here(certificate.document["software"]):
         return []
     unchanged = {piece.id for piece in atlas.pieces if piece in before.pieces}
     return [result for result in certificate.results if result.piece in unchanged]
-
-
-def _setting(atlas: AnyAtlas) -> tuple[Any, ...]:
-    """What of its claim the proof of a piece depends on."""
-    if isinstance(atlas, PeriodicAtlas):
-        return atlas.claim.setting
-    return atlas.claim.symmetry, atlas.claim.crossings
 
 
 class Lines:

@@ -48,18 +48,17 @@ def certified_point(atlas: Atlas, certificate: Certificate, examine: Examine) ->
         stability=() if orbit is None else orbit.stability.parameters,
         other_point=None if orbit is None else orbit.other_point,
         shifted_by=_shifting(certificate, system),
-        direction=certificate.results.direction if isinstance(certificate.results, BreakingResults) else None,
+        direction=getattr(certificate.results, "direction", None),
     )
 
 
 def _shifting(certificate: Certificate, system: ReversibleSystem) -> tuple[str, ...]:
     """The symmetries that are shown to shift the orbit by half its period (Lemma 27.6)."""
-    found = certificate.results
-    if not isinstance(found, BreakingResults):
+    known = {**SYSTEMS, system.name: system}
+    candidate = candidate_from_json(certificate.statement["candidate"], "statement.candidate", known)
+    if not candidate.loses_reversor:
         return ()
-    candidate = candidate_from_json(
-        certificate.statement["candidate"], "statement.candidate", {**SYSTEMS, system.name: system}
-    )
+    found: BreakingResults = certificate.results
     return tuple(name for name in system.symmetries if is_shifted_by(candidate, found, name))
 
 

@@ -28,16 +28,16 @@ from orbitproof.verify.stability import (
 Json = dict[str, Any]
 
 
-def conclusion_to_json(conclusion: Conclusion[ProvedCurve] | ListConclusion, statement: str) -> Json:
+def list_to_json(conclusion: ListConclusion, statement: str) -> Json:
+    """The JSON object of what is concluded of a curve with its list; `statement` is the theorem in words."""
+    listed = conclusion.outcome.results if isinstance(conclusion.outcome, Proved) else None
+    complete = _EMPTY | {"order": conclusion.order} if listed is None else _list(listed)
+    curve = curve_to_json(conclusion.curve, statement)
+    return {**curve, **outcome_to_json(conclusion.outcome), "complete": complete}
+
+
+def curve_to_json(conclusion: Conclusion[ProvedCurve], statement: str) -> Json:
     """The JSON object of what is concluded of a curve; `statement` is its theorem in words."""
-    if isinstance(conclusion, ListConclusion):
-        listed = conclusion.outcome.results if isinstance(conclusion.outcome, Proved) else None
-        complete = _EMPTY | {"order": conclusion.order} if listed is None else _list(listed)
-        return {**_curve(conclusion.curve, statement), **outcome_to_json(conclusion.outcome), "complete": complete}
-    return _curve(conclusion, statement)
-
-
-def _curve(conclusion: Conclusion[ProvedCurve], statement: str) -> Json:
     chain = conclusion.outcome.results.chain if isinstance(conclusion.outcome, Proved) else None
     return whole_to_json(conclusion, statement, chain)
 

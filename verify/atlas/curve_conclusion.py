@@ -11,8 +11,8 @@ from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import UNLISTED
 from orbitproof.verify.atlas.certified import certified_point
 from orbitproof.verify.atlas.conclusion import Check, Watch
-from orbitproof.verify.atlas.conclusion_as_json import conclusion_to_json
-from orbitproof.verify.atlas.results import Result
+from orbitproof.verify.atlas.conclusion_as_json import curve_to_json, list_to_json
+from orbitproof.verify.atlas.results import Result, on_curve
 from orbitproof.verify.certificate import Certificate, Recheck
 from orbitproof.verify.curve import (
     Conclusion,
@@ -23,10 +23,10 @@ from orbitproof.verify.curve import (
     is_born_at_doubling,
 )
 from orbitproof.verify.evidence import Proved
-from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, conclude_lasting
+from orbitproof.verify.lasting import LEAST_ORDER, conclude_lasting
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import conclude_list
-from orbitproof.verify.words.branches import CurveConclusion, conclusion_in_words
+from orbitproof.verify.stability import ListConclusion, conclude_list
+from orbitproof.verify.words.branches import conclusion_in_words
 
 partner = partial(enclose_other_point, ORACLE)
 """Encloses the other point of a symmetric orbit on Fix(R), by integration."""
@@ -60,15 +60,15 @@ def conclude_curve(
     # a curve that goes on to a doubling from which its orbits are born (16.14).
     if order is None or any(atlas.system is known for known in UNLISTED) or is_born_at_doubling(atlas):
         return told(conclusion)
-    of_curve = [result for result in results if isinstance(result, LastingResult)]
+    of_curve = on_curve(atlas, results)
     with _stretches(conclusion, "resonances", watch) as begun:
         listed = conclude_list(atlas, of_curve, conclusion, order, combinations, begun)
     # A shorter list of a curve whose twist is known from before is that list alone.
     is_asked = order >= LEAST_ORDER and any(result.twist is not None for result in of_curve)
     if not is_asked:
-        return told(listed)
+        return told_list(listed)
     with _stretches(conclusion, "stability for ever", watch) as begun:
-        return told(conclude_lasting(atlas, of_curve, listed, begun))
+        return told_list(conclude_lasting(atlas, of_curve, listed, begun))
 
 
 @contextmanager
@@ -88,6 +88,11 @@ def _stretches(curve: Conclusion[ProvedCurve], what: str, watch: Watch) -> Itera
         yield begun
 
 
-def told(conclusion: CurveConclusion) -> dict[str, Any]:
+def told(conclusion: Conclusion[ProvedCurve]) -> dict[str, Any]:
     """A conclusion as JSON, with its theorem in words."""
-    return conclusion_to_json(conclusion, conclusion_in_words(conclusion))
+    return curve_to_json(conclusion, conclusion_in_words(conclusion))
+
+
+def told_list(conclusion: ListConclusion) -> dict[str, Any]:
+    """A conclusion with its list as JSON, with the theorem in words."""
+    return list_to_json(conclusion, conclusion_in_words(conclusion))

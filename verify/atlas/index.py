@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, cast
 
 from flint import arb
 
@@ -17,6 +17,8 @@ from orbitproof.shared.wording import counted
 from orbitproof.verify.atlas.conclusion_as_json import shortened
 from orbitproof.verify.atlas.curve_conclusion import follow
 from orbitproof.verify.atlas.its_curve import curve_given, names_its_curve
+from orbitproof.verify.atlas.kinds import symmetric_curve
+from orbitproof.verify.atlas.results import on_curve
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,
     CannotBeCheckedError,
@@ -53,7 +55,7 @@ from orbitproof.verify.index import (
     stretch_of,
 )
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import Bound, ListedPlace, ProvedList, StabilityResult, conclude_list
+from orbitproof.verify.stability import Bound, ListedPlace, ProvedList, conclude_list
 from orbitproof.verify.words.index import index_in_words
 
 SCHEMA = "index-certificate"
@@ -165,13 +167,14 @@ def indexed_atlas(certificate: Certificate, source: str = "") -> Atlas:
     source = source or f"the certificate {shown(certificate.id)}"
     field, remedy = f"{source}: field statement.atlas", "give the certificate of a curve of symmetric orbits in"
     systems = ", ".join(system.name for system in SYSTEMS)
-    if not isinstance(atlas, Atlas) or atlas.is_surface:
+    curve = symmetric_curve(atlas)
+    if curve is None:
         raise InputError(f"{field}.claim.kind: no index is counted of {atlas.claim.kind!r}; {remedy} {systems}")
     if atlas.system not in SYSTEMS:
         raise InputError(f"{field}.system: no index is counted of {atlas.system.name}; {remedy} {systems}")
     if not certificate.proved:
         raise InputError(f"{source}: field verdict: proves no curve; prove it first")
-    return atlas
+    return curve
 
 
 def _known(certificate: Certificate) -> _Known:
@@ -182,8 +185,7 @@ def _known(certificate: Certificate) -> _Known:
         raise InputError(f"the certificate {shown(certificate.id)}: proves no curve; prove it first")
     found = None
     if vertical_point(atlas.system) is None and (certificate.document["conclusion"] or {}).get("complete") is not None:
-        results = [result for result in certificate.results if isinstance(result, StabilityResult)]
-        listed = conclude_list(atlas, results, conclusion, _ORDER)
+        listed = conclude_list(atlas, on_curve(atlas, certificate.results), conclusion, _ORDER)
         found = listed.outcome.results if isinstance(listed.outcome, Proved) else None
     return _Known(atlas, conclusion.outcome.results, found)
 
@@ -247,8 +249,7 @@ def _told(outcome: Outcome[ProvedIndex], known: _Known, rests_on: RestsOn) -> tu
     """What is stored of a theorem, and its words."""
     if not isinstance(outcome, Proved):
         return {}, None
-    assert isinstance(outcome.theorem, IndexTheorem)
-    found = outcome.results
+    theorem, found = cast(IndexTheorem, outcome.theorem), outcome.results
     ends: list[tuple[ListedPlace | None, ListedPlace | None]] = [
         (_listed(known, each.begin), _listed(known, each.end)) for each in found.intervals
     ] or [(None, None)] * len(found.orbits)
@@ -256,7 +257,7 @@ def _told(outcome: Outcome[ProvedIndex], known: _Known, rests_on: RestsOn) -> tu
         IndexedOrbit(orbit.piece, orbit.s, orbit.turns, orbit.index, *both)
         for orbit, both in zip(found.orbits, ends, strict=True)
     )
-    words = index_in_words(outcome.theorem, found, known.curve, rests_on.id, rests_on.digest)
+    words = index_in_words(theorem, found, known.curve, rests_on.id, rests_on.digest)
     return {"orbits": orbits, "small": found.small}, words
 
 

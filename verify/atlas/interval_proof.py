@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Any
 
 from orbitproof.shared.formats import (
@@ -17,7 +18,7 @@ from orbitproof.shared.formats import (
     BirthPiece,
     EquilibriumAtlas,
     LibrationPiece,
-    PeriodicAtlas,
+    Piece,
     SurfacePiece,
     atlas_without_symmetry,
     curve_claim_from_json,
@@ -28,6 +29,7 @@ from orbitproof.shared.formats import (
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.processes import Report
 from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe, described
+from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.results import Result, Settings
 from orbitproof.verify.attempt import counsel
 from orbitproof.verify.certificate import systems_with
@@ -79,7 +81,7 @@ def question(
         **({"lasting": True} if lasting else {}),
         "timeout": timeout,
         "expected_steps": steps,
-        **({"claim": to_json(atlas.claim)} if isinstance(atlas, PeriodicAtlas) else {}),
+        **kind_of(atlas).in_question(atlas),
     }
 
 
@@ -102,7 +104,8 @@ def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]
             return dict(to_json(_periodic(argument, stepped)))
         system = _system_of(argument)
         piece = piece_from_json(argument["piece"], system, "piece")
-        return dict(to_json(_proved(argument, system, piece, stepped, began)))
+        asked = _Asked(system, argument, began)
+        return dict(to_json(_PROOFS[type(piece)](piece, asked, stepped)))
     except _OutOfTimeError:
         condition, message = "time", f"the time limit of {timeout:g} s has passed"
     except Exception as error:
@@ -111,30 +114,54 @@ def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]
     return dict(to_json(not_proved(argument, condition, message, time.process_time() - began)))
 
 
-def _proved(
-    argument: Mapping[str, Any],
-    system: ReversibleSystem,
-    piece: AnyPiece,
-    stepped: Callable[[float], None],
-    began: float,
-) -> Result:
-    start, end = (parse_exact(text) for text in argument["interval"])
-    if isinstance(piece, SurfacePiece):
-        surface_limits = SurfaceLimits(**argument["integrator"])
-        parts = [(parse_exact(first), parse_exact(last)) for first, last in argument.get("parts", ())]
-        return prove_surface_piece(
-            system, piece, (start, end), ORACLE, surface_limits, stepped, argument["symmetry"], parts, counsel
-        ).stored
-    if isinstance(piece, LibrationPiece):
-        surface_limits = SurfaceLimits(**argument["integrator"])
-        return prove_libration_piece(piece, (start, end), ORACLE, surface_limits, stepped).stored
-    parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
+Stepped = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """An interval of a piece, as `prove_task` is asked."""
+
+    system: ReversibleSystem
+    argument: Mapping[str, Any]
+    began: float
+
+    @property
+    def interval(self) -> Interval:
+        start, end = (parse_exact(text) for text in self.argument["interval"])
+        return start, end
+
+    @property
+    def parameters(self) -> dict[str, Fraction]:
+        return {name: parse_exact(text) for name, text in self.argument["parameters"].items()}
+
+
+def _of_surface(piece: SurfacePiece, asked: _Asked, stepped: Stepped) -> Result:
+    argument = asked.argument
+    parts = [(parse_exact(first), parse_exact(last)) for first, last in argument.get("parts", ())]
+    return prove_surface_piece(
+        asked.system, piece, asked.interval, ORACLE, SurfaceLimits(**argument["integrator"]), stepped,
+        argument["symmetry"], parts, counsel,
+    ).stored  # fmt: skip
+
+
+def _of_libration(piece: LibrationPiece, asked: _Asked, stepped: Stepped) -> Result:
+    limits = SurfaceLimits(**asked.argument["integrator"])
+    return prove_libration_piece(piece, asked.interval, ORACLE, limits, stepped).stored
+
+
+def _of_birth(piece: BirthPiece, asked: _Asked, stepped: Stepped) -> Result:
+    limits = PieceLimits(**asked.argument["integrator"])
+    return prove_birth_piece(asked.system, asked.parameters, piece, asked.interval, ORACLE, limits, stepped).stored
+
+
+def _of_curve(piece: Piece, asked: _Asked, stepped: Stepped) -> Result:
+    argument, system, parameters = asked.argument, asked.system, asked.parameters
     limits, crossings = PieceLimits(**argument["integrator"]), argument.get("crossings", 1)
-    if isinstance(piece, BirthPiece):
-        return prove_birth_piece(system, parameters, piece, (start, end), ORACLE, limits, stepped).stored
     slopes = {"slope_bits": stability_slope_bits(limits.precision)} if argument.get("stability") else {}
     more = {"crossings": crossings, **slopes}
-    found = prove_piece(system, parameters, piece, (start, end), ORACLE, limits, stepped, argument["symmetry"], **more)
+    found = prove_piece(
+        system, parameters, piece, asked.interval, ORACLE, limits, stepped, argument["symmetry"], **more
+    )
     if not (argument.get("stability") and isinstance(found.outcome, Proved)):
         return found.stored
     known = found.outcome.results
@@ -149,8 +176,17 @@ def _proved(
         tube, half = about_closer_polynomial(tube, half)
     stability = stability_of_piece(tube, stepped, half)
     twist = twist_of_piece(tube, stepped, half, stability) if argument.get("lasting") else None
-    computation = replace(found.computation, seconds=round(time.process_time() - began, 3))
+    computation = replace(found.computation, seconds=round(time.process_time() - asked.began, 3))
     return LastingResult(**{**vars(found.stored), "computation": computation, "stability": stability, "twist": twist})
+
+
+_PROOFS: Mapping[type[AnyPiece], Callable[[Any, _Asked, Stepped], Result]] = {
+    Piece: _of_curve,
+    SurfacePiece: _of_surface,
+    LibrationPiece: _of_libration,
+    BirthPiece: _of_birth,
+}
+"""By the type of the piece."""
 
 
 def _periodic(argument: Mapping[str, Any], stepped: Callable[[float], None]) -> Result:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, cast
 
-from orbitproof.shared.claims import AnyAtlas
+from orbitproof.shared.claims import AnyAtlas, AnyPiece, Atlas
 from orbitproof.verify.atlas.document import BranchStatement, PeriodicCurveStatement
 from orbitproof.verify.atlas.results import Result, Settings
 from orbitproof.verify.certificate.kind import Kind
@@ -23,7 +23,7 @@ class BranchKind(Kind):
         theorem: that an atlas claims.
         limits: the type of the settings of the integrator for its pieces.
         about: what it is about, in words.
-        result: the type of what is found on an interval of a piece.
+        results: the type of what is found on an interval, by that of the piece.
         statement: the claim in full, but for the theorem, given the results.
         conclude: what results give together, as `conclusion_of` has it.
         in_full: the theorem in words so that it stands alone.
@@ -31,14 +31,17 @@ class BranchKind(Kind):
         contradictions, unconfirmed: of the stored result and a new one of an interval at a place, what cannot both be
             true, and what the new one does not confirm besides.
         asked: of a stored result, what is to be looked at besides when it is proved again, as of `ProvedBefore`.
-        holds_points: whether certified orbits are looked for on such a branch, and resonances listed.
+        in_question: what the proof of an interval is asked besides, from the atlas.
+        more_at_next: by how much more the settings of a second attempt are than is usual.
+        holds_points: whether certified orbits are looked for on such a branch, and resonances listed: a curve of
+            symmetric orbits.
         time: what the time that is stored of an interval is called.
     """
 
     theorem: Callable[[Any], Theorem]
     limits: type[Any]
     about: str
-    result: Callable[[Any], type[Result]]
+    results: Mapping[type[AnyPiece], type[Result]]
     statement: Callable[[Any, Sequence[Result]], BranchStatement | PeriodicCurveStatement]
     conclude: Callable[..., dict[str, Any]]
     in_full: Callable[[Any, str], str]
@@ -46,8 +49,14 @@ class BranchKind(Kind):
     contradictions: Callable[[Any, Any, str], Iterator[Finding]] = lambda stored, fresh, place: iter(())
     unconfirmed: Callable[[Any, Any, str], Iterator[Finding]] = lambda stored, fresh, place: iter(())
     asked: Callable[[Any], Mapping[str, Any]] = lambda result: {}
+    in_question: Callable[[Any], Mapping[str, Any]] = lambda atlas: {}
+    more_at_next: Mapping[str, int] = field(default_factory=dict)
     holds_points: bool = False
     time: str = "half period"
+
+    def result(self, piece: AnyPiece) -> type[Result]:
+        """The type of what is found for a piece."""
+        return self.results.get(type(piece), Result)
 
     def settings(self, **given: int) -> Settings:
         """Settings of the integrator, those that are not given as it suits. Raises `ValueError` out of range."""
@@ -57,3 +66,8 @@ class BranchKind(Kind):
 def kind_of(atlas: AnyAtlas) -> BranchKind:
     """The kind of an atlas."""
     return cast(BranchKind, kind_named(atlas.claim.kind))
+
+
+def symmetric_curve(atlas: AnyAtlas) -> Atlas | None:
+    """The atlas, if it is about a curve of symmetric orbits, on which certified orbits may lie."""
+    return cast(Atlas, atlas) if kind_of(atlas).holds_points else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import shown
@@ -110,9 +110,9 @@ def _placed(
         for orbit in orbits:
             yield orbit, None, f"{shown(orbit.id)}: not shown to lie on {name}: its certificate does not stand: {why}"
         return
-    assert isinstance(curve.atlas, Atlas)
-    points = [certified_point(curve.atlas, orbit, recheck) for orbit in orbits]
-    found = conclude(curve.atlas, curve.results, points, partner, follow).bifurcations
+    atlas = cast(Atlas, curve.atlas)
+    points = [certified_point(atlas, orbit, recheck) for orbit in orbits]
+    found = conclude(atlas, curve.results, points, partner, follow).bifurcations
     for orbit, entry in zip(orbits, found, strict=True):
         if entry.place is None:
             yield orbit, None, f"{shown(entry.id)}: not shown to lie on {name}: {entry.reason}"
@@ -127,14 +127,13 @@ def _placed(
 def _to_json(curve: Certificate, entry: Bifurcation) -> dict[str, Any]:
     place, rests_on = entry.place, _rests_on(curve)
     assert place is not None
-    assert isinstance(curve.atlas, Atlas)
     return {
         "rests_on": rests_on,
         "piece": place.piece,
         "s": ball_to_json(place.s),
         "mirrored": place.mirrored,
         "other_point": place.other_point,
-        "statement": place_in_words(curve.atlas, place, rests_on["id"], rests_on["digest"]),
+        "statement": place_in_words(cast(Atlas, curve.atlas), place, rests_on["id"], rests_on["digest"]),
     }
 
 

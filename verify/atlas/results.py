@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
-from orbitproof.shared.formats import AnyAtlas, InputError
+from orbitproof.shared.formats import AnyAtlas, Atlas, InputError
 from orbitproof.verify.certificate.kinds import kind_named
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve.piece_result import Interval, IntervalResult
+
+if TYPE_CHECKING:
+    from orbitproof.verify.lasting import LastingResult
 
 Result = IntervalResult
 """Of a branch of some kind it is of a type of its own: `BranchKind.result`."""
@@ -35,6 +38,12 @@ def result_from_json(kind: type[Result], entry: Mapping[str, Any], place: str) -
     for name in sorted(set(entry) - {each.name for each in fields(kind)}):
         raise InputError(f"{place}.{name}: is not found for such a piece; write the file again")
     return from_json(kind, entry, place)
+
+
+def on_curve(atlas: Atlas, results: Sequence[Result]) -> list[LastingResult]:
+    """Those that are about the pieces of a curve itself, and not about the birth of its orbits."""
+    names = {piece.id for piece in atlas.curve_pieces()}
+    return [cast("LastingResult", result) for result in results if result.piece in names]
 
 
 def covers(intervals: Sequence[Interval], wanted: Interval) -> bool:

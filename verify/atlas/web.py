@@ -10,12 +10,12 @@ from flint import arb
 
 from orbitproof.shared.claims.fields import Crossings, Id, Identifier, PieceId, Title
 from orbitproof.shared.claims.web import How, Web, WebArc
-from orbitproof.shared.formats import Atlas, web_from_json
+from orbitproof.shared.formats import web_from_json
 from orbitproof.shared.stored import rules
 from orbitproof.shared.wording import counted
 from orbitproof.verify.atlas.certified import certified_point
 from orbitproof.verify.atlas.curve_conclusion import follow, partner
-from orbitproof.verify.atlas.kinds import kind_of
+from orbitproof.verify.atlas.kinds import symmetric_curve
 from orbitproof.verify.atlas.listed import ListedInterval
 from orbitproof.verify.atlas.rests_on import Part, RestingError, keys_of
 from orbitproof.verify.certificate import (
@@ -208,10 +208,9 @@ def certified_web(web: Web, certificates: Sequence[Certificate], checks: Mapping
     claim, reason = WebStatement(claim=web), None if isinstance(outcome, Proved) else outcome.reason
     known: dict[str, Any] = {}
     if isinstance(outcome, Proved):
-        assert isinstance(outcome.theorem, WebTheorem)
-        found = outcome.results
+        theorem, found = cast(WebTheorem, outcome.theorem), outcome.results
         words = web_in_words(
-            outcome.theorem, found, {entry.id: entry.digest for entry in rests_on if entry.kind != "index"}
+            theorem, found, {entry.id: entry.digest for entry in certificates if entry.key[0] != "index"}
         )
         claim = WebStatement(claim=web, theorem=words)
         known = {
@@ -244,8 +243,8 @@ def _arc(
     certificate: Certificate, claimed: WebArc, vertices: Mapping[str, Certificate], checks: Mapping[Key, Recheck]
 ) -> Arc:
     """What a certificate proves of a curve, and where on it the vertices lie that it is claimed to meet."""
-    atlas = certificate.atlas
-    if not isinstance(atlas, Atlas) or not kind_of(atlas).holds_points:
+    atlas = symmetric_curve(certificate.atlas)
+    if atlas is None:
         raise RestingError(certificate.key, "is about no curve of symmetric orbits; leave it out")
     if problem := _problem(certificate, checks, "the certificate"):
         return Arc(atlas, None, problem)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from flint import arb
 
-from orbitproof.shared.formats import BoxClaim, Candidate, Equilibrium, HopfPoint, InSection, PeriodicBifurcation
+from orbitproof.shared.formats import BoxClaim, Candidate, Equilibrium, HopfPoint, InSection
 from orbitproof.verify.bifurcation import coordinates_in_box
 from orbitproof.verify.evidence import (
     GREATEST_PRECISION,
@@ -113,8 +113,7 @@ def periodic_precision(claim: InSection, digits: int) -> int:
 
     Derivatives are known to the error of the image divided by the half-widths of the box.
     """
-    radii = (*claim.radii, claim.parameter_radius) if isinstance(claim, PeriodicBifurcation) else claim.radii
-    widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in radii)
+    widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in claim.half_widths)
     wanted = widths + ceil(digits * _BITS_PER_DIGIT) + _RESERVE + 2 * _RESERVE_PER_RETURN * claim.crossings
     return max(LEAST_PRECISION, -(-wanted // 8) * 8)
 

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from flint import arb
 
-from orbitproof.shared.claims import ORBIT_KINDS, PERIODIC
 from orbitproof.shared.formats import (
     BoxClaim,
     Candidate,
@@ -26,8 +25,6 @@ from orbitproof.verify.certificate.document import AnyStatement, Computation
 from orbitproof.verify.certificate.entry import Entry
 from orbitproof.verify.certificate.kind import Key
 from orbitproof.verify.certificate.kinds import (
-    INDEX,
-    MODULES,
     Found,
     Results,
     box_kind,
@@ -92,7 +89,7 @@ class Certificate:
         return found
 
     def _read(self, source: str) -> Mapping[str, Any]:
-        return _fields(self.document, source) if self.kind in MODULES else _NOTHING
+        return _NOTHING if "format" in self.document else _fields(self.document, source)
 
     @cached_property
     def _said(self) -> Mapping[str, Any]:
@@ -221,18 +218,21 @@ class Certificate:
     @property
     def called(self) -> str:
         """It in a sentence."""
-        return f"of the index of {shown(self.id)}" if self.kind == INDEX else shown(self.id)
+        return kind_named(self.kind).called.format(shown(self.id))
+
+    def _found_as(self, name: str) -> Results:
+        return self.results if kind_named(self.kind).found_as == name else None
 
     @property
     def orbit(self) -> OrbitResults | None:
         """What is proved of a symmetric orbit; `None` for other claims, or if nothing is proved."""
-        orbit: OrbitResults | None = self.results if self.kind in ORBIT_KINDS else None
+        orbit: OrbitResults | None = self._found_as("orbit")
         return orbit
 
     @property
     def periodic(self) -> PeriodicResults | None:
         """What is proved of a periodic orbit without symmetry; `None` for other claims, or if nothing is proved."""
-        orbit: PeriodicResults | None = self.results if self.kind == PERIODIC else None
+        orbit: PeriodicResults | None = self._found_as("periodic")
         return orbit
 
     @property

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import cast
 
 import numpy as np
 
@@ -122,13 +123,13 @@ def _another_form_may_do(reason: Reason) -> bool:
 def _forms(candidate: BoxClaim, limits: Limits) -> list[Candidate | None]:
     """What to try, in this order: level forms of the candidate, or `None` for the candidate as it is."""
     form = None if limits.level == "coordinates" else level_form(candidate)
-    if form is None or not isinstance(candidate, Candidate):
+    if form is None:
         return [None]
     if limits.level == "integral":
         return [form]
     # The point that the level form finds has to be known to the narrowest radius of the candidate's own box.
     value, slope = accuracy_bits(candidate, limits.digits)
-    wide = level_spread(candidate, form) > _MOST_SPREAD
+    wide = level_spread(cast(Candidate, candidate), form) > _MOST_SPREAD
     return [None, form] if wide or value > slope + _MOST_BITS_ACROSS else [form, None]
 
 
@@ -246,11 +247,11 @@ def _attempt(
 def _for_origin(origin: BoxClaim, outcome: Verdict, precision: int) -> Verdict:
     """The outcome for the candidate's own box; where the box is left for want of bits, with how many are missing."""
     own = for_origin(origin, outcome, precision)
-    if not isinstance(own, NotProved) or not isinstance(outcome, Proved) or not isinstance(origin, Candidate):
+    if not isinstance(own, NotProved) or not isinstance(outcome, Proved):
         return own
     if own.reason.condition == "candidate-box":
         with guarded(precision):
-            missing = missing_bits(origin, outcome.results.point)
+            missing = missing_bits(cast(Candidate, origin), outcome.results.point)
         if missing is not None:
             reason = replace(own.reason, needs_precision=True, enough_precision=precision + missing)
             return replace(own, reason=reason)

@@ -74,6 +74,10 @@ class Kind:
         more: what a certificate says besides, by name.
         said: the claim in a word or two, from k and the kind.
         titles: what a theorem is about as a heading, by the name of its claim, with places for `k` and `symmetry`.
+        tells_new_orbits: whether a side, if there is one, is that of new orbits.
+        legend: the claim in the legend of a picture, from k and the kind; `None` for what is `said`.
+        called: a certificate in a sentence, with a place for its id.
+        found_as: the name by which a certificate has what is proved of one orbit: `orbit`, or `periodic`.
         extent: how much it is about, in words.
         well_formed: raises `InputError` if the document of a file is none of the kind although it fits its schema.
         one_a_line: the keys that lead to lists whose entries have a line each in a file.
@@ -87,6 +91,10 @@ class Kind:
     levels: tuple[Step, Step, Step] | None = None
     rests_on: Callable[[Certificate, Sequence[Certificate]], tuple[Certificate, ...]] = lambda entry, given: ()
     more: Mapping[str, Callable[[Certificate], Any]] = field(default_factory=dict)
+    tells_new_orbits: bool = True
+    legend: Callable[[int, str], str] | None = None
+    called: str = "{}"
+    found_as: str = ""
     extent: Callable[[Certificate], str] = lambda entry: ""
     well_formed: Callable[[Mapping[str, Any], Path], None] = lambda document, path: None
     one_a_line: tuple[tuple[str, ...], ...] = ()
@@ -111,6 +119,9 @@ class BoxKind(Kind, Generic[Claim, Found, Results]):
         enclose: what its proof is evaluated from. Raises `NotEstablishedError` if there is none, or the claim is false.
         prove: check the claim, given what was enclosed, if anything.
         on_side: what there is on the side of the parameter that is proved, from the kind.
+        normal_form_section: of the coefficients among the `attributes`.
+        picture: which one shows it: "box", "birth", "meeting", "orbit", "stable orbit", "periodic orbit",
+            "bifurcation"; "" for none.
         attributes: what a `Certificate` says of the results beside their point; the rest is as of what is not proved.
         missing: how many digits the results lack, of so many that are wanted.
         in_words: the theorem in short.
@@ -131,6 +142,8 @@ class BoxKind(Kind, Generic[Claim, Found, Results]):
     enclose: Callable[[Claim, IntegratorSettings, Progress | None], Found]
     prove: Callable[[Claim, Checklist, Found | None], Outcome[Results]]
     on_side: Callable[[str], str] = lambda kind: "new orbits"
+    normal_form_section: str = "9.5"
+    picture: str = ""
     attributes: Callable[[Results], dict[str, Any]]
     missing: Callable[[Results, int], int]
     in_words: Callable[[Any], str]

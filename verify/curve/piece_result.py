@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Annotated, Any, ClassVar, Generic, Protocol, TypeVar
+from typing import Annotated, Any, ClassVar, Generic, Protocol, TypeVar, cast
 
 import numpy as np
 from flint import arb
@@ -79,6 +79,10 @@ class IntervalResult:
     deviation: Bounds = ()
     slope_deviation: Bounds = ()
     time: arb | None = None
+
+    stability = twist = multipliers = cast(Any, None)
+    parts = cast(Any, ())
+    """What further results of some kinds of branches have; of the others it was not asked."""
 
     stored_rules: ClassVar = {
         "if": {"properties": {"verdict": {"const": PROVED}}},

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import cast
 
 from flint import ctx
 
@@ -49,8 +50,7 @@ def conclude_lasting(
     outcome = listed.outcome
     if not isinstance(outcome, Proved):
         return listed
-    theorem, known = outcome.theorem, outcome.results
-    assert isinstance(theorem, ListTheorem)
+    theorem, known = cast(ListTheorem, outcome.theorem), outcome.results
     if not is_known_of(atlas.system) or listed.order < LEAST_ORDER:
         message = f"stability for ever is known for n = 1 only, with all resonances up to k = {LEAST_ORDER}"
         reason = Reason("lasting", message, "give `complete` a larger number, or leave `lasting` out")

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from flint import arb
 
-from orbitproof.shared.formats import InSection, PeriodicBifurcation
+from orbitproof.shared.formats import InSection
 from orbitproof.shared.systems import Program, System
 from orbitproof.verify.claim import inverse, keeps_integral
 from orbitproof.verify.evidence import Checklist, dot, enclose, is_positive, power, symmetric, total
@@ -130,7 +130,7 @@ def whole_state(system: System, state: Sequence[arb], parameters: Sequence[arb])
 def parameters_on_box(claim: InSection) -> list[arb]:
     """Enclosures of the parameters on the box: their values, and all values of one that varies."""
     balls = {name: enclose(value) for name, value in claim.parameters.items()}
-    if isinstance(claim, PeriodicBifurcation) and claim.parameter is not None:
+    if claim.parameter is not None:
         balls[claim.parameter] = balls[claim.parameter] + symmetric(claim.parameter_radius)
     return [balls[name] for name in claim.system.parameters]
 

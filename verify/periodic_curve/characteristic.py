@@ -165,14 +165,13 @@ def _stored(function: BoundedFunction) -> StoredFunction:
     return StoredFunction.near(coefficients, function.error)
 
 
-def unconfirmed_multipliers(stored: PeriodicIntervalResult, fresh: object) -> Iterator[str]:
+def unconfirmed_multipliers(stored: IntervalResult, fresh: IntervalResult) -> Iterator[str]:
     """What is stored of the multipliers and is not contained in what a new integration finds, in words."""
-    old, new = stored.multipliers, fresh.multipliers if isinstance(fresh, PeriodicIntervalResult) else None
+    old, new = stored.multipliers, fresh.multipliers
     if not isinstance(old, MultiplierFunctions):
         return
     # Functions of s are written in a variable that runs over the interval: on another one they are others.
-    is_same = isinstance(fresh, PeriodicIntervalResult) and fresh.interval == stored.interval
-    if not is_same or not isinstance(new, MultiplierFunctions):
+    if fresh.interval != stored.interval or not isinstance(new, MultiplierFunctions):
         yield "multipliers are not enclosed again on this interval"
         return
     if len(old.coefficients) != len(new.coefficients):

@@ -16,7 +16,7 @@ from orbitproof.verify.curve import Chain, Interval, IntervalResult, Stretch
 from orbitproof.verify.evidence import all_finite, enclose, hull, is_below, power, sign
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.periodic import whole_state
-from orbitproof.verify.periodic_curve.characteristic import MultiplierFunctions, PeriodicIntervalResult
+from orbitproof.verify.periodic_curve.characteristic import MultiplierFunctions
 
 _HALVINGS, _MOST_PARTS = 40, 64
 """A proved interval is halved so often, as long as no more parts than these are undecided."""
@@ -65,9 +65,7 @@ def counted_along(atlas: PeriodicAtlas, chain: Chain, results: Sequence[Interval
     known = {
         (result.piece, result.interval): result.multipliers
         for result in results
-        if isinstance(result, PeriodicIntervalResult)
-        and result.is_proved
-        and isinstance(result.multipliers, MultiplierFunctions)
+        if result.is_proved and isinstance(result.multipliers, MultiplierFunctions)
     }
     if not known:
         return ()

@@ -11,7 +11,6 @@ from orbitproof.shared.formats import AnyAtlas
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import Means, Placed, ProvedBefore, Result, Watch, kind_of, places_on, recheck_place
 from orbitproof.verify.atlas.interval_proof import prove_task
-from orbitproof.verify.atlas.kinds import BranchKind
 from orbitproof.verify.certificate import Certificate, Given, Level, Recheck, not_checked, recheck
 from orbitproof.verify.certificate.kinds import kind_named
 from orbitproof.verify.run import Answer, CheckLimits, Display, Failure, Work, Workplace, apart
@@ -58,8 +57,7 @@ def examined(
 
 def holds_points(certificate: Certificate) -> bool:
     """Whether it is about a branch on which certified orbits may lie, as far as it says."""
-    kind = kind_named(certificate.kind)
-    return isinstance(kind, BranchKind) and kind.holds_points
+    return bool(getattr(kind_named(certificate.kind), "holds_points", False))
 
 
 def checked_side_by_side(entries: Sequence[Certificate], integrate: bool, workplace: Workplace) -> Sequence[Recheck]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from orbitproof.shared.formats import AnyAtlas, AnyPiece, Atlas, InputError, PeriodicAtlas
+from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import LIFTED
 from orbitproof.verify.atlas import ProvedBefore, Result, Settings, condition_of, kind_of
@@ -16,7 +16,6 @@ from orbitproof.verify.atlas.results import result_from_json
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import NOT_PROVED, Interval
 from orbitproof.verify.evidence import Reason
-from orbitproof.verify.lasting import LastingResult
 from orbitproof.verify.run import Answer, Failure, Task
 from orbitproof.verify.run.splitting import UNFINISHED, made_with
 
@@ -65,9 +64,7 @@ def attempts_of(atlas: AnyAtlas, limits: RunLimits) -> tuple[Settings, ...]:
     given = {**_wanted(atlas, limits), **limits.integrator}
     first = kind_of(atlas).settings(**given)
     # Bounds of what is beyond the highest derivatives grow over a whole period, not over half of one.
-    more = {"precision": _MORE_BITS, "order": _MORE_ORDER, "width": _MORE_WIDTH}
-    if isinstance(atlas, PeriodicAtlas):
-        more["top"] = 1
+    more = {"precision": _MORE_BITS, "order": _MORE_ORDER, "width": _MORE_WIDTH, **kind_of(atlas).more_at_next}
     return first, {name: value + more.get(name, 0) for name, value in first.items()}
 
 
@@ -94,7 +91,7 @@ def _wanted(atlas: AnyAtlas, limits: RunLimits) -> Settings:
         return {}
     if atlas.system is LIFTED:
         return _FOR_AXIAL_ORBITS
-    pieces = atlas.curve_pieces() if isinstance(atlas, Atlas) else ()
+    pieces = atlas.curve_pieces()
     return _FOR_ONE_PARAMETER if pieces and len(pieces[0].tube) == 1 else _FOR_STABILITY
 
 
@@ -175,10 +172,7 @@ def reusable(
 
 
 def _has(result: Result, stability: bool, lasting: bool) -> bool:
-    known = result if isinstance(result, LastingResult) else None
-    return (not stability or (known and known.stability) is not None) and (
-        not lasting or (known and known.twist) is not None
-    )
+    return (not stability or result.stability is not None) and (not lasting or result.twist is not None)
 
 
 def _is_final(result: Result, attempts: Sequence[Settings]) -> bool:

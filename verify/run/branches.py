@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import cast
 
 from orbitproof.shared.formats import (
     AnyAtlas,
     AnyPiece,
     ArgumentError,
     Atlas,
-    BirthPiece,
     InputError,
-    PeriodicAtlas,
     Piece,
     check_writable,
 )
@@ -136,8 +135,7 @@ class AtlasRun:
             piece,
             results,
             self._attempts,
-            # A piece of a birth is proved on intervals about its middle, and no half of one is shorter (16.12).
-            0 if isinstance(piece, BirthPiece) else self.limits.max_splits,
+            self.limits.max_splits if piece.can_be_halved else 0,
             self._lacks,
             HALVED_FOR_LASTING if lasting else 0,
             for_slopes_of(self._attempts),
@@ -147,21 +145,22 @@ class AtlasRun:
     def _rough(self, result: Result) -> Sequence[Interval]:
         """Intervals about exceptions that a result knows, and less well than is wanted."""
         piece = self._pieces[result.piece]
-        if not (isinstance(piece, Piece) and isinstance(result, LastingResult)) or self._lacks(result):
+        if not piece.is_of_curve or self._lacks(result):
             return ()
         if id(result) not in self._to_sharpen:
-            self._to_sharpen[id(result)] = (result, exceptions_to_sharpen(piece, result))
+            self._to_sharpen[id(result)] = (result, exceptions_to_sharpen(cast(Piece, piece), _listed(result)))
         return self._to_sharpen[id(result)][1]
 
     def _lacks(self, result: Result) -> str:
         """What a list of resonances leaves open on a proved interval."""
         piece = self._pieces[result.piece]
-        if not (self.limits.stability and isinstance(piece, Piece) and isinstance(result, LastingResult)):
+        if not (self.limits.stability and piece.is_of_curve):
             return ""
         if id(result) not in self._lacking:
-            lacks = open_on(piece, result, self.limits.order)
+            of_curve, known = cast(Piece, piece), _listed(result)
+            lacks = open_on(of_curve, known, self.limits.order)
             if not lacks and self.limits.lasting:
-                lacks = twist_open_on(piece, result)
+                lacks = twist_open_on(of_curve, known)
             self._lacking[id(result)] = (result, lacks)
         return self._lacking[id(result)][1]
 
@@ -208,12 +207,10 @@ class AtlasRun:
     def _place(self, name: str, interval: Interval) -> str:
         """Where the middle of an interval is, in words, if its piece is one of a curve."""
         piece = self._pieces[name]
-        if not isinstance(piece, Piece):
+        if not piece.is_of_curve:
             return ""
         start, end = interval
-        atlas = self.atlas
-        names = atlas.coordinates if isinstance(atlas, PeriodicAtlas) else atlas.system.centre_coordinates
-        values = zip(names, piece.point((start + end) / 2), strict=True)
+        values = zip(self.atlas.coordinates, cast(Piece, piece).point((start + end) / 2), strict=True)
         return ", near " + ", ".join(f"{coordinate} = {float(value):.6g}" for coordinate, value in values)
 
     def _tell(self, display: Display, name: str, result: Result) -> None:
@@ -247,6 +244,11 @@ class AtlasRun:
         display.advance(name, self._share(name, 0.0), "next interval")
 
 
+def _listed(result: Result) -> LastingResult:
+    """A result about a piece of a curve."""
+    return cast(LastingResult, result)
+
+
 def limits_of(
     atlas: AnyAtlas,
     complete: int | None = None,
@@ -273,7 +275,7 @@ def limits_of(
         )
     if complete is not None and any(atlas.system is known for known in UNLISTED):
         raise ArgumentError("{complete}: no list is made of period doublings over the mass; leave it out")
-    if complete is not None and isinstance(atlas, Atlas) and is_born_at_doubling(atlas):
+    if complete is not None and is_born_at_doubling(cast(Atlas, atlas)):
         raise ArgumentError(
             "{complete}: no list is made of a curve with a piece of a birth; leave it out, or that piece"
         )
@@ -286,7 +288,7 @@ def limits_of(
             "{lasting=True:--lasting}: orbits in resonance 1:1 to 1:4 are exceptions; give {complete} at least {0}",
             LEAST_ORDER,
         )
-    if lasting and not (isinstance(atlas, Atlas) and is_known_of(atlas.system)):
+    if lasting and not is_known_of(cast(Atlas, atlas).system):
         raise ArgumentError(
             "{lasting=True:--lasting}: is known for systems with one coordinate that R negates on the section, and "
             "without a level that is held; leave it out"

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from orbitproof.shared.formats import AnyAtlas, Atlas
+from orbitproof.shared.formats import AnyAtlas
 from orbitproof.verify.atlas import Settings
+from orbitproof.verify.atlas.kinds import symmetric_curve
 from orbitproof.verify.oracle import steps_about
 
 
@@ -15,18 +16,17 @@ def longest_first(atlas: AnyAtlas, settings: Settings) -> list[str]:
     By an estimate; where there is none, as along the curve.
     """
     names = [piece.id for piece in atlas.pieces]
-    pieces = atlas.curve_pieces() if isinstance(atlas, Atlas) else ()
-    if not isinstance(atlas, Atlas) or not pieces:
+    curve = symmetric_curve(atlas)
+    if curve is None:
         return names
+    pieces = curve.curve_pieces()
     parameters = {name: float(value) for name, value in atlas.parameters.items()}
     try:
         middles = [map(float, piece.point(Fraction(0))) for piece in pieces]
-        points = [
-            {**parameters, **dict(zip(atlas.system.centre_coordinates, middle, strict=True))} for middle in middles
-        ]
+        points = [{**parameters, **dict(zip(atlas.coordinates, middle, strict=True))} for middle in middles]
     except ValueError:
         # A piece with other numbers of coordinates is refused when it is proved.
         return names
-    found = steps_about(atlas.system, points, settings["precision"], settings["order"])
+    found = steps_about(curve.system, points, settings["precision"], settings["order"])
     steps = dict(zip((piece.id for piece in pieces), found, strict=True))
     return sorted(names, key=lambda name: -steps.get(name, 0))

@@ -10,10 +10,11 @@ from pathlib import Path
 from time import monotonic
 
 from orbitproof.shared.answers import answered, tell
-from orbitproof.shared.formats import ORBIT_KINDS, InputError, read_claims, refused, select_ids
+from orbitproof.shared.formats import InputError, read_claims, refused, select_ids
 from orbitproof.shared.printed_tables import wrapped
 from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate import LEVELS, Certificate, Limits, Recheck, read_certificate, read_certificates
+from orbitproof.verify.certificate.kinds import kind_of
 from orbitproof.verify.evidence import GREATEST_PRECISION, LEAST_PRECISION
 from orbitproof.verify.run import CHECK_SECONDS, ArgumentParser, Workplace, interrupted, whole_number
 from orbitproof.verify.run.checking_again import checked_again
@@ -120,7 +121,7 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
     if curve is not None:
         from orbitproof.verify.run.branch_checks import places_on_apart
 
-        orbits = [run.done[c.id] for c in selected if c.kind in ORBIT_KINDS and c.id in run.done]
+        orbits = [run.done[c.id] for c in selected if kind_of(c).found_as == "orbit" and c.id in run.done]
         # The time of a candidate is no limit for checking the curve.
         for placed in places_on_apart(curve, orbits, Workplace(memory=options.memory).branch_checks):
             place = placed.certificate.to_json().get("place")

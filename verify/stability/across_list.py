@@ -43,7 +43,7 @@ class ListAcross:
 
 def _away_from_centre(point: Point) -> Point:
     """In units of the orbit (18.9): at the libration point itself, where its size is 0, nothing begins."""
-    is_birth = point.kind in (Kind.ACROSS_AXIAL, Kind.ACROSS_SYMMETRIC)
+    is_birth = point.kind.is_birth
     return replace(point, kind=Kind.UNDECIDED) if is_birth and not excludes_zero(point.level) else point
 
 

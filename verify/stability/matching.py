@@ -65,8 +65,7 @@ def with_certificates(
                 raise EmptyIntersectionError(
                     f"{shown(entry.id)} is certified at one point of the orbit, found at the other"
                 )
-            known = found.kind in (Kind.FOLD, Kind.LOSS, Kind.SYMMETRIC, Kind.IN_PLANE)
-            if known and found.kind not in _KINDS.get(entry.kind, ()):
+            if found.kind.names_bifurcation and found.kind not in _KINDS.get(entry.kind, ()):
                 names = f"certified as a {entry.kind}, found is: {name_of(found.kind)}"
                 raise EmptyIntersectionError(f"{shown(entry.id)} is {names}")
             result[here[0]] = replace(found, certificates=(*found.certificates, entry.id))

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
+from typing import cast
 
 from flint import arb, ctx
 
@@ -89,7 +90,7 @@ def conclude_surface(atlas: Atlas, results: Sequence[IntervalResult]) -> Conclus
             sheets, joints = _check(checklist, atlas, results)
             family = _check_family(checklist, atlas, sheets, results)
             sides = frozenset(part.side for sheet in sheets for part in sheet.parts)
-            ends, half_period = _ends(atlas, sheets), _half_period(results)
+            ends, half_period = _ends(atlas, sheets), _half_period(atlas, results)
             surface = ProvedSurface(joints, ends, heights(atlas), sides, half_period, family)
         except NotEstablishedError as error:
             return Conclusion(NotProved(error.reason, tuple(checklist.hypotheses)))
@@ -133,8 +134,8 @@ def _check(
     parameter = system.fixed_parameters[0]
     by_piece: dict[str, list[SurfaceResult]] = {piece.id: [] for piece in pieces}
     for result in results:
-        if isinstance(result, SurfaceResult):
-            by_piece.setdefault(result.piece, []).append(result)
+        if result.piece in by_piece:
+            by_piece[result.piece].append(cast(SurfaceResult, result))
     sheets = [read_sheet(piece, parameter, by_piece[piece.id]) for piece in pieces]
     with checklist.hypothesis(
         "pieces", "17.2", "the theorem on symmetry breaking holds on every piece for every s in [-1, 1]", _REMEDY
@@ -230,8 +231,9 @@ def _ends(atlas: Atlas, sheets: Sequence[Sheet]) -> Ends:
     return result
 
 
-def _half_period(results: Sequence[IntervalResult]) -> arb:
-    proved = [result for result in results if isinstance(result, SurfaceResult) and result.is_proved]
+def _half_period(atlas: Atlas, results: Sequence[IntervalResult]) -> arb:
+    names = {piece.id for piece in atlas.surface_pieces()}
+    proved = [result for result in results if result.piece in names and result.is_proved]
     times = [result.time for result in proved if result.time is not None]
     if len(times) < len(proved):
         raise ValueError("a result has no half periods")

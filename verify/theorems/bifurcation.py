@@ -47,6 +47,18 @@ def _prove(candidate: Candidate, checklist: Checklist, found: Enclosures | None)
     return bifurcation.prove(candidate, checklist, *tables, counsel)
 
 
+_IN_LEGENDS = {
+    "symmetry_breaking": "symmetry breaking",
+    "fold": "fold",
+    "period_tupling": "period tupling",
+    "touch_and_go": "touch-and-go",
+}
+
+
+def _legend(k: int, kind: str) -> str:
+    return f"$k={k}$, {'period doubling' if (k, kind) == (2, 'period_tupling') else _IN_LEGENDS[kind]}"
+
+
 KIND = BoxKind(
     names=KINDS,
     enclosures=Enclosures,
@@ -66,6 +78,8 @@ KIND = BoxKind(
         "touch_and_go": "Touch-and-go of order {k}",
     },
     said=_said,
+    legend=_legend,
+    picture="box",
     on_side=lambda kind: "two orbits" if kind == FOLD else "new orbits",
     attributes=lambda found: {
         "parameter_name": found.parameter_name,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from orbitproof.shared.claims import CLAIMS, SURFACE, Atlas
-from orbitproof.shared.formats import Piece
+from orbitproof.shared.formats import BirthPiece, Piece
 from orbitproof.verify.atlas.certificate import statement_of
 from orbitproof.verify.atlas.curve_conclusion import conclude_curve
 from orbitproof.verify.atlas.document import BranchStatement
@@ -16,13 +16,12 @@ from orbitproof.verify.certificate.levels import Finding
 from orbitproof.verify.curve import CurveTheorem, IntervalResult, PieceLimits
 from orbitproof.verify.evidence import NotKnown
 from orbitproof.verify.lasting import LastingResult, unconfirmed_twist
-from orbitproof.verify.stability import StabilityFunctions, StabilityResult, unconfirmed
+from orbitproof.verify.stability import StabilityFunctions, unconfirmed
 from orbitproof.verify.words.branches import branch_in_full
 
 
 def _statement(atlas: Atlas, results: Sequence[Result]) -> BranchStatement:
-    stability = [result.stability for result in results if isinstance(result, StabilityResult)]
-    known = [functions for functions in stability if isinstance(functions, StabilityFunctions)]
+    known = [result.stability for result in results if isinstance(result.stability, StabilityFunctions)]
     with_distance, with_variations = (
         any(getattr(functions, name) is not None for functions in known) for name in ("distance", "out_of_plane")
     )
@@ -31,9 +30,8 @@ def _statement(atlas: Atlas, results: Sequence[Result]) -> BranchStatement:
 
 def _unconfirmed(stored: Result, fresh: Result, place: str) -> Iterator[Finding]:
     """What is stored of stability and twist on an interval, and a new integration does not confirm."""
-    old, new = (result if isinstance(result, LastingResult) else None for result in (stored, fresh))
-    known = old.stability if old else None
-    if old is not None and old.twist is not None and known is None:
+    known = stored.stability
+    if stored.twist is not None and known is None:
         yield Finding(f"{place}, twist", "is stored without the functions of stability beside which it stands")
     if known is not None:
         # Functions of s are written in a variable that runs over the interval: on another one they are others.
@@ -41,8 +39,8 @@ def _unconfirmed(stored: Result, fresh: Result, place: str) -> Iterator[Finding]
             words = f"its functions are of another interval: that is proved on {ends_of(fresh.interval)}"
             yield Finding(f"{place}, stability", words)
         found = [
-            *unconfirmed(known, new.stability if new else None),
-            *unconfirmed_twist(old.twist if old else None, new.twist if new else None),
+            *unconfirmed(known, fresh.stability),
+            *unconfirmed_twist(stored.twist, fresh.twist),
         ]
         yield from (Finding(f"{place}, stability", text) for text in found)
 
@@ -60,14 +58,14 @@ KIND = BranchKind(
     theorem=CurveTheorem,
     limits=PieceLimits,
     about="a curve of symmetric orbits",
-    result=lambda piece: LastingResult if isinstance(piece, Piece) else IntervalResult,
+    results={Piece: LastingResult, BirthPiece: IntervalResult},
     statement=_statement,
     conclude=conclude_curve,
     in_full=branch_in_full,
     unconfirmed=_unconfirmed,
     asked=lambda result: {
-        "stability": getattr(result, "stability", None) is not None,
-        "lasting": getattr(result, "twist", None) is not None,
+        "stability": result.stability is not None,
+        "lasting": result.twist is not None,
     },
     holds_points=True,
 )

@@ -36,6 +36,9 @@ KIND = BoxKind(
     prove=prove_resonance,
     titles={"double_resonance": "Two resonances that meet"},
     said=lambda k, kind: f"double resonance (k = {k})",
+    legend=lambda k, kind: f"two $k={k}$ resonances",
+    picture="meeting",
+    tells_new_orbits=False,
     on_side=lambda kind: "two resonances",
     attributes=lambda found: {
         "parameter_name": found.parameter_name,

@@ -14,6 +14,7 @@ KIND = Kind(
     titles={INDEX: "The index of orbits of a curve"},
     said=lambda k, kind: "index along a curve",
     levels=(index.form, index.conclusion, index.integration),
+    called="of the index of {}",
     rests_on=its_curve,
     more=index.SAID,
     extent=index.extent_of,

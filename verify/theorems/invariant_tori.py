@@ -22,6 +22,7 @@ def _enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progr
 
 KIND = BoxKind(
     names=(INVARIANT_TORI,),
+    found_as="orbit",
     enclosures=ToriEnclosures,
     results=ToriResults,
     statement=partial(with_symmetry, with_distance=True),
@@ -32,6 +33,8 @@ KIND = BoxKind(
     prove=prove_tori,
     titles={"invariant_tori": "Invariant tori near a symmetric periodic orbit"},
     said=lambda k, kind: "tori",
+    legend=lambda k, kind: "one orbit, tori near it",
+    picture="orbit",
     attributes=lambda found: {"parameter_name": "period", "parameter": found.period},
     missing=missing_of_orbit,
     in_words=tori_in_words,

@@ -36,6 +36,8 @@ KIND = BoxKind(
     prove=prove_krein,
     titles={"krein_collision": "A Krein collision of multipliers"},
     said=lambda k, kind: "Krein collision",
+    legend=lambda k, kind: "Krein collision",
+    tells_new_orbits=False,
     on_side=lambda kind: "linearly stable",
     attributes=lambda found: {
         "parameter_name": found.parameter_name,

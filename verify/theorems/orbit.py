@@ -22,6 +22,7 @@ def _enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progr
 
 KIND = BoxKind(
     names=(ORBIT,),
+    found_as="orbit",
     enclosures=OrbitEnclosures,
     results=OrbitResults,
     statement=partial(with_symmetry, with_distance=True),
@@ -32,6 +33,8 @@ KIND = BoxKind(
     prove=prove_orbit,
     titles={"orbit": "One symmetric periodic orbit"},
     said=lambda k, kind: kind,
+    legend=lambda k, kind: "one orbit",
+    picture="orbit",
     attributes=lambda found: {"parameter_name": "period", "parameter": found.period},
     missing=missing_of_orbit,
     in_words=orbit_in_words,

@@ -51,6 +51,7 @@ KIND = BoxKind(
         "periodic-pitchfork": "A symmetry breaking of periodic orbits",
     },
     said=lambda k, kind: f"{_SAID[kind]} of periodic orbits",
+    picture="bifurcation",
     on_side=lambda kind: "two orbits" if kind == PERIODIC_FOLD else "new orbits",
     attributes=lambda found: {
         "parameter_name": found.parameter_name,

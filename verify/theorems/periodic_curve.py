@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, cast
 
 from orbitproof.shared.claims import PERIODIC_CURVES
-from orbitproof.shared.formats import PeriodicAtlas, atlas_to_json
+from orbitproof.shared.formats import PeriodicAtlas, Piece, atlas_to_json
 from orbitproof.verify.atlas.document import PeriodicCurveStatement
 from orbitproof.verify.atlas.kinds import BranchKind
 from orbitproof.verify.atlas.recheck import OF_ANY_BRANCH
@@ -45,14 +45,13 @@ def told(found: Conclusion[ProvedPeriodicCurve]) -> dict[str, Any]:
     """A conclusion as JSON, with its theorem in words."""
     if not isinstance(found.outcome, Proved):
         return whole_to_json(found, "", None)
-    assert isinstance(found.outcome.theorem, PeriodicCurveTheorem)
-    known = found.outcome.results
+    theorem, known = cast(PeriodicCurveTheorem, found.outcome.theorem), found.outcome.results
     more = {
         **({"period": to_json(known.period)} if known.period.is_finite() else {}),
         "turns": [to_json(turn) for turn in known.turns],
         **({"multipliers": [to_json(part) for part in known.multipliers]} if known.multipliers else {}),
     }
-    return whole_to_json(found, periodic_curve_in_words(found.outcome.theorem, known), known.chain, **more)
+    return whole_to_json(found, periodic_curve_in_words(theorem, known), known.chain, **more)
 
 
 def _unconfirmed(stored: Any, fresh: Any, place: str) -> Iterator[Finding]:
@@ -67,7 +66,9 @@ KIND = BranchKind(
     theorem=PeriodicCurveTheorem,
     limits=PeriodicLimits,
     about="orbits without symmetry",
-    result=lambda piece: PeriodicIntervalResult,
+    results={Piece: PeriodicIntervalResult},
+    in_question=lambda atlas: {"claim": to_json(atlas.claim)},
+    more_at_next={"top": 1},
     statement=_statement,
     conclude=lambda atlas, results, *_: told(conclude_periodic(atlas, results)),
     in_full=periodic_curve_in_full,

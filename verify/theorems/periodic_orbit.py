@@ -27,6 +27,7 @@ def _enclose(claim: PeriodicOrbit, settings: IntegratorSettings, progress: Progr
 
 KIND = BoxKind(
     names=(PERIODIC,),
+    found_as="periodic",
     enclosures=PeriodicEnclosures,
     results=PeriodicResults,
     statement=without_symmetry,
@@ -37,6 +38,7 @@ KIND = BoxKind(
     prove=prove_periodic,
     titles={"periodic": "One periodic orbit"},
     said=lambda k, kind: "periodic orbit",
+    picture="periodic orbit",
     attributes=lambda found: {"parameter_name": "period", "parameter": found.period},
     missing=missing_of_period,
     in_words=periodic_in_words,

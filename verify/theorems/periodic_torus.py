@@ -40,6 +40,7 @@ KIND = BoxKind(
     prove=prove_torus,
     titles={"periodic-torus": "A torus bifurcation of periodic orbits"},
     said=lambda k, kind: "torus at a periodic orbit",
+    picture="bifurcation",
     on_side=lambda kind: "the torus",
     attributes=lambda found: {
         "parameter_name": found.parameter_name,

@@ -37,6 +37,9 @@ KIND = BoxKind(
     prove=prove_breaking,
     titles={"reversor_breaking": "A birth of periodic orbits that R does not map to themselves"},
     said=lambda k, kind: "loss of R",
+    legend=lambda k, kind: "$R$ is lost",
+    picture="birth",
+    normal_form_section="27.5",
     attributes=lambda found: {
         "parameter_name": found.parameter_name,
         "parameter": found.parameter,

@@ -28,6 +28,7 @@ def _enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progr
 
 KIND = BoxKind(
     names=(STABLE_ORBIT,),
+    found_as="orbit",
     enclosures=StableOrbitEnclosures,
     results=StableOrbitResults,
     statement=partial(with_symmetry, with_distance=True),
@@ -38,6 +39,8 @@ KIND = BoxKind(
     prove=prove_stable_orbit,
     titles={"stable_orbit": "A symmetric periodic orbit that is stable for ever"},
     said=lambda k, kind: "stable orbit",
+    legend=lambda k, kind: "one orbit, stable for ever",
+    picture="stable orbit",
     attributes=lambda found: {"parameter_name": "period", "parameter": found.period},
     missing=missing_of_orbit,
     in_words=stable_orbit_in_words,

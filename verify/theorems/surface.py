@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, cast
 
 from orbitproof.shared.claims import SURFACE, Atlas
-from orbitproof.shared.formats import SurfacePiece
+from orbitproof.shared.formats import LibrationPiece, SurfacePiece
 from orbitproof.verify.atlas.certificate import statement_of
 from orbitproof.verify.atlas.kinds import BranchKind
 from orbitproof.verify.atlas.recheck import OF_ANY_BRANCH, ends_of
@@ -32,26 +32,21 @@ def told(found: Conclusion[ProvedSurface]) -> dict[str, Any]:
     """A conclusion as JSON, with its theorem in words."""
     if not isinstance(found.outcome, Proved):
         return whole_to_json(found, "", None)
-    assert isinstance(found.outcome.theorem, SurfaceTheorem)
-    known = found.outcome.results
-    return whole_to_json(found, surface_in_words(found.outcome.theorem, known), None, known.joints)
-
-
-def _parts(result: Result) -> tuple[ProvedPart, ...]:
-    return result.parts if isinstance(result, SurfaceResult) else ()
+    theorem, known = cast(SurfaceTheorem, found.outcome.theorem), found.outcome.results
+    return whole_to_json(found, surface_in_words(theorem, known), None, known.joints)
 
 
 def _unshown(atlas: Atlas, result: Result) -> Iterator[tuple[str, str]]:
     """What of the parts of an interval does not follow from what is stored of them."""
     pieces = {piece.id: piece for piece in atlas.surface_pieces()}
-    for number, part in enumerate(_parts(result)):
+    for number, part in enumerate(result.parts):
         yield from ((f"parts[{number}]", text) for text in unshown(pieces[result.piece], part))
 
 
 def _contradictions(stored: Result, fresh: Result, place: str) -> Iterator[Finding]:
     """Where halo orbits are on other sides of a part."""
-    for part in _parts(stored):
-        for entry in (entry for entry in _parts(fresh) if covers([part.interval], entry.interval)):
+    for part in stored.parts:
+        for entry in (entry for entry in fresh.parts if covers([part.interval], entry.interval)):
             if part.side != entry.side:
                 where = f"{place}, part {ends_of(part.interval)}, side"
                 yield Finding(where, f"stored is {part.side!r}, found {entry.side!r}")
@@ -59,8 +54,8 @@ def _contradictions(stored: Result, fresh: Result, place: str) -> Iterator[Findi
 
 def _unconfirmed(stored: Result, fresh: Result, place: str) -> Iterator[Finding]:
     """What is stored of the parts of an interval, and a new proof does not confirm."""
-    for part in _parts(stored):
-        inside = [entry for entry in _parts(fresh) if covers([part.interval], entry.interval)]
+    for part in stored.parts:
+        inside = [entry for entry in fresh.parts if covers([part.interval], entry.interval)]
         where = f"{place}, part {ends_of(part.interval)}"
         if not covers([entry.interval for entry in inside], part.interval):
             yield Finding(where, "is not proved again on all of it")
@@ -91,12 +86,12 @@ KIND = BranchKind(
     theorem=SurfaceTheorem,
     limits=SurfaceLimits,
     about="a surface",
-    result=lambda piece: SurfaceResult if isinstance(piece, SurfacePiece) else IntervalResult,
+    results={SurfacePiece: SurfaceResult, LibrationPiece: IntervalResult},
     statement=lambda atlas, results: statement_of(atlas),
     conclude=lambda atlas, results, *_: told(conclude_surface(atlas, results)),
     in_full=branch_in_full,
     unshown=_unshown,
     contradictions=_contradictions,
     unconfirmed=_unconfirmed,
-    asked=lambda result: {"parts": tuple(part.interval for part in _parts(result))},
+    asked=lambda result: {"parts": tuple(part.interval for part in result.parts)},
 )

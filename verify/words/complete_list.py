@@ -62,7 +62,6 @@ _MATTERS = {
     Matter.TWIST: "the twist",
 }
 _PLACES = {Where.HERE: "this point", Where.THERE: "the other point"}
-_BIRTHS = (Kind.ACROSS_SYMMETRIC, Kind.ACROSS_AXIAL)
 
 _A = (
     "A at a point of Fix(R) is the derivative on Fix(R) of the coordinates of P that R fixes, modulo the directions of "
@@ -110,7 +109,7 @@ def statement(
     lines += [f"- {point_in_words(atlas, point)}" for point in listed]
     lines += _of_vertical_orbits(atlas, found)
     lines += _of_axial_orbits(atlas)
-    if any(point.kind in (Kind.HERE, Kind.THERE) for point in listed):
+    if any(point.kind.is_singular for point in listed):
         lines.append(_A + _scaled(atlas))
     if found.has_few_parameters:
         collisions = [point_in_words(atlas, point) for point in found.points if not point.k]
@@ -149,7 +148,7 @@ def statement_across(atlas: Atlas, across: ListAcross) -> str:
     for point, value in zip(found.points, across.jacobi_constants, strict=True):
         known = "" if value is None else f"; Jacobi constant in {interval_text(value, _DIGITS)}"
         lines.append(f"- {point_in_words(atlas, point, _ACROSS)}{known}")
-    if any(point.kind in _BIRTHS for point in found.points):
+    if any(point.kind.is_birth for point in found.points):
         lines.append(_BIRTH)
     stable, unknown = (
         [interval_in_words(atlas, entry, _ACROSS) for entry in entries] for entries in (across.stable, across.unknown)

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from flint import acb, arb
 
-from orbitproof.shared.formats import InSection, PeriodicBifurcation, PeriodicOrbit
+from orbitproof.shared.formats import InSection, PeriodicOrbit
 from orbitproof.shared.systems import Program, System
 from orbitproof.verify.claim import keyed_in_words, names_in_words
 from orbitproof.verify.evidence import certain_digits, decimal_interval, dot, enclose, exact_text, located, symmetric
@@ -54,7 +54,7 @@ def periodic_in_full(claim: PeriodicOrbit, theorem: str, found: PeriodicResults)
 def setting_in_section(claim: InSection) -> Iterator[str]:
     """System, section and box, in lines; of a parameter that varies nothing but its name."""
     system, names = claim.system, names_in_words(claim.system)
-    varying = claim.parameter if isinstance(claim, PeriodicBifurcation) else None
+    varying = claim.parameter
     state = [names.get(name, name) for name in system.given_state]
     field, taken = field_in_lines(system, _TAKEN)
     yield from field

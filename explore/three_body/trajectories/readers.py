@@ -38,8 +38,6 @@ from orbitproof.shared.formats import (
     AnyAtlas,
     Candidate,
     InputError,
-    PeriodicOrbit,
-    Piece,
     atlas_from_json,
     claim_from_json,
     read_atlas,
@@ -96,14 +94,13 @@ def _certificate(path: Path, choice: Choice) -> SourceOrbit:
     refuse_number(choice, f"{path} holds no families; choose with --id")
     entry = entries[chosen_id(path, choice, list(entries))]
     claim = claim_from_json(entry["statement"]["candidate"], f"{path}: certificate {entry['id']}")
-    of_orbit = isinstance(claim, PeriodicOrbit) or (isinstance(claim, Candidate) and claim.is_of_orbit)
-    what = "orbit" if of_orbit else "bifurcation"
+    what = "orbit" if claim.is_of_orbit else "bifurcation"
     said = f'the certificate says "{entry["verdict"]}" of the {what} at the first state, up to the radii of its box'
     return _claimed(claim, f"certificate {claim.id}", f"{said}; not checked again here", entry["results"])
 
 
 def _claimed(claim: Any, title: str, verdict: str, results: Mapping[str, Any] | None) -> SourceOrbit:
-    if isinstance(claim, PeriodicOrbit):
+    if claim.is_of_orbit and not claim.uses_reversor:
         centre, values = np.array([*map(float, claim.centre)]), [*map(float, claim.values)]
         period = None if results is None else _middle(results["period"])
         if period is None:
@@ -113,7 +110,7 @@ def _claimed(claim: Any, title: str, verdict: str, results: Mapping[str, Any] | 
             raise NoOrbit(f"{title}: its orbit does not return")
         legs = Legs(centre[None, :], np.array([period]), False)
         return SourceOrbit(claim.system, claim.parameters, None, title, verdict, legs=legs)
-    if not isinstance(claim, Candidate):
+    if not claim.uses_reversor:
         raise NoOrbit(f"{title}: a claim about {claim.kind}, which names no period; give one about an orbit")
     said = _said(claim, results or {})
     if claim.equation is not None:
@@ -253,7 +250,7 @@ def _middle_of_piece(path: Path, choice: Choice, atlas: AnyAtlas) -> SourceOrbit
     number = chosen_number(path, choice, len(pieces), "pieces")
     piece = pieces[number]
     system = atlas.system
-    if not isinstance(piece, Piece) or system.normalised or system.derived_parameters:
+    if not (atlas.is_of_symmetric_orbits and piece.is_of_curve) or system.normalised or system.derived_parameters:
         raise InputError(
             f"{path}: its pieces are no tubes of symmetric orbits in the system's own coordinates; {_REMEDY}"
         )
