@@ -14,7 +14,7 @@ from orbitproof.figures.orbits.fixed_set import Array
 from orbitproof.figures.orbits.orbit import OrbitNotClosed
 from orbitproof.figures.orbits.return_map import ReturnMap
 from orbitproof.figures.orbits.returning import ReturningOrbit, returning_orbit
-from orbitproof.shared.formats import PERIODIC_DOUBLING, PeriodicBifurcation
+from orbitproof.shared.formats import PeriodicBifurcation
 
 _FIRST = 0.01
 """The first distance on the section, relative to the size of the orbit."""
@@ -88,7 +88,7 @@ class _Beside:
     """Fixed points of the map about that of the bifurcation, the unknowns p and, if one is named, the parameter."""
 
     def __init__(self, claim: PeriodicBifurcation, orbit: ReturningOrbit, values: list[float]) -> None:
-        times = 2 if claim.kind == PERIODIC_DOUBLING else 1
+        times = 1 if claim.is_fold or claim.is_mirrored else 2
         self.claim, self.values = claim, values
         self.map = ReturnMap(claim, values, times * float(orbit.times[-1]))
         self.crossings = times * len(orbit.crossings)

@@ -45,7 +45,6 @@ STYLES: Mapping[str, Any] = {"planar": "solid", "R": (0, (7, 1.5)), "axial": (0,
 _WIDTH, _HEIGHT = 7.2, 4.6
 _CHARACTERS = 95
 _NEAR = "(b)  around L1 and L2"
-_LIBRATION_POINT = "libration_point"
 _STABLE: Mapping[str, Any] = {"linewidth": 6.0, "alpha": 0.3, "solid_capstyle": "butt"}
 _POINT: Mapping[str, Any] = {"color": INK, "marker": "d", "linestyle": "none", "markersize": 6.0}
 
@@ -219,7 +218,7 @@ def draw_web(web: Certificate, curves: Mapping[str, Curve]) -> Figure:
     """Level against x where orbits start; the surroundings of planar and vertical arcs beside."""
     arcs = drawn_arcs(web, curves)
     near = [arc for known, arc in zip(web.arcs, arcs, strict=True) if is_around_smaller_primary(known)]
-    claims = sorted({(vertex.k, vertex.kind) for vertex in web.vertices if vertex.kind != _LIBRATION_POINT})
+    claims = sorted({(vertex.k, vertex.kind) for vertex in web.vertices if not vertex.is_libration_point})
     handles = [
         Line2D([], [], color=COLOURS[kind], linestyle=STYLES[kind], linewidth=1.6, label=words)
         for kind, words in WORDS.items() if any(arc.kind == kind for arc in arcs)
@@ -299,7 +298,7 @@ def _draw(axes: Axes, arcs: Sequence[DrawnArc], around: Sequence[DrawnArc]) -> N
     limits = np.array([axes.get_xlim(), axes.get_ylim()])
     for vertex, level, x in (mark for arc in arcs for mark in arc.marks):
         place = np.array([level, x])
-        if vertex.kind == _LIBRATION_POINT:
+        if vertex.is_libration_point:
             axes.plot([level], [x], **_POINT, zorder=5)
         elif ((limits[:, 0] < place) & (place < limits[:, 1])).all():
             draw_point(axes, place, vertex.k, True, vertex.id, vertex.kind)

@@ -26,6 +26,7 @@ from .candidate import REVERSOR_BREAKING as REVERSOR_BREAKING
 from .candidate import STABLE_ORBIT as STABLE_ORBIT
 from .candidate import Candidate as Candidate
 from .candidate import Equation as Equation
+from .candidate import OfKind as OfKind
 from .equilibria import EQUILIBRIUM as EQUILIBRIUM
 from .equilibria import HOPF as HOPF
 from .equilibria import Equilibrium as Equilibrium

@@ -63,16 +63,6 @@ class Claim:
         return self.kind == "arc"
 
     @property
-    def begins_at(self) -> Fraction:
-        """Where in its first piece the curve begins, if it is not closed without symmetry."""
-        return Fraction(0 if self.is_of_symmetric_curve else -1)
-
-    @property
-    def ends_at(self) -> Fraction:
-        """Where in its last piece the curve, or the half of it that is in pieces, ends."""
-        return Fraction(0 if self.is_closed else 1)
-
-    @property
     def goes_round(self) -> bool:
         """Whether its last piece leads into its first: it is closed, and all of it is in pieces."""
         return self.is_closed and not self.is_of_symmetric_curve

@@ -59,6 +59,7 @@ class OfKind:
     """What is about a symmetric orbit or bifurcation, and says what by a `kind`, one of `BOX_KINDS`."""
 
     kind: Any
+    uses_reversor = True
 
     @property
     def is_of_orbit(self) -> bool:
@@ -125,8 +126,6 @@ class Candidate(OfKind):
     crossings: Crossings = 1
     equation: Equation | None = None
     twist: Literal[1, -1] | None = None
-
-    uses_reversor = True
 
     def __post_init__(self) -> None:
         """Raises `InputError`, one line that begins with the field, for what could not be written as a claim."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
-from orbitproof.shared.claims.fields import Crossings, Id, Identifier, Numbers, Rows
+from orbitproof.shared.claims.fields import Crossings, Id, Identifier, Numbers, Rows, Vector
 from orbitproof.shared.claims.without_symmetry import WithoutSymmetry, check_numbers, check_positive, refuse
 from orbitproof.shared.stored import Rational
 from orbitproof.shared.systems import System

@@ -49,7 +49,6 @@ class PeriodicCurveClaim:
 
     symmetry = None
     is_of_symmetric_curve = False
-    begins_at, ends_at = Fraction(-1), Fraction(1)
 
     @property
     def is_closed(self) -> bool:

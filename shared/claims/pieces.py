@@ -163,9 +163,7 @@ class BirthPiece:
     tube: Numbers
 
     kind = "birth"
-    is_symmetric, is_of_curve = False, False
-    can_be_halved = False
-    """It is proved on intervals about its middle, and no half of one is shorter (16.12)."""
+    is_symmetric = is_of_curve = can_be_halved = False
 
 
 AnyPiece = Piece | SurfacePiece | LibrationPiece | BirthPiece

@@ -46,6 +46,7 @@ from orbitproof.verify.web import (
     WebTheorem,
     conclude_web,
 )
+from orbitproof.verify.web.proved_web import LIBRATION_POINT
 from orbitproof.verify.words.web import web_in_words
 
 SCHEMA = "web-certificate"
@@ -117,6 +118,11 @@ class StoredVertex:
     kind: Identifier
     k: int
     level: arb
+
+    @property
+    def is_libration_point(self) -> bool:
+        """Whether it is none of the certified orbits."""
+        return self.kind == LIBRATION_POINT
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,7 @@ from fractions import Fraction
 
 from flint import acb, arb
 
-from orbitproof.shared.claims.candidate import KREIN_COLLISION, OfKind
-from orbitproof.shared.formats import Atlas
+from orbitproof.shared.claims import Atlas, OfKind
 from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve.followed import Partner, Point, no_partner
 from orbitproof.verify.curve.gluing import Chain, Stretch
@@ -112,11 +111,6 @@ class Bifurcation(OfKind):
     is_foreign: bool = False
     reversor: str | None = None
     stability: tuple[acb, ...] = ()
-
-    @property
-    def has_colliding_multipliers(self) -> bool:
-        """Whether it is certified that two pairs of multipliers meet there."""
-        return self.kind == KREIN_COLLISION
 
     def found(self, place: PlaceOnCurve | str) -> Bifurcation:
         """The bifurcation with its place on the curve, or with why it has none."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Protocol
+from typing import Any
 
 from flint import arb
 
@@ -15,22 +15,6 @@ from orbitproof.verify.evidence import Evidence, all_finite, enclose, exact_inte
 
 _TRIALS = 32
 """Places along a piece where the next one is looked for, from its end backwards."""
-
-
-class Course(Protocol):
-    """Where a curve in pieces begins and ends, as a claim of whatever kind has it."""
-
-    @property
-    def goes_round(self) -> bool:
-        """Whether its last piece leads into its first."""
-
-    @property
-    def begins_at(self) -> Fraction:
-        """The s at which it begins in its first piece, if it does not go round."""
-
-    @property
-    def ends_at(self) -> Fraction:
-        """The s at which it ends in its last piece, if it does not go round."""
 
 
 @dataclass(frozen=True)
@@ -88,8 +72,8 @@ class Chain:
         return first.tube.point(first.run, first.enters), last.tube.point(last.run, last.leaves)
 
 
-def follow(evidence: Evidence, claim: Course, tubes: Sequence[Tube]) -> Chain | None:
-    """The curve through the tubes in order, as it is claimed; `None`, with the reason in `evidence`, if not.
+def follow(evidence: Evidence, claim: Any, tubes: Sequence[Tube]) -> Chain | None:
+    """The curve through the tubes in order, as it is claimed; `None`, with the reason in `evidence`, if there is none.
 
     An arc begins at s = -1 of the first piece and ends at s = 1 of the last; a symmetric arc begins at s = 0; a
     symmetric loop begins and ends at s = 0; a loop begins where its last piece enters the first.
@@ -98,7 +82,7 @@ def follow(evidence: Evidence, claim: Course, tubes: Sequence[Tube]) -> Chain | 
     if claim.goes_round:
         run, enters = (first.runs[-1], first.runs[-1].start) if first.runs else (None, Fraction(0))
     else:
-        enters = claim.begins_at
+        enters = Fraction(0 if claim.is_of_symmetric_curve else -1)
         run = next((run for run in first.runs if run.start <= enters < run.end), None)
     if run is None:
         evidence.require(False, _nothing_proved(first, enters, f"s = {_decimal(enters)}"))
@@ -109,7 +93,7 @@ def follow(evidence: Evidence, claim: Course, tubes: Sequence[Tube]) -> Chain | 
     successors = [*tubes[1:], *([first] if claim.goes_round else [])]
     for number, tube in enumerate(tubes):
         if number == len(successors):
-            leaves = claim.ends_at
+            leaves = Fraction(0 if claim.is_closed else 1)
             evidence.require(reached < leaves, f"piece {tube.piece.id} is entered after s = {leaves}, its end")
             evidence.require(
                 run.end >= leaves,

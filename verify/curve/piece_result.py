@@ -80,8 +80,7 @@ class IntervalResult:
     slope_deviation: Bounds = ()
     time: arb | None = None
 
-    stability = twist = multipliers = cast(Any, None)
-    parts = cast(Any, ())
+    stability, twist, multipliers, parts = cast(Any, (None, None, None, ()))
     """What further results of some kinds of branches have; of the others it was not asked."""
 
     stored_rules: ClassVar = {

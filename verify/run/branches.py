@@ -135,6 +135,7 @@ class AtlasRun:
             piece,
             results,
             self._attempts,
+            # A piece of a birth is proved on intervals about its middle, and no half of one is shorter (16.12).
             self.limits.max_splits if piece.can_be_halved else 0,
             self._lacks,
             HALVED_FOR_LASTING if lasting else 0,

@@ -32,19 +32,9 @@ class Kind(Enum):
     TWISTLESS = "twistless"
 
     @property
-    def names_bifurcation(self) -> bool:
-        """Whether it says which bifurcation is there, where a parameter of stability is 1."""
-        return self in (Kind.FOLD, Kind.LOSS, Kind.SYMMETRIC, Kind.IN_PLANE)
-
-    @property
     def is_birth(self) -> bool:
         """Whether orbits out of the plane are born there."""
         return self in (Kind.ACROSS_AXIAL, Kind.ACROSS_SYMMETRIC)
-
-    @property
-    def is_singular(self) -> bool:
-        """Whether the derivative of the half return is singular at one point of the orbit."""
-        return self in (Kind.HERE, Kind.THERE)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from flint import arb
 
-from orbitproof.shared.formats import FOLD, REVERSOR_BREAKING, Atlas
+from orbitproof.shared.formats import FOLD, KREIN_COLLISION, REVERSOR_BREAKING, Atlas
 from orbitproof.shared.systems import CR3BP_PLANAR, shown
 from orbitproof.verify.curve import Bifurcation
 from orbitproof.verify.evidence import EmptyIntersectionError, enclose, is_below
@@ -62,23 +62,22 @@ def with_certificates(
         if len(here) == 1 and not is_open:
             found = result[here[0]]
             if not halved and found.kind is (Kind.HERE if place.other_point else Kind.THERE):
-                raise EmptyIntersectionError(
-                    f"{shown(entry.id)} is certified at one point of the orbit, found at the other"
-                )
-            if found.kind.names_bifurcation and found.kind not in _KINDS.get(entry.kind, ()):
+                names = "certified at one point of the orbit, found at the other"
+                raise EmptyIntersectionError(f"{shown(entry.id)} is {names}")
+            known = found.kind in (Kind.FOLD, Kind.LOSS, Kind.SYMMETRIC, Kind.IN_PLANE)
+            if known and found.kind not in _KINDS.get(entry.kind, ()):
                 names = f"certified as a {entry.kind}, found is: {name_of(found.kind)}"
                 raise EmptyIntersectionError(f"{shown(entry.id)} is {names}")
             result[here[0]] = replace(found, certificates=(*found.certificates, entry.id))
         elif not here and not is_open:
-            raise EmptyIntersectionError(
-                f"{shown(entry.id)} is certified on the curve, but is no zero of its characteristic"
-            )
+            names = "certified on the curve, but is no zero of its characteristic"
+            raise EmptyIntersectionError(f"{shown(entry.id)} is {names}")
     return tuple(result)
 
 
 def _is_of(entry: Bifurcation, kind: Kind, k: int, halved: bool) -> bool:
     """Whether a point of the list is a zero of the function that vanishes at a certified one."""
-    if entry.has_colliding_multipliers:
+    if entry.kind == KREIN_COLLISION:
         return kind is Kind.COLLISION
     # A square root of 1 is 1 or -1.
     return k in ((1, 2) if halved else (entry.k,))
@@ -86,7 +85,7 @@ def _is_of(entry: Bifurcation, kind: Kind, k: int, halved: bool) -> bool:
 
 def _may_hide(gap: Gap, entry: Bifurcation, piece: str, s: arb, halved: bool) -> bool:
     """Whether the certified point at s may be one that is not listed."""
-    if entry.has_colliding_multipliers:
+    if entry.kind == KREIN_COLLISION:
         is_about = gap.subject in (Matter.EVERYTHING, Matter.COLLISION)
     else:
         is_resonance = isinstance(gap.subject, Resonance) and gap.subject.k in ((1, 2) if halved else (entry.k,))

@@ -109,7 +109,7 @@ def statement(
     lines += [f"- {point_in_words(atlas, point)}" for point in listed]
     lines += _of_vertical_orbits(atlas, found)
     lines += _of_axial_orbits(atlas)
-    if any(point.kind.is_singular for point in listed):
+    if any(point.kind in (Kind.HERE, Kind.THERE) for point in listed):
         lines.append(_A + _scaled(atlas))
     if found.has_few_parameters:
         collisions = [point_in_words(atlas, point) for point in found.points if not point.k]
