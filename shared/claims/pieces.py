@@ -56,7 +56,6 @@ class Piece:
     polynomial: Polynomials
     tube: Numbers
     coordinates: Coordinates = stored(always=True, default="auto")
-
     is_of_curve = can_be_halved = True
 
     @property

@@ -10,7 +10,7 @@ from support.stored import values
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.atlas.certified import Examine, certified_point
 from orbitproof.verify.atlas.curve_conclusion import partner as partner_here
-from orbitproof.verify.atlas.curve_conclusion import told
+from orbitproof.verify.atlas.curve_conclusion import told_list
 from orbitproof.verify.certificate import Certificate, recheck
 from orbitproof.verify.curve import Conclusion, Partner, ProvedCurve
 from orbitproof.verify.curve import conclude as conclude_of_points
@@ -38,10 +38,10 @@ def with_complete_list(
     combinations: bool = False,
 ) -> dict[str, Any]:
     """The conclusion with the list of an order, as JSON."""
-    return told(conclude_list(atlas, values(results), curve, order, combinations))
+    return told_list(conclude_list(atlas, values(results), curve, order, combinations))
 
 
 def with_lasting(atlas: Atlas, results: Sequence[Mapping[str, Any]], order: int = 4) -> dict[str, Any]:
     """The conclusion with the list, and which orbits are stable for ever, as JSON."""
     found: Any = values(results)
-    return told(conclude_lasting(atlas, found, conclude_list(atlas, found, conclude(atlas, results), order)))
+    return told_list(conclude_lasting(atlas, found, conclude_list(atlas, found, conclude(atlas, results), order)))

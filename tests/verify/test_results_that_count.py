@@ -107,7 +107,6 @@ def test_every_coefficient_of_multipliers_has_to_be_found_again() -> None:
         (result_of(UNKNOWN), "not enclosed again"),
         (result_of(None), "not enclosed again"),
         (result_of(multipliers(1, 2)), "another number"),
-        (None, "not enclosed again"),
     ):
         (found,) = unconfirmed_multipliers(result_of(known), fresh)
         assert why in found

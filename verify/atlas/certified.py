@@ -54,11 +54,11 @@ def certified_point(atlas: Atlas, certificate: Certificate, examine: Examine) ->
 
 def _shifting(certificate: Certificate, system: ReversibleSystem) -> tuple[str, ...]:
     """The symmetries that are shown to shift the orbit by half its period (Lemma 27.6)."""
+    found: BreakingResults = certificate.results
+    if getattr(found, "direction", None) is None:
+        return ()
     known = {**SYSTEMS, system.name: system}
     candidate = candidate_from_json(certificate.statement["candidate"], "statement.candidate", known)
-    if not candidate.loses_reversor:
-        return ()
-    found: BreakingResults = certificate.results
     return tuple(name for name in system.symmetries if is_shifted_by(candidate, found, name))
 
 
