@@ -337,7 +337,19 @@ def make_certificate(
     enclosures: Found | None = None,
     form: Candidate | None = None,
 ) -> Certificate:
-    """The certificate of one candidate.
+    """The certificate of one candidate, as of `certified`, which has to fit its schema."""
+    entry = certified(candidate, outcome, computation, enclosures, form)
+    return Certificate.from_json(entry, f"certificate {candidate.id!r}")
+
+
+def certified(
+    candidate: BoxClaim,
+    outcome: Outcome[Results],
+    computation: Computation,
+    enclosures: Found | None = None,
+    form: Candidate | None = None,
+) -> dict[str, Any]:
+    """The certificate of one candidate, as JSON.
 
     `enclosures` are what the conditions were evaluated from, if it came to that; `form` as in `Kind.statement`.
     """
@@ -358,7 +370,7 @@ def make_certificate(
         software=software(),
     )
     entry = to_json(certificate)
-    return Certificate.from_json({**entry, "digest": digest(entry)}, f"certificate {candidate.id!r}")
+    return {**entry, "digest": digest(entry)}
 
 
 def _told(claim: AnyStatement, candidate: BoxClaim, theorem: Theorem, results: Results) -> AnyStatement:

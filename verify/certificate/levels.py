@@ -213,6 +213,7 @@ class Examination:
     notes: tuple[str, ...] = ()
     open_place: str = ""
     rendered: Mapping[str, Any] | None = None
+    stated: Any = None
 
     def in_data(self, findings: Iterable[Finding], rendered: Mapping[str, Any]) -> Iterator[Finding]:
         """The findings that are not about words; if some are, the words of `rendered` are to be printed.

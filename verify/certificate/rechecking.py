@@ -19,8 +19,8 @@ from orbitproof.shared.formats import BoxClaim, Candidate, claim_from_json, vali
 from orbitproof.shared.systems import SYSTEMS, shown
 from orbitproof.verify.certificate.certificate import (
     Certificate,
+    certified,
     digest,
-    make_certificate,
     rows_document,
     schema_of,
 )
@@ -189,7 +189,7 @@ def _computation(certificate: Entry) -> Computation:
 
 def _form(entry: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
     certificate = entry.document
-    stated = _read(certificate)
+    stated = examination.stated = _read(certificate)
     yield from taken_names(stated.candidate.system, certificate["software"])
     theorem = theorem_of(stated.candidate, stated.form)
     names = tuple(hypothesis["name"] for hypothesis in certificate["hypotheses"])
@@ -209,8 +209,7 @@ def _form(entry: Certificate, given: Given, examination: Examination) -> Iterato
 
 
 def _conclusion(entry: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
-    certificate = entry.document
-    stated = _read(certificate)
+    certificate, stated = entry.document, examination.stated
     again = _derived(certificate, stated)
     examination.hypotheses = len(again["hypotheses"])
     if stated.candidate.system.name not in SYSTEMS:
@@ -241,7 +240,7 @@ def _derived(certificate: Entry, stated: _Stated) -> dict[str, Any]:
     outcome = _conclude(stated.claim, precision if stated.enclosures else LEAST_PRECISION, stated.enclosures)
     if stated.form is not None:
         outcome = for_origin(stated.candidate, outcome, precision)
-    again = make_certificate(stated.candidate, outcome, computation, stated.enclosures, stated.form).to_json()
+    again = certified(stated.candidate, outcome, computation, stated.enclosures, stated.form)
     return {**again, "statement": named_as(certificate["statement"], again["statement"])}
 
 
@@ -302,8 +301,7 @@ def _integration(entry: Certificate, given: Given, examination: Examination) -> 
 
     Each enclosure has to be confirmed by one of them; what is said of hypotheses and results follows from these.
     """
-    certificate = entry.document
-    stated = _read(certificate)
+    certificate, stated = entry.document, examination.stated
     stored = stated.enclosures
     if stored is None:
         raise NothingToCheckError(NOT_INTEGRATED.format(what="enclosures"))

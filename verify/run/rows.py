@@ -180,7 +180,7 @@ def certify_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, An
     """What one process does: the certificate, or why there is none."""
     try:
         candidate = claim_from_json(argument["candidate"], "candidate")
-        return {"certificate": certify_on_some_box(candidate, Limits(**argument["limits"]), report).to_json()}
+        return {"certificate": certify_on_some_box(candidate, Limits(**argument["limits"]), report).document}
     except Exception as error:
         return {"reason": asdict(broken_off("verification", error))}
 
