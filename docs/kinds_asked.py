@@ -19,7 +19,7 @@ ROOMS = ("shared", "verify", "explore", "figures", "src")
 OF_SOME_KINDS = re.compile(
     r"\w+(Theorem|Candidate|Claim|Atlas|Piece|Results?|Enclosures|Conclusion|Document|Statement|Kind|Certificate)"
     r"|(Candidate|InSection|BoxClaim|Atlas|Piece|Web|IndexAlong|CatalogueRows|Claim)"
-    r"|Periodic(Orbit|Bifurcation)|Certified\w+|Checked\w+"
+    r"|Periodic(Orbit|Bifurcation)|Equilibrium|HopfPoint|Certified\w+|Checked\w+"
 )
 """Names of such classes."""
 

@@ -258,7 +258,7 @@ def _box_of_equilibrium(claim: Equilibrium | HopfPoint) -> Table:
         ((Math(to_latex(name)),), (Code(format_rational(value)),))
         for name, value in keyed_in_words(claim.system, claim.parameters).items()
     ]
-    if isinstance(claim, HopfPoint):
+    if claim.parameter is not None:
         varying = names.get(claim.parameter, claim.parameter)
         rows.append(((f"half-width of the interval of {varying}",), (Code(format_exact(claim.parameter_radius)),)))
         rows.append((("frequency, about",), (Code(format_exact(claim.frequency)),)))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from orbitproof.shared.claims.fields import Id, Identifier, Numbers, Rows
+from orbitproof.shared.claims.fields import Id, Identifier, Numbers, Rows, Vector
 from orbitproof.shared.claims.without_symmetry import WithoutSymmetry, check_numbers, check_positive, refuse
 from orbitproof.shared.stored import Rational, stored
 from orbitproof.shared.systems import System
@@ -46,6 +46,7 @@ class Equilibrium(_OfEquilibria):
     provenance: Mapping[str, Any] = stored(always=True, default_factory=dict)
 
     kind = EQUILIBRIUM
+    parameter = None
 
     def __post_init__(self) -> None:
         """Raises `InputError`, one line that begins with the field, for what could not be written as a claim."""
@@ -54,6 +55,11 @@ class Equilibrium(_OfEquilibria):
         self.check_lengths({"centre": size, "radii": size})
         check_numbers({"centre": [self.centre], "radii": [self.radii]})
         check_positive("radii", self.radii)
+
+    @property
+    def half_widths(self) -> Vector:
+        """Those of the box."""
+        return self.radii
 
     def __repr__(self) -> str:
         return f"<Equilibrium {self.id!r}: of {self.system.name}>"
@@ -120,6 +126,11 @@ class HopfPoint(_OfEquilibria):
             refuse("frequency", "its interval is not positive", "give a positive one, or a smaller half-width")
         if not any(map(any, self.kernel)):
             refuse("kernel", "it is zero", "give an eigenvector")
+
+    @property
+    def half_widths(self) -> Vector:
+        """Those of the box, then of parameter, frequency and eigenvector."""
+        return (*self.radii, self.parameter_radius, self.frequency_radius, self.kernel_radius)
 
     def __repr__(self) -> str:
         return f"<HopfPoint {self.id!r}: while {self.parameter} varies, of {self.system.name}>"

@@ -120,10 +120,7 @@ def periodic_precision(claim: InSection, digits: int) -> int:
 
 def equilibrium_precision(claim: Equilibrium | HopfPoint, digits: int) -> int:
     """Bits to begin with at an equilibrium: nothing is integrated, and few are lost."""
-    radii = claim.radii
-    if isinstance(claim, HopfPoint):
-        radii = (*radii, claim.parameter_radius, claim.frequency_radius, claim.kernel_radius)
-    widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in radii)
+    widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in claim.half_widths)
     wanted = widths + ceil(digits * _BITS_PER_DIGIT) + 2 * _RESERVE
     return max(LEAST_PRECISION, -(-wanted // 8) * 8)
 

@@ -100,7 +100,7 @@ def hopf_in_full(claim: HopfPoint, theorem: str, found: HopfResults) -> Iterator
 
 
 def _field_in_words(claim: Equilibrium | HopfPoint) -> str:
-    varying = claim.parameter if isinstance(claim, HopfPoint) else None
+    varying = claim.parameter
     fixed = {name: value for name, value in claim.parameters.items() if name != varying}
     named = ", ".join(keyed_in_words(claim.system, fixed))
     return f"{claim.system.title}{f' ({named} as in the candidate)' if named else ''}"
