@@ -10,9 +10,9 @@ from .formats import load_system as load_system
 from .formats import read_atlas as read_atlas
 from .formats import read_candidates as read_candidates
 from .formats import read_catalogue_rows as read_catalogue_rows
-from .formats import read_web as read_web
 from .formats import write_atlas as write_atlas
 from .formats import write_candidates as write_candidates
+from .formats.web import read_web as read_web
 from .numbers import format_exact as format_exact
 from .numbers import parse_exact as parse_exact
 from .systems import CR3BP as CR3BP

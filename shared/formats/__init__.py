@@ -82,5 +82,4 @@ from orbitproof.shared.formats.periodic_curve import (
 from orbitproof.shared.formats.pieces import periodic_piece_from_json, piece_from_json
 from orbitproof.shared.formats.selection import select_ids
 from orbitproof.shared.formats.systems import define_system, load_system, under_reversor
-from orbitproof.shared.formats.web import read_web, web_from_json
 from orbitproof.shared.output import check_writable, write_bytes, write_text

@@ -34,7 +34,8 @@ from support.stored import values
 from orbitproof import verify
 from orbitproof.shared.claims import Claim, Covers
 from orbitproof.shared.claims.web import BRANCHES, ENDS, PASSES, Meeting, Web, WebArc
-from orbitproof.shared.formats import InputError, read_atlas, read_web, web_from_json
+from orbitproof.shared.formats import InputError, read_atlas
+from orbitproof.shared.formats.web import read_web, web_from_json
 from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.atlas import certified_web, resting

@@ -10,7 +10,7 @@ from flint import arb
 
 from orbitproof.shared.claims.fields import Crossings, Id, Identifier, PieceId, Title
 from orbitproof.shared.claims.web import How, Web, WebArc
-from orbitproof.shared.formats import web_from_json
+from orbitproof.shared.formats.web import web_from_json
 from orbitproof.shared.stored import rules
 from orbitproof.shared.wording import counted
 from orbitproof.verify.atlas.certified import certified_point

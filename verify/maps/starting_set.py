@@ -10,7 +10,7 @@ from orbitproof.shared.systems import Program
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow import LEAST_ERROR
-from orbitproof.verify.poincare import BOX_RATIO, default_order, defined_values, grade_bits
+from orbitproof.verify.poincare import BOX_RATIO, default_order, grade_bits
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,11 @@ class StartingSet:
         rows = range(len(self.centre))
         values = [self.element(arithmetic, [Fraction(int(i == row)) for i in rows], Fraction(0)) for row in rows]
         state, parameters = values[: self.size], values[self.size :]
-        return [*state, *defined_values(self.defined, state, parameters)], parameters
+        if self.defined:
+            from orbitproof.verify.poincare.functions import defined_values
+
+            state = [*state, *defined_values(self.defined, state, parameters)]
+        return state, parameters
 
 
 def _dot(left: Sequence[Fraction], right: Sequence[Fraction]) -> Fraction:

@@ -19,7 +19,6 @@ from orbitproof.shared.formats import (
     read_atlas,
     read_catalogue_rows,
     read_claims,
-    read_web,
     stated_format,
 )
 from orbitproof.shared.numbers import parse_exact
@@ -87,7 +86,7 @@ def _branch(claims: Sequence[Any], asked: Asked) -> list[Certificate]:
 
 def _web(claims: Sequence[Any], asked: Asked) -> list[Certificate]:
     from orbitproof.shared.codec import to_json
-    from orbitproof.shared.formats import web_from_json
+    from orbitproof.shared.formats.web import web_from_json
     from orbitproof.verify.atlas import claiming_indices
     from orbitproof.verify.run.web_command import certify_the_web
 
@@ -168,7 +167,11 @@ def read_any_claims(path: Path) -> list[AnyClaim]:
         return list(read_claims(path))
     if schema == "atlas":
         return [read_atlas(path)]
-    return [read_web(path) if schema == "web" else read_catalogue_rows(path)]
+    if schema == "web":
+        from orbitproof.shared.formats.web import read_web
+
+        return [read_web(path)]
+    return [read_catalogue_rows(path)]
 
 
 def _part(claim: object) -> str:
