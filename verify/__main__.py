@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from collections.abc import Mapping, Sequence
 from importlib import import_module
@@ -47,7 +48,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if remedy:
             print(f"error: {words[0]}: there is no such command and no such file{remedy}", file=sys.stderr)
             return 2
-    code: int = import_module(f"orbitproof.verify.run.{_COMMANDS[name]}").main(words)
+    # While modules are loaded all that is made stays: nothing has to be looked for that could go.
+    gc.disable()
+    try:
+        command = import_module(f"orbitproof.verify.run.{_COMMANDS[name]}")
+    finally:
+        gc.enable()
+    gc.freeze()
+    code: int = command.main(words)
     return code
 
 

@@ -17,7 +17,6 @@ from orbitproof.verify.certificate import LEVELS, Certificate, Limits, Recheck, 
 from orbitproof.verify.certificate.kinds import kind_of
 from orbitproof.verify.evidence import GREATEST_PRECISION, LEAST_PRECISION
 from orbitproof.verify.run import CHECK_SECONDS, ArgumentParser, Workplace, interrupted, whole_number
-from orbitproof.verify.run.checking_again import checked_again
 from orbitproof.verify.run.row_tables import recheck_table, rechecks_as_json, verdict_text, verdicts_as_json
 from orbitproof.verify.run.rows import RowRun
 
@@ -140,6 +139,8 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
 
 
 def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
+    from orbitproof.verify.run.checking_again import checked_again
+
     for name in ("output", "fresh"):
         if getattr(options, name):
             raise InputError(f"--{name}: --recheck writes no file; leave it out")
