@@ -18,6 +18,7 @@ from orbitproof.figures.orbits import Array
 from orbitproof.shared.formats import AnyAtlas, InputError, Piece
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import System
+from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.certificate import Certificate, read_certificate
 from orbitproof.verify.poincare import PHYSICAL
 
@@ -134,7 +135,7 @@ class Curve:
     @property
     def coordinates(self) -> tuple[str, ...]:
         """Names of the coordinates of its points."""
-        return self.atlas.coordinates
+        return kind_of(self.atlas).coordinates(self.atlas)
 
     @property
     def has_parameter(self) -> bool:

@@ -21,6 +21,7 @@ from orbitproof.shared.claims import (
 )
 from orbitproof.shared.formats import (
     ArgumentError,
+    BoxClaim,
     InputError,
     InSection,
     read_candidates,
@@ -376,8 +377,9 @@ def _points(path: Path) -> list[CertifiedPoint]:
     for entry in read_certificates(path).values():
         claim = entry.candidate
         name = getattr(claim, "parameter", None)
-        if entry.proved and claim.kind in _POINTS and isinstance(name, str):
-            found.append(CertifiedPoint(claim.system.name, _POINTS[claim.kind], name, float(claim.parameters[name])))
+        what = _POINTS.get(claim.kind)
+        if entry.proved and what is not None and isinstance(name, str):
+            found.append(CertifiedPoint(claim.system.name, what, name, float(claim.parameters[name])))
     return found
 
 

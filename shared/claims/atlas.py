@@ -68,19 +68,9 @@ class Claim:
         return self.is_closed and not self.is_of_symmetric_curve
 
     @property
-    def setting(self) -> tuple[Any, ...]:
-        """What a proof of a piece depends on beside the piece, the system and its parameters."""
-        return self.symmetry, self.crossings
-
-    @property
     def is_of_surface(self) -> bool:
         """Whether it is about a surface over the parameters."""
         return self.kind == SURFACE
-
-    @property
-    def needs_symmetry(self) -> bool:
-        """Whether a claim of this kind is about a symmetry."""
-        return self.is_of_symmetric_curve or self.is_of_surface
 
 
 @dataclass(frozen=True, repr=False)
@@ -106,7 +96,6 @@ class Atlas:
     claim: Claim
     pieces: Pieces
     provenance: Mapping[str, Any] = stored(always=True, default_factory=dict)
-
     is_of_symmetric_orbits = True
 
     def __repr__(self) -> str:
@@ -117,11 +106,6 @@ class Atlas:
     def is_surface(self) -> bool:
         """Whether the claim is about a surface over the parameters."""
         return self.claim.is_of_surface
-
-    @property
-    def coordinates(self) -> tuple[str, ...]:
-        """Names of the coordinates of a point."""
-        return self.system.centre_coordinates
 
     def curve_pieces(self) -> tuple[Piece, ...]:
         """The pieces of a curve; none for a surface."""

@@ -129,7 +129,7 @@ def claim_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
         refuse("kind", f"{claim.kind!r} of {system.name}", "period doublings over the mass are claimed as an arc")
     if claim.symmetry is not None and claim.symmetry not in system.symmetries:
         refuse("symmetry", f"{system.name} has no symmetry {claim.symmetry!r}", f"known: {known}")
-    if claim.symmetry is None and claim.needs_symmetry:
+    if claim.symmetry is None and (claim.is_of_symmetric_curve or claim.is_of_surface):
         refuse("symmetry", f"{claim.kind} without a symmetry", f"name one; {system.name} has: {known}")
     for position, name in enumerate(claim.increasing):
         if name not in system.centre_coordinates or name in claim.increasing[:position]:

@@ -160,8 +160,9 @@ def well_formed(document: Mapping[str, Any], path: Path) -> None:
 def results_for(certificate: Certificate, atlas: AnyAtlas) -> list[Result]:
     """The stored results that are about an atlas: of this software, of the same claim, of pieces that are unchanged."""
     before = certificate.atlas
+    setting = kind_of(atlas).setting
     same_system = before.system == atlas.system and before.parameters == atlas.parameters
-    same_claim = same_system and before.claim.setting == atlas.claim.setting
+    same_claim = same_system and kind_of(before) is kind_of(atlas) and setting(before) == setting(atlas)
     if not same_claim or differs_here(certificate.document["software"]):
         return []
     unchanged = {piece.id for piece in atlas.pieces if piece in before.pieces}

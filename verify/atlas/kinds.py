@@ -31,6 +31,8 @@ class BranchKind(Kind):
         contradictions, unconfirmed: of the stored result and a new one of an interval at a place, what cannot both be
             true, and what the new one does not confirm besides.
         asked: of a stored result, what is to be looked at besides when it is proved again, as of `ProvedBefore`.
+        coordinates: names of those of a point, from the atlas.
+        setting: what the proof of a piece depends on beside the piece, the system and its parameters, from the atlas.
         in_question: what the proof of an interval is asked besides, from the atlas.
         more_at_next: by how much more the settings of a second attempt are than is usual.
         holds_points: whether certified orbits are looked for on such a branch, and resonances listed: a curve of
@@ -49,6 +51,8 @@ class BranchKind(Kind):
     contradictions: Callable[[Any, Any, str], Iterator[Finding]] = lambda stored, fresh, place: iter(())
     unconfirmed: Callable[[Any, Any, str], Iterator[Finding]] = lambda stored, fresh, place: iter(())
     asked: Callable[[Any], Mapping[str, Any]] = lambda result: {}
+    coordinates: Callable[[Any], tuple[str, ...]] = lambda atlas: atlas.system.centre_coordinates
+    setting: Callable[[Any], tuple[Any, ...]] = lambda atlas: (atlas.claim.symmetry, atlas.claim.crossings)
     in_question: Callable[[Any], Mapping[str, Any]] = lambda atlas: {}
     more_at_next: Mapping[str, int] = field(default_factory=dict)
     holds_points: bool = False

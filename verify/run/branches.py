@@ -211,7 +211,9 @@ class AtlasRun:
         if not piece.is_of_curve:
             return ""
         start, end = interval
-        values = zip(self.atlas.coordinates, cast(Piece, piece).point((start + end) / 2), strict=True)
+        values = zip(
+            kind_of(self.atlas).coordinates(self.atlas), cast(Piece, piece).point((start + end) / 2), strict=True
+        )
         return ", near " + ", ".join(f"{coordinate} = {float(value):.6g}" for coordinate, value in values)
 
     def _tell(self, display: Display, name: str, result: Result) -> None:

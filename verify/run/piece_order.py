@@ -23,7 +23,9 @@ def longest_first(atlas: AnyAtlas, settings: Settings) -> list[str]:
     parameters = {name: float(value) for name, value in atlas.parameters.items()}
     try:
         middles = [map(float, piece.point(Fraction(0))) for piece in pieces]
-        points = [{**parameters, **dict(zip(atlas.coordinates, middle, strict=True))} for middle in middles]
+        points = [
+            {**parameters, **dict(zip(curve.system.centre_coordinates, middle, strict=True))} for middle in middles
+        ]
     except ValueError:
         # A piece with other numbers of coordinates is refused when it is proved.
         return names
