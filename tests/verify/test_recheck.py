@@ -33,6 +33,7 @@ from orbitproof.verify.certificate import (
     Recheck,
     certify,
     digest,
+    make_certificate,
     read_certificates,
     recheck,
     rechecking,
@@ -369,7 +370,7 @@ def test_tables_of_another_box_are_found_by_integrating(proved: Certificate) -> 
     stored = MODULE._stored_enclosures(entry, candidate)
     assert stored is not None
     outcome = MODULE._conclude(candidate, entry["computation"]["precision"], stored)
-    consistent = MODULE.make_certificate(candidate, outcome, Computation(**entry["computation"]), stored)
+    consistent = make_certificate(candidate, outcome, Computation(**entry["computation"]), stored)
     assert recheck(consistent).stands
     result = recheck(consistent, integrate=True)
     assert not result.stands
