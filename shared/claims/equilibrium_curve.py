@@ -30,13 +30,18 @@ class EquilibriumCurveClaim:
     covers: Covers | None = None
 
     symmetry = level = None
-    uses_integral = False
+    uses_integral = is_of_symmetric_curve = False
     crossings = 1
 
     @property
     def is_closed(self) -> bool:
         """Whether the curve is claimed to be closed."""
         return self.kind == "equilibrium-loop"
+
+    @property
+    def goes_round(self) -> bool:
+        """Whether its last piece leads into its first."""
+        return self.is_closed
 
     def coordinates(self, system: System) -> tuple[str, ...]:
         """Names of the coordinates of a point: the parameter that varies, then the state."""

@@ -110,7 +110,7 @@ def _check_curve(checklist: Checklist, atlas: EquilibriumAtlas, results: Sequenc
     remedy = "write the atlas again with more overlap, wider tubes, or narrower pieces where they are not proved"
     found: Chain | None = None
     with checklist.hypothesis("curve", "37.3", statement, remedy) as evidence:
-        found = follow(evidence, "loop" if claim.is_closed else "arc", tubes)
+        found = follow(evidence, claim, tubes)
     assert found is not None
     for name in claim.increasing:
         check_increasing(checklist, atlas.coordinates, system, found, name)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 from orbitproof.shared.claims import EQUILIBRIUM_CURVES, EquilibriumAtlas
-from orbitproof.shared.formats import atlas_to_json
+from orbitproof.shared.formats import Piece, atlas_to_json
 from orbitproof.verify.atlas.document import PeriodicCurveStatement
 from orbitproof.verify.atlas.kinds import BranchKind
 from orbitproof.verify.atlas.recheck import OF_ANY_BRANCH
@@ -41,10 +41,9 @@ def told(found: Conclusion[ProvedEquilibriumCurve]) -> dict[str, Any]:
     """A conclusion as JSON, with its theorem in words."""
     if not isinstance(found.outcome, Proved):
         return whole_to_json(found, "", None)
-    assert isinstance(found.outcome.theorem, EquilibriumCurveTheorem)
-    known = found.outcome.results
+    theorem, known = cast(EquilibriumCurveTheorem, found.outcome.theorem), found.outcome.results
     more = {"folds": [to_json(fold) for fold in known.folds], "sides": [to_json(part) for part in known.sides]}
-    return whole_to_json(found, equilibrium_curve_in_words(found.outcome.theorem, known), known.chain, **more)
+    return whole_to_json(found, equilibrium_curve_in_words(theorem, known), known.chain, **more)
 
 
 KIND = BranchKind(
@@ -55,7 +54,11 @@ KIND = BranchKind(
     theorem=EquilibriumCurveTheorem,
     limits=EquilibriumLimits,
     about="equilibria",
-    result=lambda piece: IntervalResult,
+    results={Piece: IntervalResult},
+    coordinates=lambda atlas: atlas.coordinates,
+    setting=lambda atlas: atlas.claim.setting,
+    in_question=lambda atlas: {"claim": to_json(atlas.claim)},
+    more_at_next={"top": 1},
     statement=_statement,
     conclude=lambda atlas, results, *_: told(conclude_equilibria(atlas, results)),
     in_full=equilibrium_curve_in_full,
