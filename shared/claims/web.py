@@ -56,7 +56,10 @@ class Web:
     arcs: Annotated[tuple[WebArc, ...], rules(minItems=1, maxItems=10000)]
     connected: bool = True
 
-    kind = "web"
+    @property
+    def kind(self) -> str:
+        """What is claimed, as of other claims; a file says it by its format."""
+        return "web"
 
     @property
     def vertices(self) -> tuple[str, ...]:
