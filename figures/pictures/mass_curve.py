@@ -199,7 +199,7 @@ def _legend(figure: Figure, curves: list[CurveRecord]) -> None:
         digits = min(row.digits for curve in curves for row in curve.precise)
         handles.append(Line2D([], [], **_hollow("o", 3.6), label=f"located to {digits} digits"))
     for kind, marker in (("minimum", _MINIMUM), ("maximum", _MAXIMUM)):
-        if any(row.kind == kind for curve in curves for row in curve.extrema):
+        if kind in {row.kind for curve in curves for row in curve.extrema}:
             handles.append(Line2D([], [], **_hollow(marker, 5.0), label=f"{kind} of the Jacobi constant"))
     figure.legend(handles=handles[2:], loc="lower center", ncols=3, bbox_to_anchor=(0.5, 0.0))
     figure.legend(handles=handles[:2], loc="lower center", ncols=2, bbox_to_anchor=(0.5, 0.027))

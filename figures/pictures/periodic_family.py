@@ -45,7 +45,7 @@ def draw_periodic_family(record: PeriodicFamilyRecord) -> Figure:
     for each in record.bifurcations:
         _mark(left, each, each.orbit.period)
         _mark(right, each, _height(record, complex(*each.multiplier)))
-    kinds = [kind for kind in _MARKS if any(each.kind == kind for each in record.bifurcations)]
+    kinds = [kind for kind in _MARKS if kind in {each.kind for each in record.bifurcations}]
     handles = [Line2D([], [], label=kind, **_look(kind)) for kind in kinds]
     numerical = Line2D([], [], color=CURVE, label="double precision, nothing proved")
     legend_row(figure, [numerical, *handles], 0.06)

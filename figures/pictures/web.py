@@ -221,7 +221,7 @@ def draw_web(web: Certificate, curves: Mapping[str, Curve]) -> Figure:
     claims = sorted({(vertex.k, vertex.kind) for vertex in web.vertices if not vertex.is_libration_point})
     handles = [
         Line2D([], [], color=COLOURS[kind], linestyle=STYLES[kind], linewidth=1.6, label=words)
-        for kind, words in WORDS.items() if any(arc.kind == kind for arc in arcs)
+        for kind, words in WORDS.items() if kind in {arc.kind for arc in arcs}
     ]  # fmt: skip
     if any(arc.stable for arc in arcs):
         handles.append(Line2D([], [], color=INK, **_STABLE, label=f"linearly stable{in_the_plane(arcs)}"))

@@ -78,9 +78,12 @@ def atlas_without_symmetry(
 ) -> PeriodicAtlas:
     """An atlas of the kind of its claim."""
     more = {} if provenance is None else {"provenance": provenance}
-    if isinstance(claim, EquilibriumCurveClaim):
-        return EquilibriumAtlas(name, title, system, parameters, claim, pieces, **more)
-    return PeriodicAtlas(name, title, system, parameters, claim, pieces, **more)
+    made: Any = _ATLASES[type(claim)]
+    atlas: PeriodicAtlas = made(name, title, system, parameters, claim, pieces, **more)
+    return atlas
+
+
+_ATLASES = {PeriodicCurveClaim: PeriodicAtlas, EquilibriumCurveClaim: EquilibriumAtlas}
 
 
 def curve_claim_from_json(entry: Mapping[str, Any], source: str) -> PeriodicCurveClaim | EquilibriumCurveClaim:

@@ -18,6 +18,7 @@ from orbitproof.shared.formats import (
     BirthPiece,
     EquilibriumAtlas,
     LibrationPiece,
+    PeriodicAtlas,
     Piece,
     SurfacePiece,
     atlas_without_symmetry,
@@ -197,12 +198,18 @@ def _periodic(argument: Mapping[str, Any], stepped: Callable[[float], None]) -> 
     parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
     start, end = (parse_exact(text) for text in argument["interval"])
     atlas = atlas_without_symmetry(piece.id, piece.id, system, parameters, claim, (piece,))
-    if isinstance(atlas, EquilibriumAtlas):
-        limits = EquilibriumLimits(**argument["integrator"])
-        return prove_equilibrium_piece(atlas, piece, (start, end), limits, stepped).stored
-    return prove_periodic_piece(
-        atlas, piece, (start, end), ORACLE, PeriodicLimits(**argument["integrator"]), stepped
-    ).stored  # fmt: skip
+    return _WITHOUT_SYMMETRY[type(atlas)](atlas, piece, (start, end), argument["integrator"], stepped)
+
+
+def _of_equilibria(atlas: Any, piece: Piece, interval: Interval, given: Settings, stepped: Stepped) -> Result:
+    return prove_equilibrium_piece(atlas, piece, interval, EquilibriumLimits(**given), stepped).stored
+
+
+def _of_orbits(atlas: Any, piece: Piece, interval: Interval, given: Settings, stepped: Stepped) -> Result:
+    return prove_periodic_piece(atlas, piece, interval, ORACLE, PeriodicLimits(**given), stepped).stored
+
+
+_WITHOUT_SYMMETRY = {PeriodicAtlas: _of_orbits, EquilibriumAtlas: _of_equilibria}
 
 
 def _system_of(argument: Mapping[str, Any]) -> ReversibleSystem:
