@@ -2,10 +2,7 @@
 
 The flow map over a given time and its derivative in the initial state and in the family parameter
 come from one call. Parameters and times are traced arguments, so that every mass parameter and
-every orbit shares the compiled code. The error of the orbit chooses the steps, and those of its derivatives where
-nearby orbits move faster (`runge_kutta.VARIATION_WEIGHT`).
-
-The loop is our own: diffrax's took three times as long to load and to compile, and as long to run.
+every orbit shares the compiled code. diffrax integrates; the error of the orbit alone chooses the steps.
 """
 
 from __future__ import annotations
@@ -14,14 +11,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import diffrax
 import jax
-import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
 from orbitproof.explore.flow.compilation import compiled, configure_jax
-from orbitproof.explore.flow.fields import beginning, extended_field, field_of
-from orbitproof.explore.flow.runge_kutta import MAX_STEPS, extended_in_loop, first_step, growth
+from orbitproof.explore.flow.fields import beginning, extended_field
+from orbitproof.explore.flow.integration import integrate
 from orbitproof.shared.systems import ReversibleSystem
 
 Vector = NDArray[np.float64]
@@ -106,46 +103,17 @@ def flow_of(system: ReversibleSystem) -> Flow:
 
 def _compile(system: ReversibleSystem) -> Flow:
     configure_jax()
-    return Flow(system, compiled(_integrator(system)))
-
-
-def _integrator(system: ReversibleSystem) -> Callable[..., tuple[jax.Array, ...]]:
-    """From a state, a time and parameters to the extended state and the velocity at the end, the path, its number of
-    states, and whether the end was reached."""
-    field = field_of(system)
+    steps = diffrax.SubSaveAt(t0=True, steps=True, fn=lambda _time, extended, _arguments: extended[0])
 
     def half_return(initial: jax.Array, time: jax.Array, parameters: jax.Array) -> tuple[jax.Array, ...]:
-        forward, sign, whole = extended_field(system, parameters), jnp.where(time < 0, -1.0, 1.0), jnp.abs(time)
-        start = beginning(system, initial, parameters)
-
-        def going(carry: tuple[jax.Array, ...]) -> jax.Array:
-            time, _, _, _, steps, _, _ = carry
-            return (time < whole) & (steps < MAX_STEPS)
-
-        def step(carry: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
-            time, now, velocity, length, steps, count, path = carry
-            left = whole - time
-            last = length >= left
-            taken = jnp.where(last, left, length)
-            end, slope, error = extended_in_loop(lambda extended: sign * forward(extended), now, taken)
-            accepted = error <= 1.0
-            stuck = ~(time + taken > time)
-            count = count + accepted
-            return (
-                jnp.where(accepted, jnp.where(last, whole, time + taken), time),
-                jnp.where(accepted, end, now),
-                jnp.where(accepted, sign * slope[0], velocity),
-                taken * growth(error),
-                jnp.where(stuck, MAX_STEPS, steps + 1),
-                count,
-                path.at[count].set(jnp.where(accepted, end[0], path[count])),
-            )
-
-        velocity = field(start[0], parameters)
-        path = jnp.zeros((MAX_STEPS + 1, start.shape[1])).at[0].set(start[0])
-        time, end, velocity, _, _, count, path = jax.lax.while_loop(
-            going, step, (0.0, start, velocity, first_step(start[0], velocity, whole), 0, 0, path)
+        slopes = extended_field(system, parameters)
+        end, solution, reached = integrate(
+            lambda _time, extended, _arguments: slopes(extended),
+            beginning(system, initial, parameters),
+            time,
+            extended=True,
+            save=steps,
         )
-        return end, velocity, path, count + 1, (time >= whole) & jnp.all(jnp.isfinite(end))
+        return end, slopes(end)[0], solution.ys[1], solution.stats["num_accepted_steps"] + 1, reached
 
-    return half_return
+    return Flow(system, compiled(half_return))

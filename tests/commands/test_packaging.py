@@ -211,12 +211,7 @@ sys.meta_path.insert(0, Missing())
     ("missing", "words", "extra"),
     [
         ("jax", ["-m", "orbitproof", "explore", "family", "--system", "falkner-skan", "-o", "f.json"], "explore"),
-        (
-            "diffrax",
-            ["-m", "orbitproof.explore", "periodic", "--system", "cr3bp", "--parameter", "mu=0.0121"]
-            + ["--triangular", "L4-long", "-o", "f.json"],
-            "explore",
-        ),
+        ("diffrax", ["-m", "orbitproof.explore", "family", "--system", "falkner-skan", "-o", "f.json"], "explore"),
         ("mpmath", ["-m", "orbitproof.explore", "candidates", "--system", "falkner-skan", "-o", "f.json"], "explore"),
         ("ccsds_ndm", ["-m", "orbitproof", "explore", "trajectory", "claims.json", "--oem", "o.oem"], "oem"),
         (

@@ -1,28 +1,19 @@
-"""The method of Dormand and Prince: its numbers, and one orbit as another integrator follows it."""
+"""One orbit, as another integrator follows it."""
 
 from __future__ import annotations
 
-import diffrax
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from orbitproof.explore.flow import flow_of
-from orbitproof.explore.flow.runge_kutta import _ERROR, _ROWS
 from orbitproof.shared.systems import CR3BP
 
 MU = 0.01215058560962404
 NEAR_THE_MOON = np.array([0.987635278996, 0.0, 0.00444275726548, 0.0, 2.31422648693, 0.0])
 
 
-def test_the_numbers_are_those_of_diffrax() -> None:
-    tableau = diffrax.Dopri8.tableau
-    assert [list(row) for row in _ROWS] == [row.tolist() for row in tableau.a_lower]
-    assert list(_ERROR) == tableau.b_error.tolist()
-    assert tableau.fsal
-
-
 def test_an_orbit_close_to_the_moon_goes_where_another_integrator_leads_it_both_ways() -> None:
-    for time in (0.68, -0.4, 0.0):
+    for time in (0.68, -0.4):
         found = flow_of(CR3BP).derivative(NEAR_THE_MOON, time, [MU])
         states = flow_of(CR3BP).samples(NEAR_THE_MOON, time, [MU])
         other = solve_ivp(
