@@ -36,6 +36,8 @@ _BY_ENDING = {
 """Tests of what is no code, beside those that name it."""
 
 _FOLDERS = tuple(ROOT / folder for folder in ("tests", "docs", "tests/faults", "src"))
+_LEAST = 3
+"""So many files are read also where the machine is busy."""
 _NAME = re.compile(r"[A-Za-z_][\w.]*")
 _LOADS = re.compile(r"'import_module'")
 
@@ -182,12 +184,16 @@ class Clock:
     """Ends the run of tests after so many seconds, and reads files in half of them; knows which were begun."""
 
     def __init__(self, seconds: float) -> None:
-        self.half = time.monotonic() + seconds / 2
-        self.end = self.half + seconds / 2
+        self.end = time.monotonic() + seconds
+        self.half: float | None = None
+        self.read = 0
         self.begun: set[str] = set()
 
     def pytest_pycollect_makemodule(self, module_path: Path, parent: Any) -> pytest.Module | None:
-        return Left.from_parent(parent, path=module_path) if time.monotonic() > self.half else None
+        now = time.monotonic()
+        self.half = self.half or (now + self.end) / 2
+        self.read += 1
+        return Left.from_parent(parent, path=module_path) if now > self.half and self.read > _LEAST else None
 
     def pytest_runtest_logstart(self, nodeid: str) -> None:
         self.begun.add(nodeid.partition("::")[0])
