@@ -37,6 +37,7 @@ from orbitproof.verify.certificate import (
     contradictions,
     decimals,
     differences,
+    make_certificate,
     overlap,
     recheck,
     systems_with,
@@ -362,9 +363,9 @@ def test_results_of_another_kind_are_not_read(point: Certificate) -> None:
 def unknown(change: Callable[[dict[str, Any]], Any] = lambda statement: None) -> dict[str, Any]:
     """The statement of a claim about a system that is not known here."""
     candidate, _ = springs("once")
-    claim = chapter.make_certificate(
-        candidate, NotProved(Reason("time", "it is late", "give it more")), COMPUTATION
-    ).to_json()["statement"]
+    claim = make_certificate(candidate, NotProved(Reason("time", "it is late", "give it more")), COMPUTATION).to_json()[
+        "statement"
+    ]
     claim["candidate"]["system"] = "somebody-elses"
     change(claim)
     return dict(claim)
