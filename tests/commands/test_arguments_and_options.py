@@ -142,7 +142,7 @@ def test_a_value_that_looks_like_an_argument_stays_as_it_is() -> None:
 
 SAYS_OPTION = re.compile(r'(?:InputError|ValueError)\(\s*f?"--')
 COMMAND_LINES = re.compile(
-    r"/commands/|__main__|_command\.py$|^explore/(search|names|atlases|trajectories|catalogues)/"
+    r"/commands/|__main__|_command\.py$|^explore/(three_body/)?(search|names|atlases|trajectories|catalogues)/"
 )
 
 
