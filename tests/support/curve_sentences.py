@@ -16,7 +16,7 @@ from support.springs import SPRINGS
 
 from orbitproof.shared.claims import Claim, Covers
 from orbitproof.shared.claims.web import BRANCHES, ENDS, PASSES, Meeting, Web, WebArc
-from orbitproof.shared.formats import Atlas, PeriodicAtlas, define_system, read_atlas
+from orbitproof.shared.formats import Atlas, EquilibriumAtlas, PeriodicAtlas, define_system, read_atlas
 from orbitproof.shared.systems import AROUND, AXIAL, CR3BP, CR3BP_PLANAR, VERTICAL, FixedLevel
 from orbitproof.verify.curve import (
     Bifurcation,
@@ -29,6 +29,7 @@ from orbitproof.verify.curve import (
 )
 from orbitproof.verify.distances import Ranges, Where
 from orbitproof.verify.distances.ranges import Extreme
+from orbitproof.verify.equilibrium_curve import EquilibriumCurveTheorem, Fold, ProvedEquilibriumCurve, SidedPart, Sides
 from orbitproof.verify.evidence import Hypothesis, Proved
 from orbitproof.verify.index import CountedOrbit, HalfTurns, IndexTheorem, Interval, ProvedIndex
 from orbitproof.verify.lasting import (
@@ -71,6 +72,7 @@ from orbitproof.verify.surface import Height, PlanarFamily, ProvedSurface, Surfa
 from orbitproof.verify.web import Arc, Incidence, IndexOnArc, Indices, KnownArc, ProvedWeb, Switch, Vertex, WebTheorem
 from orbitproof.verify.words.branches import branch_in_full, conclusion_in_words
 from orbitproof.verify.words.catalogue import catalogue_in_words
+from orbitproof.verify.words.equilibrium_curve import equilibrium_curve_in_full, equilibrium_curve_in_words
 from orbitproof.verify.words.index import index_in_words
 from orbitproof.verify.words.periodic_curve import periodic_curve_in_full, periodic_curve_in_words
 from orbitproof.verify.words.place import place_in_words
@@ -481,10 +483,34 @@ def surfaces() -> Told:
 # Curves without symmetry
 
 
+def _part(n: int, sides: Sides | None) -> SidedPart:
+    return SidedPart(("p001", "p001"), (Q(0), Q(1)), (ball(n), ball(n + 1)), ball(n + 2), sides)
+
+
+EQUILIBRIA: tuple[tuple[str, tuple[Fold, ...], tuple[SidedPart, ...]], ...] = (
+    ("", (), (_part(1, Sides(2, 0)),)),
+    (" / not decided", (), (_part(1, None),)),
+    (
+        " / folds and sides",
+        tuple(
+            Fold(is_maximum, is_regular, ("p001", "p001"), (Q(0), Q(1)), (ball(1), ball(2)), ball(3))
+            for is_maximum in (True, False) for is_regular in (True, False)
+        ),
+        (_part(1, Sides(2, 0)), _part(2, None), _part(3, Sides(1, 1)), _part(4, None), _part(5, Sides(1, 1))),
+    ),
+)  # fmt: skip
+
+
 def periodic_curves() -> Told:
     for name, make in CURVES.items():
         atlas = make().atlas
-        if isinstance(atlas, PeriodicAtlas):
+        if isinstance(atlas, EquilibriumAtlas):
+            ends = {"start": points(atlas.coordinates, 11), "end": points(atlas.coordinates, 21)}
+            for label, folds, sides in EQUILIBRIA:
+                found = ProvedEquilibriumCurve(NO_CHAIN, ends, folds, sides)
+                said = equilibrium_curve_in_words(EquilibriumCurveTheorem(atlas), found)
+                yield f"{name}{label}", equilibrium_curve_in_full(atlas, said)
+        elif isinstance(atlas, PeriodicAtlas):
             yield name, _periodic(atlas)
             claim, first = atlas.claim, atlas.coordinates[0]
             changes: dict[str, dict[str, Any]] = {
