@@ -209,11 +209,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("files", nargs="*", help="what has changed (default: what git says)")
     parser.add_argument("--seconds", type=float, default=60.0)
     options = parser.parse_args(arguments)
-    clock = Clock(options.seconds)
     tests = reached(options.files or changed())
     if not tests:
         print("no test can notice this change")
         return 0
+    clock = Clock(options.seconds)
     code = pytest.main(["-x", "-p", "no:cacheprovider", *tests], plugins=[clock])
     rest = "" if clock.begun >= set(tests) else "; make test runs the rest"
     print(f"tried {len(clock.begun)} of {len(tests)} files of tests that the change can reach{rest}")
