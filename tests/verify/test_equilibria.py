@@ -133,6 +133,18 @@ def test_false_claims_about_equilibria_are_not_proved(name: str) -> None:
     assert reason_of(claim) == condition
 
 
+@pytest.mark.parametrize(("place", "is_excluded"), [("1/16", False), ("1/8", True), ("-1/8", True)])
+def test_a_zero_at_the_edge_is_not_excluded(place: str, is_excluded: bool) -> None:
+    system = define_system({"name": "f", "state": "x y", "field": {"x": f"x - ({place})", "y": "y"}})
+    claim = Equilibrium("e", system, {}, (Q(0), Q(0)), (Q(1, 16),) * 2)
+    known = enclose_equilibrium(claim, IntegratorSettings(BITS))
+    with guarded(BITS):
+        outcome = prove_equilibrium(claim, Checklist(), known)
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.excluded is is_excluded
+    assert outcome.reason.needs_precision is not is_excluded
+
+
 def test_which_eigenvalues_are_where_is_said_as_far_as_it_is_certain() -> None:
     """A centre and a focus that hardly repels: of the box nothing is decided, of a small one more."""
     system = define_system(
@@ -143,6 +155,18 @@ def test_which_eigenvalues_are_where_is_said_as_far_as_it_is_certain() -> None:
         found = certify(Equilibrium("e", system, {"e": e}, (Q(0), Q(0)), (radius,) * 2), FAST).results.eigenvalues
         counts[e, radius] = (found.left, found.right, found.undecided)
     assert [*counts.values()] == [(0, 0, 2), (0, 2, 0), (0, 0, 2)]
+
+
+@pytest.mark.parametrize(("e", "said"), [(Q(0), ""), (Q(1, 4), "unstable"), (Q(-1, 4), "asymptotically stable")])
+def test_stability_is_said_where_it_is_decided(e: Q, said: str) -> None:
+    system = define_system(
+        {"name": "f", "state": "x y", "parameters": "e", "field": {"x": "e*x - y + x**2", "y": "x + e*y"}}
+    )
+    found = certify(Equilibrium("e", system, {"e": e}, (Q(0), Q(0)), (Q(1, 2**60),) * 2), FAST)
+    text = found.to_json()["statement"]["in_full"]
+    assert text.endswith(
+        f"The equilibrium is {said}." if said else "Which sign the real part of 2 of them has is not decided."
+    )
 
 
 # Hopf points
@@ -438,6 +462,7 @@ def test_enclosures_that_are_missing_prove_nothing() -> None:
             replace(found, second=(found.second[0][:-1], *found.second[1:])),
             replace(found, third=found.third[:-1]),
             replace(found, third=(nan, *found.third[1:])),
+            replace(found, third=(acb(0, "nan"), *found.third[1:])),
         ]
         for each in wrong:
             outcome = prove_hopf(claim, Checklist(), each)
@@ -459,3 +484,16 @@ def test_what_a_certificate_says() -> None:
     assert found.on_side == "periodic orbits above"
     assert found.parameter is not None
     assert found.parameter.contains(0)
+
+
+def test_the_other_eigenvalues_are_those_beside_every_vector_of_the_box() -> None:
+    """q = (1, -i, 0) is off the middle of its balls."""
+    rows = [[0, -1, 3], [1, 0, -2], [0, 0, 5]]
+    q = [
+        acb(arb("1.125", "0.25"), arb("0.125", "0.25")),
+        acb(arb(0), arb(-1)),
+        acb(arb("0.125", "0.25"), arb(0, "0.1")),
+    ]
+    ((found,),) = proved_hopf.beside_pair([[arb(entry) for entry in row] for row in rows], q)
+    assert found.contains(5)
+    assert found.is_finite()

@@ -19,6 +19,7 @@ from orbitproof.shared.systems import System
 from orbitproof.verify.curve import IntervalResult
 from orbitproof.verify.equilibrium.expansions import expand
 from orbitproof.verify.equilibrium_curve import (
+    EquilibriumCurveTheorem,
     EquilibriumLimits,
     ProvedEquilibriumCurve,
     conclude_equilibria,
@@ -27,6 +28,7 @@ from orbitproof.verify.equilibrium_curve import (
 )
 from orbitproof.verify.equilibrium_curve.counted import Sides, sides_of
 from orbitproof.verify.evidence import NotProved, Proved, enclose
+from orbitproof.verify.words.equilibrium_curve import equilibrium_curve_in_words
 
 FAST = EquilibriumLimits(precision=80, order=24, width=24)
 
@@ -238,3 +240,67 @@ def test_two_curves_that_cross_are_no_piece() -> None:
     system = define_system({"name": "c", "state": "x y", "parameters": "a", "field": {"x": "a*x - x**2", "y": "-y"}})
     atlas = line(system, Q(1, 4), (Q(0), Q(1, 4)), (Q(0), Q(0), Q(0)))
     assert not any(result.is_proved for result in results_of(atlas))
+
+
+BOWL = define_system({"name": "bowl", "state": "x y", "parameters": "a", "field": {"x": "a - x**2 - x**3", "y": "-y"}})
+
+
+def cut_at(atlas: EquilibriumAtlas, place: Q) -> list[IntervalResult]:
+    piece, ends = atlas.curve_pieces()[0], (Q(-1), place, Q(1))
+    return [prove_equilibrium_piece(atlas, piece, part, FAST).stored for part in pairwise(ends)]
+
+
+def test_a_fold_may_lie_on_two_proved_intervals() -> None:
+    """Halving ends at the place of the fold, on [-1/8, 1/8]; the intervals meet at 1/16."""
+    bowl = line(BOWL, Q(1, 2), (Q(0), Q(0), Q(1, 4), Q(1, 8)), (Q(0), Q(0), Q(0)))
+    flat = line(FLAT, Q(1, 2), (Q(0), Q(0), Q(0), Q(0), Q(1, 16)), (Q(0), Q(0), Q(0)))
+    for atlas, is_regular in ((bowl, True), (flat, False)):
+        outcome = conclude_equilibria(atlas, cut_at(atlas, Q(1, 16))).outcome
+        assert isinstance(outcome, Proved)
+        (fold,) = outcome.results.folds
+        assert fold.between == (Q(-1, 8), Q(1, 8))
+        assert (fold.is_maximum, fold.is_regular) == (False, is_regular)
+        assert fold.all_values is not None
+        assert all(fold.all_values.contains(value) for value in fold.values)
+
+
+def test_directions_that_are_not_certain_are_no_folds() -> None:
+    """Slopes that are known up to 1 only; what increases is a multiple of s."""
+    atlas = cases.curve_of_equilibria()
+    vague = [replace(result, slope_deviation=(Q(1), Q(1))) for result in results_of(atlas)]
+    outcome = conclude_equilibria(atlas, vague).outcome
+    assert isinstance(outcome, Proved)
+    assert outcome.results.folds == ()
+
+
+def test_a_piece_is_proved_up_to_its_ends() -> None:
+    """x = 0 over a; at a = 0, s = 31/32 on the first, x = a crosses it."""
+    system = define_system({"name": "c", "state": "x y", "parameters": "a", "field": {"x": "a*x - x**2", "y": "-y"}})
+    frame = tuple(tuple(Q(int(i == j)) for j in range(3)) for i in range(3))
+    for middle, is_proved in ((Q(-31, 64), False), (Q(31, 64), False), (Q(-36, 64), True)):
+        centre = (middle, Q(0), Q(0))
+        piece = Piece("p", "regular", centre, frame, Q(1, 2), ((Q(0),),) * 2, (Q(1, 2**12),) * 2, "physical")
+        claim = EquilibriumCurveClaim("equilibrium-arc", "a")
+        (result,) = results_of(EquilibriumAtlas("c", "c", system, {}, claim, (piece,)))
+        assert result.is_proved is is_proved
+
+
+def test_all_coordinates_that_are_said_to_increase_do() -> None:
+    atlas = cases.curve_of_equilibria()
+    honest = results_of(atlas)
+    for names in (("x", "a"), ("a", "x")):
+        assert reason(replace(atlas, claim=replace(atlas.claim, increasing=names)), honest) == "increasing-a"
+
+
+def test_only_a_curve_on_which_a_coordinate_increases_is_said_not_to_meet_itself() -> None:
+    atlas = cases.curve_of_equilibria()
+    found = proved(atlas)
+    for names in ((), ("x",), ("x", "y")):
+        theorem = EquilibriumCurveTheorem(replace(atlas, claim=replace(atlas.claim, increasing=names)))
+        said = equilibrium_curve_in_words(theorem, found)
+        assert ("without self-intersections" in said) is bool(names)
+        assert ("strictly" in said) is bool(names)
+        assert "has exactly one minimum for a in" in said
+        assert "1 has a negative and 1 a positive real part: unstable equilibria" in said
+        assert "2 have a negative and 0 a positive real part: stable equilibria" in said
+        assert "as the numbers on both sides differ, an equilibrium there has one on the axis" in said
