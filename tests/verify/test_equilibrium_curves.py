@@ -300,6 +300,7 @@ def test_only_a_curve_on_which_a_coordinate_increases_is_said_not_to_meet_itself
         said = equilibrium_curve_in_words(theorem, found)
         assert ("without self-intersections" in said) is bool(names)
         assert ("strictly" in said) is bool(names)
+        assert ("what is listed apart below may be the same" in said) is not bool(names)
         assert "has exactly one minimum for a in" in said
         assert "1 has a negative and 1 a positive real part: unstable equilibria" in said
         assert "2 have a negative and 0 a positive real part: stable equilibria" in said

@@ -45,6 +45,8 @@ def equilibrium_curve_in_words(theorem: EquilibriumCurveTheorem, curve: ProvedEq
         low, high = exact_text(claim.covers.start), exact_text(claim.covers.end)
         paragraphs.append(f"Along it {name} takes all values from {low} to {high}.")
     varying = names.get(claim.parameter, claim.parameter)
+    if not claim.increasing and (curve.folds or len(curve.sides) > 1):
+        paragraphs.append("Its points may be run through again: what is listed apart below may be the same.")
     paragraphs += [_fold(varying, fold) for fold in curve.folds]
     if curve.folds:
         paragraphs.append(f"That {varying} has no other extrema is not said.")
