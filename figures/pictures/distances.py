@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
-from orbitproof.explore.three_body.catalogues.distances import PARTS, distances
+from orbitproof.explore.three_body.catalogues.distances import PARTS, distances_from_primaries
 from orbitproof.figures.model import SampledFamily
 from orbitproof.figures.orbits import state_on_fixed_set
 from orbitproof.figures.pictures.legends import legend_row
@@ -29,7 +29,7 @@ def draw_distances(family: SampledFamily) -> Figure:
     """
     mass = family.parameters["mu"]
     states = np.array([state_on_fixed_set(family.system, family.parameters, point) for point in family.points])
-    found = distances(states, family.periods / 2, float(mass), 2 * PARTS)
+    found = distances_from_primaries(states, family.periods / 2, float(mass), 2 * PARTS)
     figure, axes = plt.subplots(figsize=(_WIDTH, 3.4))
     figure.subplots_adjust(left=0.1, right=0.89, top=0.88, bottom=0.3)
     axes.plot(family.arclength, found.greatest, color=SECOND_CURVE)

@@ -13,7 +13,7 @@ import numpy as np
 from orbitproof.explore.flow import flow_batch
 from orbitproof.explore.orbits import correct_batch, stability_index
 from orbitproof.explore.three_body.catalogues import Catalogue
-from orbitproof.explore.three_body.catalogues.distances import PARTS, distances
+from orbitproof.explore.three_body.catalogues.distances import PARTS, distances_from_primaries
 from orbitproof.explore.three_body.invariants import ManifoldRecord
 from orbitproof.explore.three_body.trajectories import Trajectory
 from orbitproof.figures.certified import Curve, heading_of
@@ -165,7 +165,7 @@ def _nearest(starts: Sequence[Array], periods: Sequence[float] | Array, mass: Fr
     least = np.full(len(whole), np.nan)
     known = np.isfinite(times) & (times > 0)
     if known.any():
-        least[known] = distances(whole[known], times[known], float(mass), 4 * PARTS).least
+        least[known] = distances_from_primaries(whole[known], times[known], float(mass), 4 * PARTS).least
     units = UNITS.get(mass)
     found = []
     for value in least:

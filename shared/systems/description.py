@@ -43,8 +43,7 @@ PLAIN_KEYS = ("name", "state", "field", "title", "parameters", "where", "first_i
               "defined")  # fmt: skip
 """What the description of a system without R and section has; those after the field may be missing."""
 
-_LONGEST_TITLE = 120
-"""Of what is not known to every installation."""
+_LONGEST_TITLE = 120  # of what is not known to every installation
 
 _INTERNED: dict[str, System] = {}
 
@@ -401,9 +400,8 @@ def _signs_with_functions(
 
 
 def _distinct(key: str, names: Sequence[str]) -> None:
-    for name in names:
-        if list(names).count(name) > 1:
-            raise DescriptionError(f"{key}: {name!r} appears twice; give each its own name")
+    if twice := [name for name in names if list(names).count(name) > 1]:
+        raise DescriptionError(f"{key}: {twice[0]!r} appears twice; give each its own name")
 
 
 def _names(key: str, value: Any) -> tuple[str, ...]:
@@ -435,10 +433,9 @@ def _ranges(value: Any) -> dict[str, ParameterRange]:
 
 
 def _reversor_entry(reversor: Reversor) -> Any:
-    signs = list(reversor.signs)
     own = {"section": reversor.section, "level_coordinate": reversor.level_coordinate}
     named = {key: value for key, value in own.items() if value is not None}
-    return {"R": signs, **named} if named else signs
+    return {"R": list(reversor.signs), **named} if named else list(reversor.signs)
 
 
 def _signs(key: str, value: Any, state: Sequence[str]) -> tuple[int, ...]:

@@ -166,12 +166,12 @@ class Spoiled(Frames):
         columns: Callable[[Any, Any, Any], Any] = lambda found, frame, coarse: found,
         frames: Callable[[Any, Any, Any], Any] = lambda found, before, bits: found,
     ) -> None:
-        self._columns, self._frames, self._before = columns, frames, None
+        self._spoil, self._frames, self._before = columns, frames, None
         self.asked = 0
 
     def columns(self, slopes: Any, frame: Any, step: Any, coarse: Any) -> Any:
         self.asked += 1
-        return self._columns(super().columns(slopes, frame, step, coarse), frame, coarse)
+        return self._spoil(super().columns(slopes, frame, step, coarse), frame, coarse)
 
     def next_frame(self, end: Any, bounds: Any, bits: int) -> Any:
         found = super().next_frame(end, bounds, bits)

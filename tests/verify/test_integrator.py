@@ -359,7 +359,7 @@ def test_initial_values_are_not_trusted(monkeypatch: pytest.MonkeyPatch) -> None
     expansion = CentreExpansion(program, model.arithmetic, model.state, model.parameters)
     wrong = [[int(x.coefs[0][0]) + 1] + [0] * model.arithmetic.degree for x in model.state]
     monkeypatch.setattr(expansion, "_coefficients", lambda step: wrong)
-    with pytest.raises(ValueError, match="does not start"):
+    with pytest.raises(IntegrationFailure, match="does not start"):
         advance(program, model.state, model.parameters, expansion, Fraction(1, 64))
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 STOPS = frozenset((
     "bifurcations", "collision", "complete", "crossing count", "derivatives", "derived parameter", "distance",
-    "evaluation", "exact checks", "half turns", "half-orbit", "integration", "lasting", "level", "level-box", "memory",
-    "multiplicity", "multipliers",
+    "evaluation", "exact checks", "guess", "half turns", "half-orbit", "integration", "lasting", "level", "level-box",
+    "memory", "multiplicity", "multipliers",
     "newton", "piece", "plane", "precision", "process", "radii", "results", "section", "sheet", "singularity", "size",
     "slope", "stability", "start", "steps", "system", "theorem", "time", "tube", "unfinished", "verification",
 ))  # fmt: skip
