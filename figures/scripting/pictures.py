@@ -12,13 +12,7 @@ from typing import TYPE_CHECKING
 from orbitproof.explore.periodic import LIFE, PERIODIC_FAMILY
 from orbitproof.figures.files import Files, file_name, saved_as
 from orbitproof.figures.scripting.written import Names, Source, Told, Written, folder_of, optional, quietly
-from orbitproof.shared.claims import (
-    HOPF,
-    PERIODIC_DOUBLING,
-    PERIODIC_FOLD,
-    PERIODIC_PITCHFORK,
-    PERIODIC_TORUS,
-)
+from orbitproof.shared.claims import HOPF, PERIODIC_DOUBLING, PERIODIC_FOLD, PERIODIC_PITCHFORK, PERIODIC_TORUS
 from orbitproof.shared.formats import (
     ArgumentError,
     BoxClaim,

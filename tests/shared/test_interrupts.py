@@ -117,7 +117,8 @@ def test_a_search_that_is_interrupted_while_refining_says_what_is_written(
     targets = [SimpleNamespace(task=lambda digits, each=each: each) for each in points]
     monkeypatch.setattr(search, "targets_of", lambda item, points: targets)
     monkeypatch.setattr(search, "refine_tasks", refined(*points[:number], KeyboardInterrupt()))
-    monkeypatch.setattr(search, "_exact_row", lambda target, candidate: None)
+    monkeypatch.setattr(search, "_exact_row", lambda target, candidate: SimpleNamespace(level="3"))
+    monkeypatch.setattr(search, "_in_words", lambda target, level: level)
     lines: list[str] = []
     path = tmp_path / "candidates.json"
     options = SimpleNamespace(digits=50, jobs=2, output=path)

@@ -80,7 +80,7 @@ def test_claims_of_every_kind_are_read_as_they_were_written(tmp_path: Path) -> N
     assert read_claims(path) == claims
     entry = json.loads(path.read_text())["candidates"][0]
     assert not {"level", "multiplier", "symmetry"} & set(entry)
-    with pytest.raises(InputError, match="without symmetry, which is not available here"):
+    with pytest.raises(InputError, match="about no symmetric orbit, which is not available here"):
         read_candidates(path)
 
 

@@ -117,9 +117,9 @@ def test_files_name_the_field_that_is_wrong(tmp_path: Path) -> None:
 def test_what_is_about_symmetric_orbits_only_says_so(tmp_path: Path) -> None:
     path = tmp_path / "claims.json"
     write_candidates(path, [_claim()])
-    with pytest.raises(InputError, match="without symmetry, which is not available here"):
+    with pytest.raises(InputError, match="about no symmetric orbit, which is not available here"):
         read_candidates(path)
-    with pytest.raises(InputError, match="without symmetry, which is not available here"):
+    with pytest.raises(InputError, match="about no symmetric orbit, which is not available here"):
         candidate_from_json(json.loads(path.read_text())["candidates"][0], "claim")
 
 

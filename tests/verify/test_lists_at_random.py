@@ -756,7 +756,8 @@ class Planar:
         self.plane = CompleteList(4, 1, (), (), tuple(segments))
         system = SimpleNamespace(normalised={}, centre_coordinates=(), stiffness_across_program=None,
                                  derived_parameters={})  # fmt: skip
-        self.atlas: Any = SimpleNamespace(system=system, claim=SimpleNamespace(symmetry=None, kind="arc"))
+        claim = SimpleNamespace(symmetry=None, goes_round=False)
+        self.atlas: Any = SimpleNamespace(system=system, claim=claim)
 
     def root(self, number: int, entry: int) -> Q:
         row = self.rows[number][entry]
@@ -1101,10 +1102,10 @@ def test_combinations_of_orbits_of_which_stability_is_not_decided_are_named(
     assert (len(listed), bool(named)) == (int(stable is True), stable is None)
 
 
-@pytest.mark.parametrize("kind", ["arc", "loop"])
-def test_a_loop_alone_goes_on_where_it_is_cut(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("goes_round", [False, True])
+def test_a_loop_alone_goes_on_where_it_is_cut(goes_round: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     atlas, found = parabola(Claim("arc", None, ("beta",)))
-    other: Any = SimpleNamespace(system=atlas.system, claim=SimpleNamespace(symmetry=None, kind=kind))
+    other: Any = SimpleNamespace(system=atlas.system, claim=SimpleNamespace(symmetry=None, goes_round=goes_round))
     asked: list[bool] = []
 
     def stops(chain: Any, found: Any, closed: bool) -> Any:
@@ -1115,7 +1116,7 @@ def test_a_loop_alone_goes_on_where_it_is_cut(kind: str, monkeypatch: pytest.Mon
     monkeypatch.setattr(proved_list, "stable_intervals", stops)
     with pytest.raises(LookupError):
         conclude_list(other, values(found), concluded((atlas, found)), 2)
-    assert asked == [kind == "loop"]
+    assert asked == [goes_round]
 
 
 def test_intervals_that_meet_are_one_and_nothing_of_them_is_lost() -> None:

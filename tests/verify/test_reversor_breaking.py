@@ -17,7 +17,7 @@ from flint import arb
 from support import breaking_cases as cases
 
 from orbitproof.shared.errors import InputError
-from orbitproof.shared.formats import REVERSOR_BREAKING, Candidate
+from orbitproof.shared.formats import Candidate
 from orbitproof.verify.certificate import Certificate, certify
 from orbitproof.verify.evidence import (
     Checklist,
@@ -183,7 +183,7 @@ def test_claims_that_no_theorem_is_about() -> None:
         with pytest.raises(NotEstablishedError):
             check_breaking_exactly(Checklist(), claim)
     normalised = SimpleNamespace(name="modes", normalised={"x": Fraction(1)})
-    of_other_orbits = SimpleNamespace(kind=REVERSOR_BREAKING, is_family_of_maps=True, system=normalised)
+    of_other_orbits = SimpleNamespace(loses_reversor=True, is_family_of_maps=True, system=normalised)
     assert isinstance(theorem_of(of_other_orbits), Reason)  # type: ignore[arg-type]
     assert not isinstance(theorem_of(cases.modes()), Reason)
     with pytest.raises(InputError, match="level_sign: modes-on-level has the parameter a"):
