@@ -12,10 +12,7 @@ from orbitproof.verify.maps.affine_section import AffineSection
 from orbitproof.verify.maps.framed_orbits import FramedOrbits, FramingOracle
 from orbitproof.verify.maps.image import Image, image_of
 from orbitproof.verify.maps.starting_set import Format, StartingSet
-from orbitproof.verify.poincare import InTime
-
-_MOST_STEPS = 20_000
-"""For each crossing: in stiff systems steps are as short as the fastest decay asks for."""
+from orbitproof.verify.poincare import MOST_STEPS, InTime
 
 
 def enclose_poincare_map(
@@ -44,7 +41,7 @@ def enclose_poincare_map(
         orbits = _orbits(program, start, section, chosen, oracle)
         counter = orbits.counters[0]
         number = None
-        for _ in range(crossings * _MOST_STEPS):
+        for _ in range(crossings * 2 * MOST_STEPS):
             try:
                 arrived = orbits.step()
                 if number is None:
