@@ -17,15 +17,19 @@ from orbitproof.verify.evidence import DerivativeTable, IntegrationFailure, indi
 from orbitproof.verify.maps import (
     AffineSection,
     Format,
+    FramingOracle,
     StartingSet,
     combination,
     enclose_flow,
+    enclose_poincare_map,
     enclose_zeros,
     flow_map,
     image_of,
+    poincare_map,
 )
 from orbitproof.verify.maps.poincare_map import number_of
 from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.oracle.approximations import Approximations
 from orbitproof.verify.poincare.functions import function_of
 
 SYSTEM = define_system(
@@ -261,6 +265,33 @@ def test_an_integration_ends_after_a_number_of_steps(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(flow_map, "MOST_STEPS", 2)
     with pytest.raises(IntegrationFailure, match="not reached within 2 steps"):
         enclose_flow(circle.program, point, Fraction(12), Format(64, 1), ORACLE)
+
+
+def test_a_return_may_take_as_many_steps_as_an_approximation_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stiff orbits need thousands of them; those that do not come back are given up soon, whatever an oracle says."""
+
+    def steps(field: dict[str, str], oracle: FramingOracle) -> int:
+        system = define_system({"name": "any", "state": "x y", "field": field})
+        point = StartingSet(2, (Fraction(1), Fraction(0)), ((), ()), ())
+        section = AffineSection((Fraction(0), Fraction(1)), Fraction(0))
+        return enclose_poincare_map(system.program, point, section, -1, 1, Format(64, 1), oracle).steps
+
+    class Endless(Approximations):
+        def further_steps(self, *_: object) -> int:
+            return 10**9
+
+    class Mute(Approximations):
+        def further_steps(self, *_: object) -> int:
+            return -1
+
+    circle, comes_to_rest = {"x": "y", "y": "-x"}, {"x": "y", "y": "-x - 3*y"}
+    assert steps(circle, Mute()) > 3
+    monkeypatch.setattr(poincare_map, "MOST_STEPS", 1)
+    assert steps(circle, ORACLE) > 3
+    for field, oracle, many in ((circle, Mute(), 2), (comes_to_rest, ORACLE, 2), (comes_to_rest, Endless(), 9)):
+        monkeypatch.setattr(poincare_map, "MOST_EXPECTED", 7)
+        with pytest.raises(IntegrationFailure, match=f"was not reached within {many} steps"):
+            steps(field, oracle)
 
 
 def test_what_has_no_bound_is_not_enclosed() -> None:

@@ -14,6 +14,9 @@ from orbitproof.verify.maps.image import Image, image_of
 from orbitproof.verify.maps.starting_set import Format, StartingSet
 from orbitproof.verify.poincare import MOST_STEPS, InTime
 
+MOST_EXPECTED = 20_000
+"""Further steps that orbits are followed to a crossing, if an approximation comes back: some stiff ones need them."""
+
 
 def enclose_poincare_map(
     program: Program,
@@ -41,7 +44,8 @@ def enclose_poincare_map(
         orbits = _orbits(program, start, section, chosen, oracle)
         counter = orbits.counters[0]
         number = None
-        for _ in range(crossings * 2 * MOST_STEPS):
+        few = most = crossings * 2 * MOST_STEPS
+        while orbits.steps < most:
             try:
                 arrived = orbits.step()
                 if number is None:
@@ -61,6 +65,9 @@ def enclose_poincare_map(
                 ).at(float(orbits.time))
             if progress is not None:
                 progress(orbits.steps)
+            if orbits.steps == few:
+                expected = 2 * orbits.further_steps(number - counter.crossings)
+                most = few + min(max(expected, 0), crossings * MOST_EXPECTED)
         else:
             raise IntegrationFailure(
                 "steps",

@@ -9,7 +9,7 @@ from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series
 from orbitproof.verify.flow import Expansion
 from orbitproof.verify.oracle.frames import Frames
 from orbitproof.verify.oracle.return_times import relative_return_times
-from orbitproof.verify.oracle.steps import regularised_steps
+from orbitproof.verify.oracle.steps import further_steps, regularised_steps
 from orbitproof.verify.oracle.wide_solution import expand
 from orbitproof.verify.poincare import Coordinates
 
@@ -51,6 +51,20 @@ class Approximations(Frames):
         try:
             return regularised_steps(own, other, point, parameters, level, arithmetic.bits, arithmetic.degree)
         except (ArithmeticError, TypeError, ValueError):
+            return 0
+
+    def further_steps(
+        self,
+        coordinates: Coordinates,
+        arithmetic: Arithmetic,
+        state: Sequence[Series],
+        constants: Sequence[Series],
+        crossings: int,
+    ) -> int:
+        """See `maps.FramingOracle`."""
+        try:
+            return further_steps(coordinates, arithmetic, state, constants, crossings)
+        except (ArithmeticError, ValueError):
             return 0
 
 

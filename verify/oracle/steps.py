@@ -1,16 +1,20 @@
-"""How many steps half returns take, and in which coordinates they take less time: estimates in float64 (section 14)."""
+"""How many steps returns take, and in which coordinates they take less time: estimates in float64 (14.4 and 23.3)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
 from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.verify.algebra import Arithmetic, Series
 from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.flow import rough
 from orbitproof.verify.oracle.centre import float_coefficients, step_size
 from orbitproof.verify.poincare import PHYSICAL, Coordinates, coordinates_of
 
 _ROUGH_DEGREE = 24
 _MOST_STEPS = 400
+_MOST_FURTHER = 10_000
+_AT_REST = 2.0**-44
 _COST = 2.0
 """A step in regularised coordinates was found to take about so many times as long as one in the system's own."""
 
@@ -55,23 +59,50 @@ def steps_about(
     return found
 
 
+def further_steps(
+    coordinates: Coordinates,
+    arithmetic: Arithmetic,
+    state: Sequence[Series],
+    constants: Sequence[Series],
+    crossings: int,
+) -> int:
+    """See `maps.FramingOracle`."""
+    bits, degree = arithmetic.bits, arithmetic.degree
+    now, fixed = (rough([int(x.coefs[0][0]) for x in values], bits) for values in (state, constants))
+    return steps_to_section(coordinates, now, fixed, bits, degree, _MOST_FURTHER * crossings, crossings) or 0
+
+
 def steps_to_section(
-    coordinates: Coordinates, state: Sequence[float], constants: Sequence[float], bits: int, degree: int, most: int
+    coordinates: Coordinates,
+    state: Sequence[float],
+    constants: Sequence[float],
+    bits: int,
+    degree: int,
+    most: int,
+    crossings: int = 1,
 ) -> int | None:
-    """Number of steps to the next crossing of the section, in float64; `None` if above `most` or not found."""
+    """Number of steps to a crossing of the section, the next one at first, in float64.
+
+    `None` if it is above `most` or not found, or if the orbit comes to rest.
+    """
     section = coordinates.section
     state = list(state)
-    before = 0.0
+    before, farthest = 0.0, [0.0] * len(state)
     for count in range(1, most + 1):
         try:
             series = float_coefficients(coordinates.program, [*state, *constants], _ROUGH_DEGREE)
             size = step_size(series, -float(bits), degree)
         except (IntegrationFailure, TypeError):
             return None
+        farthest = [max(far, abs(row[0])) for far, row in zip(farthest, series, strict=True)]
+        if all(abs(row[1]) * size <= _AT_REST * far for far, row in zip(farthest, series, strict=True)):
+            return None
         state = [_horner(row, size) for row in series]
         after = state[section]
         if before and (after < 0) != (before < 0):
-            return count
+            crossings -= 1
+            if not crossings:
+                return count
         before = after
     return None
 
