@@ -66,6 +66,7 @@ OF_ORBITS = {
     180: ("periodic_torus.py",),
     540: ("halves.py", "births.py", "full_return.py", "symmetric_orbit.py"),
     70: ("elliptic_tori.py",),
+    350: ("equilibria.py", "hopf_points.py"),
 }
 """Nothing of these is read for a bifurcation of symmetric orbits; with the lines that they may have."""
 LIMIT, LIMIT_ON_LEVEL = 830, 70

@@ -51,7 +51,8 @@ def agreement(
         return Comparison("disagrees", f"the {what} is not in the box of the candidate")
     told = [*parts, f"the {what} in the box of the candidate"]
     told += [f"inside the stored balls: {', '.join(inside)}"] if inside else []
-    return Comparison("agrees", f"{'; '.join(told)}. Not confirmed: {', '.join([*beyond, *left])}")
+    open_still = f"Not confirmed: {', '.join([*beyond, *left])}" if beyond or left else "Nothing is left open"
+    return Comparison("agrees", f"{'; '.join(told)}. {open_still}")
 
 
 def relation(name: str, mine: arb, stored: arb) -> str | Comparison:

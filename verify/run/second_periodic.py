@@ -47,36 +47,48 @@ def compare_multipliers(
     if stored["trivial"] != (2 if on_level else 1):
         return Comparison("disagrees", "multipliers: another number of them is 1 for every orbit")
     mine = {"inside": result.inside, "on": result.on, "outside": result.outside}
-    size = len(result.multipliers)
+    return compare_places(stored, mine, result.multipliers, ("multiplier", "the circle"))
+
+
+def compare_places(
+    stored: Mapping[str, Any], mine: Mapping[str, int], balls: Sequence[acb], called: tuple[str, str]
+) -> dict[str, tuple[arb, Any]] | Comparison:
+    """Numbers in balls of their own with the stored balls that they may lie in, if as many are where they are stored.
+
+    Args:
+        stored: how many are where, how many are undecided, and the balls.
+        mine: how many are shown to be where.
+        called: what a number is called, and beside what they are counted.
+    """
+    name, border = called
+    size = len(balls)
     if sum(stored[place] for place in (*mine, "undecided")) != size:
-        return Comparison("disagrees", "multipliers: another number of them")
+        return Comparison("disagrees", f"{name}s: another number of them")
     for place, count in mine.items():
         # What is shown here to be elsewhere cannot be there.
-        if stored[place] > size - sum(other for name, other in mine.items() if name != place):
-            return Comparison("disagrees", f"multipliers: {stored[place]} {place} the circle in the certificate")
+        if stored[place] > size - sum(other for key, other in mine.items() if key != place):
+            return Comparison("disagrees", f"{name}s: {stored[place]} {place} {border} in the certificate")
         if stored[place] > count:
-            return Comparison("cannot follow", f"multipliers: that {stored[place]} are {place} is not shown here")
-    values, entries = (
-        [acb(*(ball_from_json(value[part]) for part in _PARTS)) for value in stored["values"]],
-        stored["values"],
-    )
+            return Comparison("cannot follow", f"{name}s: that {stored[place]} are {place} is not shown here")
+    entries = stored["values"]
+    values = [acb(*(ball_from_json(value[part]) for part in _PARTS)) for value in entries]
     if not values:
         return {}
     held, pairs = [0] * size, dict[str, tuple[arb, Any]]()
-    for number, ball in enumerate(result.multipliers, start=1):
+    for number, ball in enumerate(balls, start=1):
         near = [place for place, value in enumerate(values) if value.overlaps(ball)]
         if not near:
-            return Comparison("disagrees", f"multiplier {number}: no stored ball has a point in common")
-        # The ball of a cluster is repeated; else each has one multiplier.
+            return Comparison("disagrees", f"{name} {number}: no stored ball has a point in common")
+        # The ball of a cluster is repeated; else each has one of them.
         if any(entries[place] != entries[near[0]] for place in near):
-            return Comparison("cannot follow", f"multiplier {number}: may lie in either of two stored balls")
+            return Comparison("cannot follow", f"{name} {number}: may lie in either of two stored balls")
         for index in near:
             held[index] += 1
         for part in _PARTS:
             here, there = (getattr(value, part[:4]) for value in (ball, values[near[0]]))
-            pairs[f"multiplier {number}, {part} part"] = here, there
+            pairs[f"{name} {number}, {part} part"] = here, there
     if any(count != entries.count(entry) for count, entry in zip(held, entries, strict=True)):
-        return Comparison("disagrees", "multipliers: a stored ball has another number of them")
+        return Comparison("disagrees", f"{name}s: a stored ball has another number of them")
     return pairs
 
 

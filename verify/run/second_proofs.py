@@ -37,6 +37,7 @@ from orbitproof.verify.run import (
 )
 from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, agreement
 from orbitproof.verify.run.second_bifurcation import compare_bifurcation, compare_torus
+from orbitproof.verify.run.second_equilibrium import compare_equilibrium
 from orbitproof.verify.run.second_periodic import compare_periodic, is_in_the_box
 from orbitproof.verify.run.second_symmetric import compare_birth, compare_symmetric
 from orbitproof.verify.second_proof import (
@@ -46,6 +47,8 @@ from orbitproof.verify.second_proof import (
     Outcome,
     Proved,
     ProvedBirth,
+    ProvedEquilibrium,
+    ProvedHopf,
     ProvedPeriodic,
     ProvedPeriodicBifurcation,
     ProvedSymmetric,
@@ -58,8 +61,9 @@ FORMAT = "orbitproof-second-proofs"
 Row = dict[str, Any]
 
 _DESCRIPTION = """\
-Prove certified bifurcations, losses of R, symmetric orbits, their stability and tori, and periodic orbits without
-symmetry with their bifurcations once more, by code that shares nothing with the first proof, and compare the results.
+Prove certified bifurcations, losses of R, symmetric orbits, their stability and tori, periodic orbits without symmetry
+with their bifurcations, equilibria and Hopf points once more, by code that shares nothing with the first proof, and
+compare the results.
 """
 
 _EXAMPLES = """\
@@ -94,12 +98,13 @@ def _done(options: argparse.Namespace) -> int:
         return refused(error)
 
 
-COMPARED: tuple[tuple[type[Any], Callable[[Mapping[str, Any], Any], Comparison]], ...] = (
+COMPARED: tuple[tuple[type[Any] | tuple[type[Any], ...], Callable[[Mapping[str, Any], Any], Comparison]], ...] = (
     (ProvedPeriodic, compare_periodic),
     (ProvedPeriodicBifurcation, compare_bifurcation),
     (ProvedTorus, compare_torus),
     (ProvedBirth, compare_birth),
     (ProvedSymmetric, compare_symmetric),
+    ((ProvedEquilibrium, ProvedHopf), compare_equilibrium),
 )
 """How what is proved of each kind is compared."""
 
@@ -177,6 +182,13 @@ def prove_row(certificate: Mapping[str, Any], _: Report) -> Row:
         if result.torsion is not None:
             row["rotation_numbers"] = [_text(value) for value in result.torsion.rotation_numbers]
             row["torsion"] = [[_text(value) for value in line] for line in result.torsion.rows]
+    if isinstance(result, (ProvedEquilibrium, ProvedHopf)):
+        row |= {name: getattr(result, name) for name in ("left", "right", "is_only", "width", "bits")}
+        row |= {"kind": certificate["statement"]["candidate"]["kind"], "point": _texts(result.point)}
+        row["eigenvalues"] = [[_text(value.real), _text(value.imag)] for value in result.multipliers]
+    if isinstance(result, ProvedHopf):
+        row |= {name: getattr(result, name) for name in ("side", "criticality")}
+        row |= {name: _text(getattr(result, name)) for name in ("parameter", "frequency", "speed", "lyapunov")}
     if isinstance(result, (ProvedBirth, ProvedSymmetric)):
         row |= {name: getattr(result, name) for name in ("width", "bits", "steps")}
         row |= {name: _texts(getattr(result, name)) for name in ("point", "other_point")}

@@ -3,6 +3,8 @@
 from .births import ProvedBirth
 from .claims import Outcome, read_claim, second_proof
 from .elliptic_tori import Torsion
+from .equilibria import ProvedEquilibrium
+from .hopf_points import ProvedHopf
 from .jets import CannotFollow
 from .periodic import ProvedPeriodic
 from .periodic_bifurcation import ProvedPeriodicBifurcation
@@ -12,7 +14,7 @@ from .statement import BadCertificate, read_statement
 from .symmetric_orbit import ProvedSymmetric
 
 __all__ = [
-    "BadCertificate", "CannotFollow", "NotProved", "Outcome", "Proved", "ProvedBirth", "ProvedPeriodic",
-    "ProvedPeriodicBifurcation", "ProvedSymmetric", "ProvedTorus", "Torsion", "read_claim", "read_statement",
-    "second_proof",
+    "BadCertificate", "CannotFollow", "NotProved", "Outcome", "Proved", "ProvedBirth", "ProvedEquilibrium",
+    "ProvedHopf", "ProvedPeriodic", "ProvedPeriodicBifurcation", "ProvedSymmetric", "ProvedTorus", "Torsion",
+    "read_claim", "read_statement", "second_proof",
 ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""Every kind of claim that has a second proof. README, sections 1, 9 and 13."""
+"""Every kind of claim that has a second proof. README, sections 1, 9, 13 and 17."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from typing import Any
 
 from . import proof
 from .births import ProvedBirth, prove_birth
+from .equilibria import EquilibriumStatement, ProvedEquilibrium, prove_equilibrium, read_equilibrium
 from .halves import SymmetricStatement, read_symmetric
+from .hopf_points import ProvedHopf, prove_hopf
 from .periodic import ProvedPeriodic, prove_periodic
 from .periodic_bifurcation import (
     BifurcationStatement,
@@ -24,10 +26,14 @@ from .symmetric_orbit import ProvedSymmetric, prove_symmetric
 TORUS = "periodic-torus"
 PROOFS = {
     "periodic": prove_periodic, TORUS: prove_torus, "reversor_breaking": prove_birth,
+    "equilibrium": prove_equilibrium, "hopf": prove_hopf,
     "stable_orbit": prove_symmetric, "orbit": prove_symmetric, "invariant_tori": prove_symmetric,
 }  # fmt: skip
 """By kinds that are named in full."""
-Outcome = Proved | ProvedPeriodic | ProvedPeriodicBifurcation | ProvedTorus | ProvedBirth | ProvedSymmetric | NotProved
+Outcome = (
+    Proved | ProvedPeriodic | ProvedPeriodicBifurcation | ProvedTorus | ProvedBirth | ProvedSymmetric
+    | ProvedEquilibrium | ProvedHopf | NotProved
+)  # fmt: skip
 
 
 def _kind(certificate: Mapping[str, Any]) -> str:
@@ -37,13 +43,15 @@ def _kind(certificate: Mapping[str, Any]) -> str:
 
 def read_claim(
     certificate: Mapping[str, Any],
-) -> Statement | PeriodicStatement | BifurcationStatement | SymmetricStatement:
+) -> Statement | PeriodicStatement | BifurcationStatement | SymmetricStatement | EquilibriumStatement:
     """The statement of a certificate. Raises `BadCertificate`, and `CannotFollow` if no theorem is about it."""
     kind = _kind(certificate)
     if kind == "periodic":
         return read_periodic(certificate)
     if kind.startswith("periodic-"):
         return read_bifurcation(certificate, torus=kind == TORUS)
+    if kind in ("equilibrium", "hopf"):
+        return read_equilibrium(certificate)
     return read_symmetric(certificate) if kind in PROOFS else read_statement(certificate)
 
 

@@ -182,8 +182,6 @@ def read_statement(certificate: Mapping[str, Any]) -> Statement:
     kind = read(certificate, f"{claim}.kind", str)
     if kind.startswith("periodic"):
         raise CannotFollow("no theorem that is used here is about periodic orbits without symmetry")
-    if kind in ("equilibrium", "hopf"):
-        raise CannotFollow("no theorem that is used here is about equilibria")
     k = read(certificate, f"{claim}.k", operator.index)
     if not {
         "symmetry_breaking": k == 1,
