@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from math import floor, isfinite, log, log10
+from math import floor, isfinite, log, log10, pi
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,7 @@ from orbitproof.explore.periodic.symmetries import Symmetry, is_symmetry
 from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.formats import PeriodicOrbit
 from orbitproof.shared.printed_tables import aligned
-from orbitproof.shared.systems import System
+from orbitproof.shared.systems import FORCE_AT_START, System
 from orbitproof.shared.wording import counted
 
 FOLLOWED = 100.0
@@ -289,11 +289,25 @@ def described(found: FoundOrbit) -> list[str]:
     place = ", ".join(f"{name} = {value:.12g}" for name, value in zip(system.given_state, orbit.point, strict=True))
     lines = [f"period {orbit.period:.14g}, {counted(found.crossings, 'crossing')} of the section", f"  point: {place}"]
     shown = ", ".join(_multipliers(orbit))
+    lines += _of_force(found)
     trivial = "1" if orbit.level is None else "1, 1"
     lines.append(f"  multipliers other than {trivial}: {shown}")
     if orbit.level is not None:
         lines.append(f"  {system.first_integral_name}: {orbit.level:.12g}")
     return lines
+
+
+def _of_force(found: FoundOrbit) -> list[str]:
+    """How often a force repeats within the period, in a line, if there is one."""
+    names, point = found.problem.system.given_state, found.orbit.point
+    if not set(FORCE_AT_START) <= set(names):
+        return []
+    velocity = velocity_at(found.problem.system, point, found.problem.values)
+    u, w = (names.index(name) for name in FORCE_AT_START)
+    rate = abs(point[u] * velocity[w] - point[w] * velocity[u])
+    times = round(found.orbit.period * rate / (2 * pi))
+    # At rest in the middle of the circle there is no force.
+    return [f"  {times} x 2 pi/omega, the period of the force, omega = {rate:.12g}"] if times else []
 
 
 def _multipliers(orbit: ClosedOrbit) -> list[str]:

@@ -236,6 +236,8 @@ def _formulas_of(
             raise DescriptionError(f"field: {error}") from None
         if found.calls:
             state, extended, defined = _extended(found.calls, state, parameters, where, field)
+    if len(state) - len(defined) == 1:
+        raise DescriptionError(f"state: {state[0]!r} alone has no periodic orbits; give two coordinates or more")
     functions = DescribedFunctions(state, parameters, where)
     return _Formulas(state, extended or functions.function("field", field, state), defined, texts, functions)
 
@@ -407,9 +409,7 @@ def _distinct(key: str, names: Sequence[str]) -> None:
 def _names(key: str, value: Any) -> tuple[str, ...]:
     if isinstance(value, str):
         value = value.replace(",", " ").split()
-    if isinstance(value, (list, tuple)) and len(value) == 1:
-        raise DescriptionError(f"{key}: {value[0]!r} alone has no periodic orbits; give two coordinates or more")
-    if not isinstance(value, (list, tuple)) or not 2 <= len(value) <= 40:
+    if not isinstance(value, (list, tuple)) or not 1 <= len(value) <= 40:
         raise DescriptionError(f"{key}: {value!r} is no list of names; give the names of the state coordinates")
     names = tuple(name_of(key, item) for item in value)
     _distinct(key, names)
