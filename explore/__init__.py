@@ -8,15 +8,14 @@ used.
 import os
 from typing import Any
 
-import lazy_loader
-
 from orbitproof.shared.extras import missing_extra
+from orbitproof.shared.faces import face
 
 # XLA reports on standard error that it takes some processors' tuning preferences for missing instructions
 # (the code is then compiled again). It reads this once, when JAX is imported.
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 
-_attribute, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_attribute, __dir__, __all__ = face(__name__, __file__)
 
 
 def __getattr__(name: str) -> Any:

@@ -6,11 +6,10 @@ tables, `write_page` makes a page to be turned, `write_report` tells what certif
 command line does, and say which files they wrote. Matplotlib is loaded when something is drawn.
 """
 
-import lazy_loader
-
 from orbitproof.shared.extras import missing_extra
+from orbitproof.shared.faces import face
 
-_attribute, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_attribute, __dir__, __all__ = face(__name__, __file__)
 
 
 def __getattr__(name: str) -> object:

@@ -12,6 +12,6 @@ add up to 1 and they turn once in the time 2 pi.
 '0.0121505845'
 """
 
-import lazy_loader
+from orbitproof.shared.faces import face
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = face(__name__, __file__)

@@ -7,6 +7,6 @@ the files of certificates of every kind, and `recheck` checks them again. `place
 loaded when it is first used.
 """
 
-import lazy_loader
+from orbitproof.shared.faces import face
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = face(__name__, __file__)

@@ -13,7 +13,7 @@ from typing import Any, Generic, TypeVar
 
 from orbitproof.shared.cluster import connected
 from orbitproof.shared.processes import Answer, Failure, Report, Source, Task, answers
-from orbitproof.shared.sources import source_digest
+from orbitproof.shared.sources import source_digests
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -133,7 +133,7 @@ def software() -> dict[str, str]:
     packages = [(name, resources.files(f"orbitproof.{name}")) for name in ("shared", "explore")]
     names = ("orbitproof", "numpy", "jax", "jaxlib", "diffrax", "mpmath", "scipy")
     return {
-        "source": source_digest(packages),
+        "source": source_digests(packages, ())[0],
         "python": platform.python_version(),
         **{name: metadata.version(name) for name in names},
     }

@@ -1,5 +1,5 @@
 """Zeros, steps along a curve, Newton's method in double precision and with many digits."""
 
-import lazy_loader
+from orbitproof.shared.faces import face
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = face(__name__, __file__)

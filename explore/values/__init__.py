@@ -1,5 +1,5 @@
 """Orbits and families as values for scripts and notebooks: what they are, and what the command line does with them."""
 
-import lazy_loader
+from orbitproof.shared.faces import face
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = face(__name__, __file__)

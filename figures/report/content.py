@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from importlib import metadata, resources
+from importlib import resources
 from pathlib import Path
 
+from orbitproof import __version__
 from orbitproof.figures.report.again import check_again, second_proofs
 from orbitproof.figures.report.document import (
     Block,
@@ -190,7 +191,7 @@ def _again(entries: Sequence[Checked]) -> Section:
     lines += [check_again(entries, path, named, integrate=True) for path in files]
     if second := second_proofs(entries, named):
         lines += ["", "# once more, by code that shares nothing with the first proof", *second]
-    words = f"With orbitproof {metadata.version('orbitproof')} installed and the certificate files at hand:"
+    words = f"With orbitproof {__version__} installed and the certificate files at hand:"
     return Section("again", "How to check it again", (Paragraph((words,)), Listing("\n".join(lines))))
 
 
@@ -224,7 +225,7 @@ def _boxes(rows: Sequence[Checked]) -> list[Section]:
 
 def _references() -> Section:
     text = resources.files("orbitproof.figures.report").joinpath("references.bib").read_text("utf-8")
-    text = text.replace("VERSION", metadata.version("orbitproof"))
+    text = text.replace("VERSION", __version__)
     theory: Runs = (
         "The theorems are those of I. Walawska and D. Wilczak, Validated numerics for period-tupling and touch-and-go "
         "bifurcations of symmetric periodic orbits in reversible systems (",

@@ -1,5 +1,5 @@
 """What is claimed, as values: boxes with a bifurcation or an orbit, curves and surfaces in pieces."""
 
-import lazy_loader
+from orbitproof.shared.faces import face
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = face(__name__, __file__)

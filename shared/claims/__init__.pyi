@@ -1,5 +1,3 @@
-from .atlas import CLAIMS as CLAIMS
-from .atlas import SURFACE as SURFACE
 from .atlas import Atlas as Atlas
 from .atlas import Claim as Claim
 from .atlas import Covers as Covers
@@ -31,10 +29,13 @@ from .equilibria import EQUILIBRIUM as EQUILIBRIUM
 from .equilibria import HOPF as HOPF
 from .equilibria import Equilibrium as Equilibrium
 from .equilibria import HopfPoint as HopfPoint
-from .equilibrium_curve import EQUILIBRIUM_CURVES as EQUILIBRIUM_CURVES
 from .equilibrium_curve import EquilibriumAtlas as EquilibriumAtlas
 from .equilibrium_curve import EquilibriumCurveClaim as EquilibriumCurveClaim
 from .equilibrium_curve import StoredAtlas as StoredAtlas
+from .fields import CLAIMS as CLAIMS
+from .fields import EQUILIBRIUM_CURVES as EQUILIBRIUM_CURVES
+from .fields import PERIODIC_CURVES as PERIODIC_CURVES
+from .fields import SURFACE as SURFACE
 from .periodic import PERIODIC as PERIODIC
 from .periodic import PeriodicOrbit as PeriodicOrbit
 from .periodic_bifurcation import PERIODIC_BIFURCATIONS as PERIODIC_BIFURCATIONS
@@ -43,7 +44,6 @@ from .periodic_bifurcation import PERIODIC_FOLD as PERIODIC_FOLD
 from .periodic_bifurcation import PERIODIC_PITCHFORK as PERIODIC_PITCHFORK
 from .periodic_bifurcation import PERIODIC_TORUS as PERIODIC_TORUS
 from .periodic_bifurcation import PeriodicBifurcation as PeriodicBifurcation
-from .periodic_curve import PERIODIC_CURVES as PERIODIC_CURVES
 from .periodic_curve import AnyAtlas as AnyAtlas
 from .periodic_curve import PeriodicAtlas as PeriodicAtlas
 from .periodic_curve import PeriodicCurveClaim as PeriodicCurveClaim

@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Literal
 
-from orbitproof.shared.claims.fields import Crossings, Id, Identifier, Line
+from orbitproof.shared.claims.fields import SURFACE, Crossings, Id, Identifier, Line
 from orbitproof.shared.claims.pieces import AnyPiece, BirthPiece, LibrationPiece, Piece, SurfacePiece, pieces_of
 from orbitproof.shared.stored import Rational, rules, stored
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.shared.wording import counted
-
-SURFACE: Final = "symmetry-breaking-surface"
-CLAIMS = ("arc", "symmetric-arc", "symmetric-loop", "loop", SURFACE)
 
 Names = Annotated[tuple[Identifier, ...], rules(maxItems=32)]
 Pieces = Annotated[tuple[AnyPiece, ...], rules(minItems=1, maxItems=100000)]

@@ -10,8 +10,6 @@ from orbitproof.shared.claims.fields import Identifier
 from orbitproof.shared.claims.periodic_curve import PeriodicAtlas, PeriodicCurveClaim
 from orbitproof.shared.systems import System
 
-EQUILIBRIUM_CURVES = ("equilibrium-arc", "equilibrium-loop")
-
 
 @dataclass(frozen=True)
 class EquilibriumCurveClaim:

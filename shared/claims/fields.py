@@ -1,9 +1,9 @@
-"""What the fields of claims hold: names, vectors, matrices, polynomials."""
+"""What the fields of claims hold: names, vectors, matrices, polynomials; and what claims about branches are about."""
 
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Annotated
+from typing import Annotated, Final
 
 from orbitproof.shared.stored import rules
 from orbitproof.shared.systems import ID, IDENTIFIER, LINE, PIECE, TITLE
@@ -25,3 +25,8 @@ PieceId = Annotated[str, rules("piece_id", pattern=PIECE)]
 Line = Annotated[str, rules("line", pattern=LINE)]
 Short = Annotated[str, rules("short", pattern=LINE, maxLength=60)]
 Title = Annotated[str, rules("title", pattern=TITLE)]
+
+SURFACE: Final = "symmetry-breaking-surface"
+CLAIMS = ("arc", "symmetric-arc", "symmetric-loop", "loop", SURFACE)
+PERIODIC_CURVES = ("periodic-arc", "periodic-loop")
+EQUILIBRIUM_CURVES = ("equilibrium-arc", "equilibrium-loop")

@@ -14,8 +14,6 @@ from orbitproof.shared.stored import Rational, stored
 from orbitproof.shared.systems import System
 from orbitproof.shared.wording import counted
 
-PERIODIC_CURVES = ("periodic-arc", "periodic-loop")
-
 
 @dataclass(frozen=True)
 class PeriodicCurveClaim:

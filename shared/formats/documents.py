@@ -11,7 +11,6 @@ import json
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import cache, partial
-from importlib import resources
 from itertools import islice
 from math import isfinite
 from pathlib import Path
@@ -51,14 +50,17 @@ def validator(name: str) -> Draft202012Validator:
     return strict(_with_definitions(schema, schema.get("$defs", {})))
 
 
+_SCHEMAS = Path(__file__).parents[1] / "schemas"
+
+
 def _schema(name: str) -> Any:
-    return json.loads(
-        resources.files("orbitproof.shared").joinpath("schemas", f"{name}.schema.json").read_text("utf-8")
-    )
+    return json.loads((_SCHEMAS / f"{name}.schema.json").read_text("utf-8"))
 
 
 _SURROGATES = "\\ud800-\\udfff"
 """As patterns name them; texts with one of them are none that the quick check reads."""
+_MANY = re.compile(r"\{1,(\d{4,})\}")
+"""How patterns say that there are one or more, up to a thousand or more."""
 
 
 class _WrittenWhole:
@@ -80,6 +82,10 @@ def _for_quick_check(part: Any) -> Any:
         return part.replace(_SURROGATES, "")
     if not isinstance(part, dict):
         return part
+    pattern = part.get("pattern")
+    if isinstance(pattern, str) and (most := [int(digits) for digits in _MANY.findall(pattern)]):
+        # To count so far takes milliseconds to prepare; texts that are shorter as a whole need not be counted.
+        part = {**part, "pattern": _MANY.sub("+", pattern), "maxLength": min(*most, part.get("maxLength", most[0]))}
     types = part.get("type")
     whole = {"writtenWhole": True} if types == "integer" or (isinstance(types, list) and "integer" in types) else {}
     return {key: _for_quick_check(entry) for key, entry in part.items()} | whole

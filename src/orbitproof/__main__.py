@@ -5,9 +5,8 @@ from __future__ import annotations
 import importlib
 import os
 import sys
-from shutil import get_terminal_size
-from textwrap import fill
 
+from orbitproof import __version__
 from orbitproof.shared.interrupts import run_command
 from orbitproof.shared.misspelt import meant
 
@@ -41,9 +40,7 @@ def _run() -> int:
         print(_help())
         return 0
     if name == "--version":
-        from importlib import metadata
-
-        print(f"orbitproof {metadata.version('orbitproof')}")
+        print(f"orbitproof {__version__}")
         return 0
     if name not in _COMMANDS:
         known = ", ".join(_COMMANDS)
@@ -58,6 +55,9 @@ def _run() -> int:
 
 
 def _help() -> str:
+    from shutil import get_terminal_size
+    from textwrap import fill
+
     width = get_terminal_size().columns
     rows = (
         fill(text, width, initial_indent=f"  {name:9}", subsequent_indent=" " * 11)

@@ -16,7 +16,7 @@ import pytest
 from support.claims import known
 
 from orbitproof.shared import write_candidates
-from orbitproof.shared.sources import source_digest
+from orbitproof.shared.sources import source_digests
 from orbitproof.verify.evidence import ON_WHICH_NOTHING_RESTS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -124,11 +124,11 @@ def test_every_folder_of_python_files_is_a_package_that_is_installed(monkeypatch
 
 def test_the_digest_of_the_sources_covers_every_level(copy: Path, tmp_path: Path) -> None:
     verify = shutil.copytree(copy / "verify", tmp_path / "verify")
-    before = source_digest([("verify", verify)])
+    before = source_digests([("verify", verify)], ())
     for place in ("more.py", "curve/more.py", "curve/deeper/more.py"):
         (verify / place).parent.mkdir(exist_ok=True)
         (verify / place).write_text("value = 1\n")
-        after = source_digest([("verify", verify)])
+        after = source_digests([("verify", verify)], ())
         assert after != before, place
         before = after
 
@@ -142,7 +142,7 @@ def test_the_digest_of_a_proof_covers_what_it_rests_on_and_nothing_else(
     package: str, copy: Path, tmp_path: Path
 ) -> None:
     folder = shutil.copytree(copy / package, tmp_path / package)
-    before = [source_digest([(package, folder)], left_out) for left_out in (ON_WHICH_NOTHING_RESTS, ())]
+    before = source_digests([(package, folder)], ON_WHICH_NOTHING_RESTS, ())
     rooms = [path.name for path in folder.iterdir() if path.is_dir() and (path / "__init__.py").exists()]
     known = {place.split("/")[1] for place in ON_WHICH_NOTHING_RESTS if place.startswith(package)}
     rests = [f"{room}/more.py" for room in rooms if room not in known] if package == "verify" else list(SHARED)
@@ -151,7 +151,7 @@ def test_the_digest_of_a_proof_covers_what_it_rests_on_and_nothing_else(
     for place in (*rests, *moved):
         file = folder / place
         file.write_text((file.read_text("utf-8") if file.exists() else "") + "value = 1\n", "utf-8")
-        after = [source_digest([(package, folder)], left_out) for left_out in (ON_WHICH_NOTHING_RESTS, ())]
+        after = source_digests([(package, folder)], ON_WHICH_NOTHING_RESTS, ())
         assert (after[0] != before[0]) == (place in rests), place
         assert after[1] != before[1], place
         before = after

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from support.claims import known
 
+from orbitproof import __version__
 from orbitproof.figures.commands.report import main
 from orbitproof.verify.certificate import Limits, certify, write_certificates
 
@@ -20,7 +21,7 @@ VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 
 
 def test_what_is_installed_is_the_version_of_the_project() -> None:
-    assert metadata.version("orbitproof") == VERSION, "install the project again"
+    assert metadata.version("orbitproof") == __version__ == VERSION, "install the project again"
 
 
 def test_the_command_says_the_version() -> None:

@@ -32,7 +32,7 @@ from orbitproof.shared.systems import (
     record,
     with_slope,
 )
-from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic, without_time
 from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, certify, digest, recheck
 from orbitproof.verify.claim import LevelEquation, check_level, is_in, on_box
@@ -40,7 +40,6 @@ from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotEstabli
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import IntegratorSettings, at_start, initial_values, level_set, on_sheet
 from orbitproof.verify.poincare.derivatives import derivative_table
-from orbitproof.verify.poincare.without_time import without_time
 from orbitproof.verify.reversor_breaking import check_sheet, enclose_breaking, following
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"

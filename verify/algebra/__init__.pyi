@@ -20,10 +20,12 @@ from .polynomials import values_around as values_around
 from .programs import Evaluation as Evaluation
 from .programs import PreparedProgram as PreparedProgram
 from .programs import Recurrence as Recurrence
+from .programs import at_start as at_start
 from .programs import enclose_nodes as enclose_nodes
 from .programs import evaluate as evaluate
 from .programs import partial_derivatives as partial_derivatives
 from .programs import prepare as prepare
+from .programs import without_time as without_time
 from .series import Arithmetic as Arithmetic
 from .series import Series as Series
 from .series import correct_power as correct_power

@@ -4,7 +4,7 @@
 powers are left. A `Recurrence` finds the coefficients of all nodes in order, because the solution of a
 differential equation is built in the same order. `Evaluation` is that of graded Taylor models, with one
 coefficient per monomial; `Evaluation.enclose` then adds the errors and returns rigorous enclosures.
-`partial_derivatives` is the chain rule.
+`partial_derivatives` is the chain rule, `at_start` gives values where orbits start and end.
 """
 
 from __future__ import annotations
@@ -354,3 +354,20 @@ def _combination(
     terms = [value for x, value in pairs if x is one]
     products = [pair for pair in pairs if pair[0] is not one]
     return reduce(add, [*terms, dot(products)] if products else terms)
+
+
+def without_time(element: Series) -> Series:
+    """An element that does not depend on time, of degree 0 in it. Raises `ValueError` if it does."""
+    arithmetic = element.arithmetic
+    if any(p.length() > arithmetic.stride for p in element.coefs):
+        raise ValueError("an element depends on time")
+    return Series(replace(arithmetic, degree=0), element.coefs, element.errors)
+
+
+def at_start(program: Program, arguments: Sequence[Series]) -> list[Series]:
+    """Values of a program at elements that do not depend on time, so that degree 0 does.
+
+    Raises `ValueError` if one does.
+    """
+    values = evaluate(prepare(program), [without_time(x) for x in arguments])
+    return [Series(arguments[0].arithmetic, x.coefs, x.errors) for x in values]

@@ -8,7 +8,6 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from html import escape
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
@@ -277,6 +276,8 @@ class Certificate:
 
     def _repr_html_(self) -> str:
         """The table that a notebook shows."""
+        from html import escape
+
         rows = [("claim", self.claimed), ("verdict", self.verdict)]
         if self.reason is not None:
             rows += [("reason", as_said(self.reason))]

@@ -9,11 +9,13 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
-from orbitproof.shared.formats import Atlas, Candidate
 from orbitproof.shared.systems import ReversibleSystem, System
 from orbitproof.verify.evidence import exact_text
+
+if TYPE_CHECKING:
+    from orbitproof.shared.formats import Atlas, Candidate
 
 _KINDS = ("coordinate", "parameter", "symmetry")
 _SYMBOL = re.compile(rf"(A|Fix|H|P|Q|R|Sigma|T|X|j|k|omega|s|[pPRs]_[0-9]+)(_({'|'.join(_KINDS)}))*")

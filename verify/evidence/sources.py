@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import platform
+import sys
 from collections.abc import Mapping
 from functools import cache
-from importlib import metadata, resources
+from pathlib import Path
 
 import flint
+import numpy
 
-from orbitproof.shared.sources import source_digest
+from orbitproof import __version__, shared
+from orbitproof.shared.sources import source_digests
 
 ON_WHICH_NOTHING_RESTS = (
     *(
@@ -38,19 +40,16 @@ def software() -> dict[str, str]:
     ``source`` is that of the sources that a proof rests on, ``program`` that of all sources of verify and shared, by
     which words are made too, and what workers of one run have in common.
     """
-    try:
-        version = metadata.version("orbitproof")
-    except metadata.PackageNotFoundError:
-        version = "not installed"
-    packages = [(name, resources.files(f"orbitproof.{name}")) for name in ("shared", "verify")]
+    packages = [("shared", Path(shared.__file__).parent), ("verify", Path(__file__).parents[1])]
+    source, program = source_digests(packages, ON_WHICH_NOTHING_RESTS, ())
     return {
-        "orbitproof": version,
-        "source": source_digest(packages, ON_WHICH_NOTHING_RESTS),
-        _PROGRAM: source_digest(packages),
-        "python": platform.python_version(),
+        "orbitproof": __version__,
+        "source": source,
+        _PROGRAM: program,
+        "python": sys.version.split()[0],
         "python-flint": str(flint.__version__),
         "FLINT": str(flint.__FLINT_VERSION__),
-        "numpy": metadata.version("numpy"),
+        "numpy": numpy.__version__,
     }
 
 

@@ -1,5 +1,5 @@
 """The flow: defect of an approximation, existence and propagation of errors, step by step (sections 3 and 4)."""
 
-import lazy_loader
+from orbitproof.shared.faces import face
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = face(__name__, __file__)

@@ -1,5 +1,5 @@
 """Flows and Poincare maps of any system on sets of initial values, and their fixed points (section 23)."""
 
-import lazy_loader
+from orbitproof.shared.faces import face
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = face(__name__, __file__)

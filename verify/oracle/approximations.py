@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
+from orbitproof.verify import oracle
 from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series
 from orbitproof.verify.flow import Expansion
 from orbitproof.verify.oracle.frames import Frames
-from orbitproof.verify.oracle.return_times import relative_return_times
 from orbitproof.verify.oracle.steps import further_steps, regularised_steps
 from orbitproof.verify.oracle.wide_solution import expand
 from orbitproof.verify.poincare import Coordinates
@@ -34,7 +34,8 @@ class Approximations(Frames):
     ) -> list[Fraction] | None:
         """See `poincare.Oracle`."""
         try:
-            return relative_return_times(program, arithmetic, section, state, constants, crossing)
+            # Loaded when a wide piece asks for them.
+            return oracle.relative_return_times(program, arithmetic, section, state, constants, crossing)
         except (ArithmeticError, ValueError):
             return None
 

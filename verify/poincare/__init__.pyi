@@ -1,3 +1,4 @@
+from ..algebra import at_start as at_start
 from .box_format import BOX_RATIO as BOX_RATIO
 from .box_format import check_size as check_size
 from .box_format import grade_bits as grade_bits
@@ -43,4 +44,3 @@ from .settings import PHYSICAL as PHYSICAL
 from .settings import REGULARISED as REGULARISED
 from .settings import IntegratorSettings as IntegratorSettings
 from .sheets import on_sheet as on_sheet
-from .without_time import at_start as at_start

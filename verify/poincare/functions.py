@@ -9,9 +9,8 @@ from math import factorial, log2
 from flint import arb, fmpz_poly
 
 from orbitproof.shared.systems import Program, System
-from orbitproof.verify.algebra import Series, convolve, geometric, inflate
+from orbitproof.verify.algebra import Series, at_start, convolve, geometric, inflate
 from orbitproof.verify.evidence import IntegrationFailure, enclose, exact_value
-from orbitproof.verify.poincare.without_time import at_start
 
 _MOST_TERMS = 120
 

@@ -15,7 +15,7 @@ from flint import arb
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.stored import stored
-from orbitproof.verify.algebra import Arithmetic, Grading, Series
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, at_start
 from orbitproof.verify.claim import inverse, level_program, quadratic_coefficient
 from orbitproof.verify.evidence import Briefs, DerivativeTable, IntegrationFailure, guarded
 from orbitproof.verify.poincare.box_format import BOX_RATIO, check_size, grade_bits
@@ -29,7 +29,6 @@ from orbitproof.verify.poincare.returns import (
     kernel_components,
 )
 from orbitproof.verify.poincare.settings import PHYSICAL, IntegratorSettings
-from orbitproof.verify.poincare.without_time import at_start
 
 
 @dataclass(frozen=True)

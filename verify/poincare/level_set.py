@@ -8,12 +8,11 @@ from fractions import Fraction
 from flint import arb
 
 from orbitproof.shared.systems import ReversibleSystem, record
-from orbitproof.verify.algebra import GradedNorm, Series, convolve, geometric, inflate, total
+from orbitproof.verify.algebra import GradedNorm, Series, at_start, convolve, geometric, inflate, total, without_time
 from orbitproof.verify.claim import LevelEquation, level_program, quadratic_coefficient
 from orbitproof.verify.evidence import IntegrationFailure, enclose, guarded, sign
 from orbitproof.verify.poincare.crossing import range_of, wide_parts
 from orbitproof.verify.poincare.functions import with_functions
-from orbitproof.verify.poincare.without_time import at_start, without_time
 
 _BISECTIONS = 60
 _MOST_ITERATIONS = 16

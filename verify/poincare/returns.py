@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 from flint import arb
 
 from orbitproof.shared.systems import ReversibleSystem
-from orbitproof.verify.algebra import Arithmetic, Series
+from orbitproof.verify.algebra import Arithmetic, Series, at_start
 from orbitproof.verify.evidence import IntegrationFailure, enclose, is_positive
 from orbitproof.verify.flow import Expansion, FlowStep, advance, planned_step, rough
 from orbitproof.verify.poincare.coordinates import Coordinates, physical
@@ -24,7 +24,6 @@ from orbitproof.verify.poincare.crossing import CrossingCounter, may_touch, rang
 from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.section import onto_section
 from orbitproof.verify.poincare.settings import AUTO, PHYSICAL, REGULARISED
-from orbitproof.verify.poincare.without_time import at_start
 
 if TYPE_CHECKING:
     from orbitproof.shared.systems import Regularisation

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 
 from orbitproof.shared import cluster
 from orbitproof.shared.processes import Progress, Source
 from orbitproof.verify.evidence import software
-from orbitproof.verify.run.processes import Engine, Finished, Processes, Work, as_text, hand_over, on_text
+from orbitproof.verify.run.processes import Finished, Work, as_text, hand_over, on_text
 
 
 @dataclass(frozen=True)
@@ -26,13 +26,6 @@ class Cluster:
 
 def _without_reports(work: Work, argument: str) -> str:
     return on_text(work, argument, lambda fraction, label: None)
-
-
-def engine_of(
-    scheduler: str | None, jobs: int, timeout: float | None, memory: int | None = None
-) -> AbstractContextManager[Engine]:
-    """The cluster of a scheduler if its address is given, otherwise processes of this machine."""
-    return nullcontext(Processes(jobs, timeout, memory)) if scheduler is None else connected(scheduler)
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Generator, Mapping
-from contextlib import closing
+from contextlib import AbstractContextManager, closing, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Protocol
@@ -68,3 +68,14 @@ def hand_over(found: Generator[Answer, None, None], finished: Finished) -> None:
 def on_text(work: Work, argument: str, report: Report) -> str:
     """Do the work with JSON text for its argument; its result as JSON text."""
     return json.dumps(work(json.loads(argument), report))
+
+
+def engine_of(
+    scheduler: str | None, jobs: int, timeout: float | None, memory: int | None = None
+) -> AbstractContextManager[Engine]:
+    """The cluster of a scheduler if its address is given, otherwise processes of this machine."""
+    if scheduler is None:
+        return nullcontext(Processes(jobs, timeout, memory))
+    from orbitproof.verify.run.cluster import connected
+
+    return connected(scheduler)

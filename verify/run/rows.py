@@ -27,12 +27,12 @@ from orbitproof.verify.certificate import (
     not_checked,
     not_proved,
     read_certificates,
-    recheck,
     repeated,
     write_certificates,
 )
+from orbitproof.verify.certificate.kinds import kind_of
 from orbitproof.verify.certificate.levels import not_finished
-from orbitproof.verify.evidence import Reason
+from orbitproof.verify.evidence import Reason, software
 from orbitproof.verify.run import (
     Answer,
     CheckLimits,
@@ -68,6 +68,10 @@ def certify_all(
     row. Where several are done at a time, those come first that are thought to take longest.
     """
     known = {candidate.id: candidate for candidate in candidates}
+    # Once, here: processes are copies of this one.
+    for candidate in candidates:
+        kind_of(candidate)
+    software()
     engine = engine or Processes(jobs, limits.timeout)
     waiting = deque(candidates)
     if not isinstance(engine, Processes) or engine.jobs > 1:
@@ -239,6 +243,9 @@ def _checked_apart(
 
 def recheck_task(argument: tuple[Certificate, bool], report: Report) -> Recheck:
     """What one process does."""
+    # A proof needs nothing of it.
+    from orbitproof.verify.certificate import recheck
+
     return recheck(*argument, partial(_labelled, report))
 
 

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from orbitproof.shared.processes import Failure, Report, Task, answers
-from orbitproof.verify.run.cluster import engine_of
-from orbitproof.verify.run.processes import Engine
+from orbitproof.verify.run.processes import Engine, engine_of
 
 Result = TypeVar("Result")
 

@@ -1,5 +1,5 @@
 """What surrounds a periodic orbit: invariant tori of elliptic ones, stable and unstable manifolds. Numerics only."""
 
-import lazy_loader
+from orbitproof.shared.faces import face
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = face(__name__, __file__)

@@ -1,5 +1,5 @@
 """Trajectories: states of an orbit over time, from what any file says about it, as CSV and as an ephemeris message."""
 
-import lazy_loader
+from orbitproof.shared.faces import face
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = face(__name__, __file__)
