@@ -8,6 +8,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import pytest
 from support import quick
 
 ROOT = Path(__file__).parents[2]
@@ -43,7 +44,8 @@ def made(name: str, *marks: str, **numbers: int) -> Any:
     item = SimpleNamespace(nodeid=name, keywords=set(marks))
     item.add_marker = lambda mark: item.keywords.add(mark.name)
     if numbers:
-        item.callspec = SimpleNamespace(indices=numbers)
+        item.callspec = SimpleNamespace(params=numbers)
+        item.iter_markers = lambda name: iter(())
     return item
 
 
@@ -52,14 +54,42 @@ def is_slow(item: Any) -> bool:
     return "slow" in item.keywords
 
 
-def test_first_seeds_and_every_other_value_are_quick_and_the_rest_is_slow() -> None:
-    cases = [made("a.py::test", seed=seed, kind=kind) for seed in range(9) for kind in range(2)]
-    others = [made("a.py::test_alone"), made("b.py::test", seed=0), made("b.py::test_slow", "slow", seed=0)]
-    kept = [made("c.py::test", "quick", seed=seed) for seed in range(9)]
-    quick.choose([*cases, *others, *kept])
-    chosen = [tuple(item.callspec.indices.values()) for item in cases if not is_slow(item)]
-    assert chosen == [(0, 0), (0, 1), (1, 0), (2, 0)]
-    assert list(map(is_slow, (*others, *kept))) == [False, False, True] + [False] * 9
+CASES = """
+import pytest
+
+@pytest.mark.parametrize("kind", "ab")
+@pytest.mark.parametrize("seed", range(9))
+def test_random(seed, kind): pass
+
+@pytest.mark.parametrize("seed", range(9))
+def test_alone(seed): pass
+
+@pytest.mark.quick
+@pytest.mark.parametrize("seed", range(9))
+def test_kept(seed): pass
+
+@pytest.mark.parametrize(("one", "other"), [(1, 2), (2, 1), (2, 2)])
+def test_of_a_table(one, other): pass
+"""
+
+
+def test_first_seeds_and_every_other_value_are_quick_and_the_rest_is_slow(tmp_path: Path) -> None:
+    file, found = tmp_path / "test_cases.py", list[pytest.Item]()
+    file.write_text(CASES)
+
+    class Chosen:
+        def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+            quick.choose(items)
+            found.extend(item for item in items if not is_slow(item))
+
+    words = ["--collect-only", "-qq", "-p", "no:cacheprovider", "--noconftest", "-c", str(tmp_path / "none.ini")]
+    (tmp_path / "none.ini").write_text("[pytest]\nmarkers = quick")
+    assert pytest.main([*words, str(file)], plugins=[Chosen()]) == 0
+    names = [item.name.removeprefix("test_") for item in found]
+    assert [name for name in names if "random" in name] == ["random[0-a]", "random[0-b]", "random[1-a]", "random[2-a]"]
+    assert [name for name in names if "alone" in name] == ["alone[0]", "alone[1]", "alone[2]"]
+    assert sum("kept" in name for name in names) == 9
+    assert sum("table" in name for name in names) == 3
 
 
 def test_tests_that_take_long_are_slow_but_for_those_that_stay(monkeypatch: Any) -> None:

@@ -8,13 +8,16 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
+from fractions import Fraction as Q
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
-from support.forgeries import Change, changes, checked, forged, noticed
+from flint import arb
+from support.forgeries import Change, balls_of, changes, checked, forged, forged_elsewhere, noticed
+from support.inclusion import leaves, with_leaf
 from support.joined import retrograde_curve, retrograde_index, retrograde_web
 from support.metamorphic_cases import CURVES, ROWS
 from support.metamorphic_runs import Told, tell
@@ -22,7 +25,7 @@ from support.metamorphic_runs import Told, tell
 from orbitproof.shared.claims import BoxClaim
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import write_candidates
-from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.numbers import format_dyadic, format_exact, parse_exact
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.atlas import certified_rows, rows_of_curve
 from orbitproof.verify.atlas.interval_proof import prove_task
@@ -34,6 +37,7 @@ from orbitproof.verify.certificate import (
     Level,
     Recheck,
     certify,
+    contradictions,
     is_proof_of,
     recheck,
     rechecking,
@@ -41,6 +45,8 @@ from orbitproof.verify.certificate import (
     write_certificates,
 )
 from orbitproof.verify.certificate.kinds import CATALOGUE, FURTHER, INDEX, MODULES, WEB, kind_named, unconfirmed
+from orbitproof.verify.certificate.rechecking import derived
+from orbitproof.verify.evidence import NotProved
 
 LIMITS = Limits(digits=10)
 FIELDS = [10, pytest.param(60, marks=pytest.mark.slow)]
@@ -56,6 +62,17 @@ FREE = {
     "computation.coordinates": "as the precision",
 }
 """Fields that may be others without anything else following, and why."""
+
+
+LONG_ROWS = (
+    "tori",
+    "krein",
+    "periodic-functions-fold",
+    "periodic-functions-level-fold",
+    "periodic-levels",
+    "periodic-twice",
+)
+"""Claims whose proofs take seconds."""
 
 
 @cache
@@ -152,6 +169,73 @@ def test_the_certificate_of_one_kind_is_none_of_another(name: str) -> None:
         except InputError:
             continue
         assert noticed(recheck(certificate)), kind
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_every_number_that_is_enclosed_is_compared(name: str) -> None:
+    """One moved, and one told more narrowly than it is found."""
+    found = enclosures_of(proved(name))
+    places = list(leaves(found))
+    chance = random.Random(name)
+    assert not list(contradictions(found, found, "tables"))
+    assert not list(unconfirmed(found, found, "tables"))
+    for path, ball in chance.sample(places, min(24, len(places))):
+        assert len(list(contradictions(found, with_leaf(found, path, ball + 2**200), "tables"))) == 1, path
+        narrow = ball + 1 if ball.is_exact() else arb(ball.mid(), ball.rad() / 16)
+        assert len(list(unconfirmed(with_leaf(found, path, narrow), found, "tables"))) == 1, path
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in LONG_ROWS else ()) for name in ROWS]
+)
+def test_what_a_forger_derives_anew_is_refused_by_integration(name: str) -> None:
+    """All that follows from a number that was not found."""
+    document, chance = proved(name).to_json(), random.Random(name)
+    balls = list(balls_of(document["enclosures"]))
+
+    def moved(entry: Any) -> None:
+        place, text = chance.choice(balls)
+        target = entry["enclosures"]
+        for key in place[:-1]:
+            target = target[key]
+        middle, radius = map(parse_exact, text.split(" +- "))
+        target[place[-1]] = " +- ".join(map(format_dyadic, (middle + 4 * radius + Q(1, 2**200), radius)))
+
+    entries = (derived(forged(document, moved)) for _ in range(40))
+    sealed = (forged({**entry, "software": document["software"]}, lambda entry: None) for entry in entries)
+    certificate = next(found for found in map(Certificate.from_json, sealed) if found.proved)
+    assert recheck(certificate).stands
+    found = recheck(certificate, integrate=True)
+    assert (found.stands, found.passed) == (False, Level.CONCLUSION)
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_enclosures_that_are_no_enclosures_prove_nothing(name: str) -> None:
+    """None, what lacks a part or a number, and one that is not finite, unless it counts nowhere."""
+    found, chance = enclosures_of(proved(name)), random.Random(name)
+
+    def concluded(enclosures: Any) -> Any:
+        return rechecking._conclude(claimed(name), proved(name).computation.precision, enclosures)
+
+    assert isinstance(concluded(None), NotProved)
+    results = repr(concluded(found).results)
+    numbers, shorter = [path for path, _ in leaves(found)], list(lacking(found))
+    changed = [with_leaf(found, path, arb("nan")) for path in chance.sample(numbers, min(6, len(numbers)))]
+    for other in (*changed, *chance.sample(shorter, min(12, len(shorter)))):
+        outcome = concluded(other)
+        assert isinstance(outcome, NotProved) or repr(outcome.results) == results
+
+
+def lacking(value: Any) -> Iterator[Any]:
+    """The same without the last of what one of its tuples and tables has in it."""
+    if isinstance(value, tuple | dict) and value:
+        yield value[:-1] if isinstance(value, tuple) else dict(list(value.items())[:-1])
+    for key in value if isinstance(value, dict) else range(len(value)) if isinstance(value, tuple) else ():
+        for part in lacking(value[key]):
+            yield {**value, key: part} if isinstance(value, dict) else (*value[:key], part, *value[key + 1 :])
+    if is_dataclass(value):
+        for field in fields(value):
+            yield from (replace(value, **{field.name: part}) for part in lacking(getattr(value, field.name)))
 
 
 def enclosures_of(certificate: Certificate) -> Any:
@@ -337,6 +421,28 @@ def test_each_field_and_each_part_of_what_rests_on_others_is_noticed(name: str, 
     for place in parts(document):
         with suppress(InputError):
             assert noticed(given_with(Certificate.from_json(forged(document, without(place))))), place
+
+
+@pytest.mark.parametrize("name", ["fold", "list", *JOINED])
+def test_what_is_worded_otherwise_is_told_in_the_words_of_this_version(name: str) -> None:
+    document: Any = proved(name).to_json() if name in ROWS else told(name).document if name in CURVES else None
+    document = document or JOINED[name][0]().document
+
+    def check(entry: Mapping[str, Any]) -> Recheck:
+        return given_with(Certificate.from_json(entry)) if name in JOINED else checked(entry)
+
+    def reworded(entry: Any) -> None:
+        entry["statement"]["theorem"] = "Everything is stable."
+        if "statement" in (entry.get("conclusion") or {}):
+            entry["conclusion"]["statement"] = "Everything is stable."
+
+    assert check(document).rendered is None
+    assert "these sources, which word what it proves otherwise" in check(forged(document, reworded)).why
+    found = check(forged_elsewhere(document, reworded))
+    assert (found.stands, found.word) == (True, "stands, worded otherwise")
+    assert found.rendered is not None
+    assert found.rendered["statement"] == document["statement"]
+    assert found.rendered.get("conclusion") == document.get("conclusion")
 
 
 @pytest.mark.quick

@@ -60,7 +60,7 @@ def forged_elsewhere(document: Mapping[str, Any], change: Callable[[Document], A
 
 def each_narrowed(entry: Mapping[str, Any], candidate: BoxClaim) -> Iterator[Any]:
     """The enclosures of a certificate with one ball a sixteenth as wide, or elsewhere if it is exact, for each ball."""
-    for place, text in _balls(entry["enclosures"]):
+    for place, text in balls_of(entry["enclosures"]):
         middle, radius = (parse_exact(part) for part in text.split(" +- "))
         tables = copy.deepcopy(entry["enclosures"])
         target: Any = tables
@@ -71,13 +71,13 @@ def each_narrowed(entry: Mapping[str, Any], candidate: BoxClaim) -> Iterator[Any
         yield tables_from_json(tables, candidate, Computation(**entry["computation"]))
 
 
-def _balls(value: Any, place: Place = ()) -> Iterator[tuple[Place, str]]:
+def balls_of(value: Any, place: Place = ()) -> Iterator[tuple[Place, str]]:
     """The balls of tables as they are stored, with keys and indices down to them."""
     if isinstance(value, str) and " +- " in value:
         yield place, value
     elif isinstance(value, (dict, list)):
         for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
-            yield from _balls(inner, (*place, key))
+            yield from balls_of(inner, (*place, key))
 
 
 def noticed(check: Recheck) -> bool:

@@ -15,7 +15,7 @@ import functools
 import json
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache, wraps
 from multiprocessing import forkserver
@@ -40,7 +40,8 @@ def heavy() -> frozenset[str]:
 
 def choose(items: Sequence[pytest.Item], with_heavy: bool = False) -> None:
     """Mark as slow what `make test` leaves out; in the order of the tests, so that each process chooses alike."""
-    seen: set[tuple[str, str, int]] = set()
+    seen: set[tuple[str, tuple[str, ...], int]] = set()
+    order: dict[tuple[str, tuple[str, ...]], dict[tuple[int, ...], int]] = {}
     for item in items:
         if "slow" in item.keywords or "quick" in item.keywords:
             continue
@@ -48,10 +49,27 @@ def choose(items: Sequence[pytest.Item], with_heavy: bool = False) -> None:
         if not with_heavy and not heavy().isdisjoint((test, item.nodeid)):
             item.add_marker(pytest.mark.slow)
         elif (spec := getattr(item, "callspec", None)) is not None:
-            values = {(test, name, number) for name, number in spec.indices.items() if name != "seed" or number < SEEDS}
+            values = set()
+            for names in _together(item, spec.params):
+                numbers = order.setdefault((test, names), {})
+                number = numbers.setdefault(tuple(id(spec.params[name]) for name in names), len(numbers))
+                if names != ("seed",) or number < SEEDS:
+                    values.add((test, names, number))
             if values <= seen:
                 item.add_marker(pytest.mark.slow)
             seen |= values
+
+
+def _together(item: pytest.Item, params: Mapping[str, Any]) -> Iterator[tuple[str, ...]]:
+    """Names of parameters whose values stand in one table, and each that is alone; pytest numbers all cases."""
+    left = set(params)
+    for mark in item.iter_markers("parametrize"):
+        given = mark.args[0].split(",") if isinstance(mark.args[0], str) else mark.args[0]
+        names = tuple(name.strip() for name in given)
+        if left.issuperset(names):
+            left -= {*names}
+            yield names
+    yield from ((name,) for name in sorted(left))
 
 
 class Costs:

@@ -13,15 +13,14 @@ from flint import acb, acb_series, arb, ctx
 from support import equilibrium_cases as cases
 
 from orbitproof.shared.formats import Equilibrium, HopfPoint, define_system
-from orbitproof.verify.certificate import Certificate, Limits, certify
+from orbitproof.verify.certificate import Limits, certify
 from orbitproof.verify.equilibrium import proved_hopf
-from orbitproof.verify.equilibrium.enclosures import EquilibriumEnclosures, enclose_equilibrium, enclose_hopf, pairs
+from orbitproof.verify.equilibrium.enclosures import enclose_equilibrium, enclose_hopf, pairs
 from orbitproof.verify.equilibrium.equations import equations_of
 from orbitproof.verify.equilibrium.expansions import expand
 from orbitproof.verify.equilibrium.proved_equilibrium import prove_equilibrium
-from orbitproof.verify.equilibrium.proved_hopf import prove_hopf
 from orbitproof.verify.equilibrium.spectrum import Spectrum, spectrum_of
-from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Proved, enclose, guarded
+from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, enclose, guarded
 from orbitproof.verify.poincare import IntegratorSettings
 
 BITS = 200
@@ -443,47 +442,6 @@ def test_orbits_of_the_lorenz_system_are_born_below_and_repel() -> None:
     assert (found.side, found.criticality, found.is_attracting) == ("below", "subcritical", False)
     # The trace is that of the matrix.
     assert found.eigenvalues.values[0].real.overlaps(-arb(41) / 3)
-
-
-def test_enclosures_that_are_missing_prove_nothing() -> None:
-    claim, settings = cases.hopf(), IntegratorSettings(BITS)
-    found = enclose_hopf(claim, settings)
-    with guarded(BITS):
-        assert isinstance(prove_hopf(claim, Checklist(), found), Proved)
-        nan = acb("nan", 0)
-        wrong = [
-            None,
-            replace(found, field=found.field[:-1]),
-            replace(found, field=(replace(found.field[0], slopes=found.field[0].slopes[:-1]), *found.field[1:])),
-            replace(found, field=(replace(found.field[0], centre=arb("inf")), *found.field[1:])),
-            replace(found, linear=found.linear[:-1]),
-            replace(found, linear=(found.linear[0][:-1], *found.linear[1:])),
-            replace(found, second=found.second[:-1]),
-            replace(found, second=(found.second[0][:-1], *found.second[1:])),
-            replace(found, third=found.third[:-1]),
-            replace(found, third=(nan, *found.third[1:])),
-            replace(found, third=(acb(0, "nan"), *found.third[1:])),
-        ]
-        for each in wrong:
-            outcome = prove_hopf(claim, Checklist(), each)
-            assert isinstance(outcome, NotProved)
-            assert outcome.reason.condition == "field"
-    at_rest = cases.equilibrium()
-    known = enclose_equilibrium(at_rest, settings)
-    with guarded(BITS):
-        short: Sequence[EquilibriumEnclosures | None] = [None, replace(known, field=known.field[:-1])]
-        for given in short:
-            refused = prove_equilibrium(at_rest, Checklist(), given)
-            assert isinstance(refused, NotProved)
-            assert refused.reason.condition == "field"
-
-
-def test_what_a_certificate_says() -> None:
-    found: Certificate = certify(cases.hopf(), FAST)
-    assert (found.kind, found.parameter_name, found.side, found.claimed) == ("hopf", "a", "above", "Hopf bifurcation")
-    assert found.on_side == "periodic orbits above"
-    assert found.parameter is not None
-    assert found.parameter.contains(0)
 
 
 def test_the_other_eigenvalues_are_those_beside_every_vector_of_the_box() -> None:

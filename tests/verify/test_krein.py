@@ -292,12 +292,6 @@ def test_enclosures_that_are_no_enclosures_prove_nothing(enclosed: BreakingEnclo
     assert found.reason.condition == condition
 
 
-def test_nothing_enclosed_is_nothing_proved() -> None:
-    found = outcome_of(cases.clock(), None)
-    assert isinstance(found, NotProved)
-    assert found.reason.condition == "poincare-map"
-
-
 def _wider(found: BreakingEnclosures, by: arb) -> BreakingEnclosures:
     """All third derivatives of the image moved by a ball."""
 

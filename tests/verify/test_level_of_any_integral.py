@@ -34,7 +34,7 @@ from orbitproof.shared.systems import (
 )
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic, without_time
 from orbitproof.verify.attempt import Limits
-from orbitproof.verify.certificate import Certificate, certify, digest, recheck
+from orbitproof.verify.certificate import Certificate, certify, recheck
 from orbitproof.verify.claim import LevelEquation, check_level, is_in, on_box
 from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotEstablishedError, enclose, excludes_zero, power
 from orbitproof.verify.oracle import ORACLE
@@ -341,15 +341,6 @@ def test_elsewhere_nothing_is_proved() -> None:
     assert refusal(on(system, "1/4", "2", "1501/1000")) == "family"
     # The mirror image of the orbit is one of the same system, with px < 0.
     assert refusal(on(system, "-2", "-1/4")) == "proved"
-
-
-def test_a_certificate_with_another_interval_does_not_stand() -> None:
-    text = json.dumps(certificate().to_json())
-    for old, new in [('["1/4", "2"]', '["6/5", "2"]'), ('["1/4", "2"]', '["-2", "2"]')]:
-        assert old in text
-        forged = json.loads(text.replace(old, new))
-        forged["digest"] = digest(forged)
-        assert not recheck(Certificate.from_json(forged)).stands
 
 
 def test_orbits_are_proved_whose_level_is_that_of_a_potential() -> None:

@@ -15,7 +15,7 @@ from support.reference import Orbits, three_body
 
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Candidate, Equation, read_candidates
 from orbitproof.verify.attempt.precision import missing_of_orbit
-from orbitproof.verify.certificate import Certificate, Level, Limits, certify, digest, is_proof_of, recheck
+from orbitproof.verify.certificate import Certificate, Level, Limits, certify, digest, recheck
 from orbitproof.verify.evidence import bounds, exact_value
 from orbitproof.verify.orbit import OrbitResults
 
@@ -142,15 +142,6 @@ def test_sixteen_digits_take_few_bits_on_a_box_as_wide_as_they_allow(orbit: Orbi
     assert orbit.least is not None
     assert found.orbit.least.distance.overlaps(orbit.least.distance)
     assert missing_of_orbit(found.orbit, 16) <= 0
-
-
-@pytest.mark.slow
-def test_the_certificate_stands_at_every_level(certificate: Certificate) -> None:
-    assert is_proof_of(certificate, HALO)
-    assert recheck(certificate).level is Level.CONCLUSION
-    again = recheck(certificate, integrate=True)
-    assert again.level is Level.INTEGRATION, again.findings
-    assert Certificate.from_json(certificate.to_json()) == certificate
 
 
 def claim(quantity: str, value: Fraction, coordinate: str | None = None, **changes: Any) -> Candidate:

@@ -15,7 +15,7 @@ from orbitproof.explore.orbits import ShootingProblem
 from orbitproof.explore.refinement import OrbitTask, refine_orbit
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Candidate, Equation, InputError, read_atlas
 from orbitproof.shared.systems import FixedLevel, ReversibleSystem
-from orbitproof.verify.certificate import Certificate, Limits, certify, recheck
+from orbitproof.verify.certificate import Certificate, Limits, certify
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.orbit import enclose_orbit
@@ -60,10 +60,6 @@ def test_the_orbit_and_its_stability_are_those_that_are_found_otherwise() -> Non
     assert near(parameter.real, orbit.stability[0])
     assert proof.orbit.level == 0
     assert "level H = 0, those of the box with u2 > 0" in str(proof.theorem)
-
-
-def test_a_new_integration_confirms_it() -> None:
-    assert recheck(certificate(), integrate=True).stands
 
 
 def test_the_period_singles_it_out_as_well() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import json
 import random
 from collections.abc import Callable, Iterator, Mapping
@@ -16,7 +15,7 @@ import numpy as np
 import pytest
 from flint import acb, arb, ctx
 from support import catalogue_cases
-from support.forgeries import checked_by, forged, forged_elsewhere
+from support.forgeries import checked_by, forged
 from support.runs import done_here
 from support.stored import values
 from support.three_body import Orbits, problem_of
@@ -437,76 +436,6 @@ def test_other_numbers_do_not_stand(place: tuple[str, ...], change: Callable[[di
         found = check(forged(document(), lambda entry, n=number: change(at(entry["rows"][n], place))))
         assert not found.stands
         assert found.level is Level.FORM
-
-
-def _row(number: int, **changes: Any) -> Callable[[Document], None]:
-    return lambda entry: entry["rows"][number].update(changes)
-
-
-def _exchanged(entry: Document) -> None:
-    first, second = entry["rows"][:2]
-    first["orbit"], second["orbit"] = second["orbit"], first["orbit"]
-
-
-FORGERIES: dict[str, Callable[[Document], Any]] = {
-    "mirrored": _row(0, mirrored=True),
-    "not mirrored": lambda entry: entry["rows"][2].pop("mirrored"),
-    "another place": _row(0, s="0x1p-1"),
-    "a place off the curve": _row(0, s="-0x1p-1"),
-    "another piece": _row(0, piece="p002"),
-    "an orbit for a row without one": lambda entry: entry["rows"][4].update(entry["rows"][0], number=5),
-    "another given number": lambda entry: entry["rows"][0]["given"].__setitem__(7, "3e0"),
-    "a given state elsewhere": lambda entry: entry["rows"][0]["given"].__setitem__(0, "2e0"),
-    "orbits exchanged": _exchanged,
-    "a row without its orbit": lambda entry: [
-        entry["rows"][0].pop(key) for key in ("orbit", "differences", "piece", "s")
-    ],
-    "said to be proved": lambda entry: entry.update(verdict="proved"),
-    "another distance": lambda entry: entry["statement"].update(within="1e-30"),
-    "another mass": lambda entry: entry["statement"].update(mass_ratio="1/2"),
-    "rows in another order": lambda entry: entry["rows"].reverse(),
-    "a row left out": lambda entry: entry["rows"].pop(0),
-    "another curve": lambda entry: entry["rests_on"].update(digest="sha256:" + "0" * 64),
-    "another name of the curve": lambda entry: entry["rests_on"].update(id="other"),
-    "a row with a number more": lambda entry: entry["rows"][4]["given"].append("0x1"),
-    "a row with a number less": lambda entry: entry["rows"][4]["given"].pop(),
-    "another reason": _row(4, lacks="functions"),
-    "a number that is none": lambda entry: entry["rows"][0]["orbit"]["period"].update(rad="0x0", decimal="[3, 3]"),
-}
-
-
-EARLY = {
-    "rows in another order", "a row left out", "another curve", "another name of the curve", "a row with a number more",
-    "a row with a number less",
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("what", FORGERIES)
-def test_forged_certificates_do_not_stand(what: str) -> None:
-    found = check(forged(document(), FORGERIES[what]))
-    assert not found.stands
-    # What the file rests on is told before anything is looked at.
-    assert (found.level is Level.NONE) is (what in EARLY)
-
-
-def test_what_is_changed_without_a_new_digest_does_not_stand() -> None:
-    entry = copy.deepcopy(document())
-    entry["statement"]["title"] = "other"
-    assert not check(entry).stands
-    entry["digest"] = document()["digest"]
-    assert "digest" in check(entry).why
-
-
-def test_other_words_are_told_anew() -> None:
-    found = check(
-        forged_elsewhere(document(), lambda entry: entry["statement"].update(theorem="Everything is stable."))
-    )
-    refused = check(forged(document(), lambda entry: entry["statement"].update(theorem="Everything is stable.")))
-    assert "these sources, which word what it proves otherwise" in refused.why
-    assert found.stands
-    assert found.word == "stands, worded otherwise"
-    assert found.rendered is not None
-    assert found.rendered["statement"]["theorem"] == document()["statement"]["theorem"]
 
 
 @pytest.mark.slow

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import json
-from collections.abc import Callable
 from fractions import Fraction
 from math import cos, pi, sqrt
 from pathlib import Path
@@ -16,7 +15,7 @@ from flint import arb, ctx
 from scipy.integrate import solve_ivp
 from support.conclusions import with_complete_list
 from support.flow_checks import ball
-from support.forgeries import checked, forged, honest
+from support.forgeries import checked, honest
 from support.stored import ENTRIES, function_of, values, variations_of
 
 from orbitproof.shared import format_exact, parse_exact
@@ -215,32 +214,8 @@ def document_of(found: Results) -> dict[str, Any]:
     return make_atlas_certificate(atlas(), values(found), listed(found, 3))
 
 
-def no_birth(entry: dict[str, Any]) -> None:
-    del entry["conclusion"]["complete"]["out_of_plane"]["points"][0]
-
-
-def longer(entry: dict[str, Any]) -> None:
-    begin = entry["conclusion"]["complete"]["out_of_plane"]["stable"][0]["from"]
-    begin["interval"] = [format_exact(parse_exact(end) - Fraction(1, 2**30)) for end in begin["interval"]]
-
-
 def axial(entry: dict[str, Any]) -> None:
     entry["conclusion"]["complete"]["out_of_plane"]["points"][0]["kind"] = "axial birth out of the plane"
-
-
-def left_out(entry: dict[str, Any]) -> None:
-    del entry["conclusion"]["complete"]["out_of_plane"]
-
-
-def other_stiffness(entry: dict[str, Any]) -> None:
-    entry["statement"]["stiffness_across"] = entry["statement"]["vector_field"]
-
-
-@pytest.mark.parametrize("change", [no_birth, longer, axial, left_out, other_stiffness], ids=lambda f: f.__name__)
-def test_a_forged_list_is_found_without_integrating(change: Callable[[dict[str, Any]], None]) -> None:
-    document = document_of(results())
-    assert checked(document).stands
-    assert not checked(forged(document, change)).stands
 
 
 @pytest.mark.parametrize("name", [None, *ENTRIES])

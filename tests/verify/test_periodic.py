@@ -255,29 +255,6 @@ def _changed(key: str, change: Any) -> PeriodicEnclosures:
     return replace(found, returns=change(found.returns))
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda returns: returns[:-1],
-        lambda returns: returns[1:],
-        lambda returns: returns[::-1],
-        lambda returns: (*returns[:-1], replace(returns[-1], crossings=4)),
-        lambda returns: (*returns[:-1], replace(returns[-1], image=returns[-1].image[:1])),
-        lambda returns: (*returns[:-1], replace(returns[-1], image=(*returns[-1].image, returns[-1].image[0]))),
-        lambda returns: (*returns[:-1], replace(returns[-1], time=Linearised(arb(1), (arb(0),)))),
-        lambda returns: (*returns[:-1], replace(returns[-1], time=Linearised(arb("nan"), (arb(0), arb(0))))),
-        lambda returns: (*returns[:-1], replace(returns[-1], time=Linearised(arb(-1), (arb(0), arb(0))))),
-        lambda returns: (*returns[:-1], replace(returns[-1], image=(Linearised(arb(0), (arb("inf"), arb(0))),) * 2)),
-    ],
-)
-def test_what_is_missing_or_not_finite_proves_nothing(change: Any) -> None:
-    assert _refused(CLAIMS["AB"], _changed("AB", change)) == "return-map"
-
-
-def test_nothing_proves_nothing() -> None:
-    assert _refused(CLAIMS["AB"], None) == "return-map"
-
-
 def test_a_derivative_that_may_be_singular_proves_nothing() -> None:
     def same(returns: Any) -> Any:
         flat = Linearised(arb(0), (arb(1), arb(0))), Linearised(arb(0), (arb(0), arb(1)))

@@ -399,46 +399,6 @@ def test_a_function_that_is_defined_elsewhere_is_not_respected() -> None:
     assert is_respected(apart.program, _diagonal(1, -1))
 
 
-def test_nothing_proves_nothing() -> None:
-    for key, claim in CLAIMS.items():
-        assert _refused(claim, enclosed=False) == "return-map", key
-
-
-def _without(table: DerivativeTable, part: str) -> DerivativeTable:
-    index = next(iter(table.box))
-    return replace(table, **{part: {key: ball for key, ball in getattr(table, part).items() if key != index}})
-
-
-def _infinite(table: DerivativeTable, part: str) -> DerivativeTable:
-    index = list(table.box)[-1]
-    return replace(table, **{part: {**getattr(table, part), index: arb("inf")}})
-
-
-@pytest.mark.parametrize("part", ["box", "centre"])
-@pytest.mark.parametrize("change", [_without, _infinite])
-def test_what_is_missing_or_not_finite_proves_nothing(change: Any, part: str) -> None:
-    found = _enclosed("level")
-    assert found.integral is not None
-    for changed in (
-        replace(found, image=(*found.image[:-1], change(found.image[-1], part))),
-        replace(found, time=change(found.time, part)),
-        replace(found, integral=change(found.integral, part)),
-    ):
-        assert _refused(CLAIMS["level"], changed) == "return-map"
-
-
-def test_enclosures_of_another_claim_prove_nothing() -> None:
-    doubling, level, moved = _enclosed("doubling"), _enclosed("level"), _enclosed("moved")
-    assert _refused(CLAIMS["doubling"], replace(doubling, image=doubling.image[1:])) == "return-map"
-    assert _refused(CLAIMS["doubling"], replace(doubling, integral=doubling.time)) == "return-map"
-    assert _refused(CLAIMS["level"], replace(level, integral=None)) == "return-map"
-    assert _refused(CLAIMS["level"], doubling) == "return-map"
-    assert _refused(replace(CLAIMS["moved"], crossings=2), moved) == "return-map"
-    zero = (0,) * len(next(iter(doubling.time.box)))
-    back = replace(doubling.time, box={**doubling.time.box, zero: -doubling.time.box[zero]})
-    assert _refused(CLAIMS["doubling"], replace(doubling, time=back)) == "return-map"
-
-
 def test_an_earlier_return_that_may_be_the_point_proves_nothing() -> None:
     claim, found = CLAIMS["two crossings"], _enclosed("two crossings")
     assert _proved(claim, found).is_fixed is False

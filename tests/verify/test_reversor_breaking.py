@@ -264,12 +264,6 @@ def test_enclosures_that_are_no_enclosures_prove_nothing(enclosed: BreakingEnclo
     assert found.reason.condition == condition
 
 
-def test_nothing_enclosed_is_nothing_proved() -> None:
-    found = outcome_of(cases.modes(), None)
-    assert isinstance(found, NotProved)
-    assert found.reason.condition == "poincare-map"
-
-
 def test_points_beside_fix_r_are_as_far_as_the_root_of_the_box() -> None:
     for power in (7, 20, 61):
         width = across(cases.modes(radii=(Fraction(1, 2**power),) * 2))

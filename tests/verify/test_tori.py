@@ -2,32 +2,27 @@
 
 from __future__ import annotations
 
-import copy
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
-from types import SimpleNamespace
 from typing import Any
 
 import mpmath
 import pytest
 from flint import arb
 from support import tori_cases as cases
-from support.forgeries import forged
 from support.springs import BITS, exactly
 from support.springs import claim as soft_claim
 
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import INVARIANT_TORI, candidate_from_json, candidate_to_json
-from orbitproof.shared.systems import SYSTEMS, FixedLevel
-from orbitproof.verify.certificate import Certificate, Level, Limits, certify, recheck
+from orbitproof.shared.systems import SYSTEMS
+from orbitproof.verify.certificate import Certificate, Limits, certify
 from orbitproof.verify.certificate.rechecking import _conclude
-from orbitproof.verify.evidence import NotProved, Proved, Reason, bounds, indices_up_to
+from orbitproof.verify.evidence import NotProved, Proved, Reason, bounds
 from orbitproof.verify.orbit import OrbitTheorem
-from orbitproof.verify.poincare import HalfReturn
 from orbitproof.verify.tori import ToriResults, ToriTheorem, theorem_of_tori
-from orbitproof.verify.words.tori import _where, tori_in_words
 
 LIMITS = Limits(digits=12, max_precision=128)
 
@@ -93,45 +88,6 @@ def test_hypotheses_are_those_of_the_orbit_and_four_more() -> None:
     )  # fmt: skip
 
 
-def with_nan(row: tuple[arb, ...]) -> tuple[arb, ...]:
-    """The third derivative by p_1 is no number."""
-    indices = sorted(indices_up_to(5, 3))
-    return tuple(arb("nan") if index == (0, 3, 0, 0, 0) else ball for index, ball in zip(indices, row, strict=True))
-
-
-def test_enclosures_that_lack_something_prove_nothing() -> None:
-    claim, found = cases.claim(cases.BENT), cases.enclosures(cases.BENT)
-    half = found.half_return
-    assert half.first_integral is not None
-    for lacking in (
-        HalfReturn((), None),
-        replace(half, image=half.image[1:]),
-        replace(half, first_integral=None),
-        replace(half, first_integral=half.first_integral[1:]),
-        replace(half, image=(*half.image[:-1], tuple(0 * ball for ball in half.image[-1]))),
-        replace(half, image=(*half.image[:-1], tuple(ball * float("inf") for ball in half.image[-1]))),
-        replace(half, image=(*half.image[:-1], with_nan(half.image[-1]))),
-    ):
-        outcome = _conclude(claim, 160, replace(found, half_return=lacking))
-        assert isinstance(outcome, NotProved)
-        assert outcome.reason.condition == "full-return"
-
-
-def test_a_certificate_says_what_is_proved_and_no_more(certificate: Certificate) -> None:
-    assert certificate.proved, certificate.reason
-    assert str(certificate).startswith("tori, proved, period = ")
-    theorem = certificate.theorem or ""
-    assert (
-        "on its level of the first integral, every neighbourhood of the orbit contains tori of dimension 3" in theorem
-    )
-    assert "It is not stability: tori of dimension 3 do not separate the set of dimension 5" in theorem
-    told = certificate.statement["in_full"]
-    assert "tau_11 in " in told
-    assert "the determinant lies in " in told
-    assert told.endswith("That the orbit is stable is not claimed.")
-    assert certificate.orbit is not None
-
-
 def intervals(text: str) -> list[tuple[float, float]]:
     return [(float(low), float(high)) for low, high in re.findall(r"\[(-?[0-9][^,\]]*), ([^\]]+)\]", text)]
 
@@ -164,70 +120,6 @@ def test_numbers_are_told_under_their_names(certificate: Certificate) -> None:
     assert certificate.parameter is not None
     assert certificate.parameter.overlaps(found.period)
     assert not certificate.parameter.overlaps(found.half_period)
-
-
-def test_where_the_tori_are_is_told() -> None:
-    claim = cases.claim(cases.BENT)
-    assert "on its level of the first integral, every neighbourhood" in tori_in_words(ToriTheorem(claim))
-    for fixed, words in (
-        (None, "at its value of the family parameter"),
-        (FixedLevel(Fraction(1), 1), "on the level, at its value of the family parameter"),
-    ):
-        system = SimpleNamespace(family_parameter="w1", fixed_level=fixed)
-        assert _where(SimpleNamespace(system=system)) == words  # type: ignore[arg-type]
-
-
-def test_a_certificate_stands_at_all_levels(certificate: Certificate) -> None:
-    again = recheck(certificate)
-    assert again.stands, again.findings
-    assert again.passed is Level.CONCLUSION
-    assert Certificate.from_json(certificate.to_json()).to_json() == certificate.to_json()
-
-
-@pytest.mark.slow
-def test_a_new_integration_confirms_it(certificate: Certificate) -> None:
-    again = recheck(certificate, integrate=True)
-    assert again.stands, again.findings
-    assert again.passed is Level.INTEGRATION
-
-
-def _shift(entry: Any) -> None:
-    entry["mid"] = "0x1" if entry["mid"] != "0x1" else "0x3"
-
-
-CHANGES: dict[str, Callable[[Any], Any]] = {
-    "torsion": lambda entry: _shift(entry["results"]["torsion"][0][1]),
-    "determinant": lambda entry: _shift(entry["results"]["torsion_determinant"]),
-    "rotation number": lambda entry: _shift(entry["results"]["rotation_numbers"][1]),
-    "rotation numbers exchanged": lambda entry: entry["results"]["rotation_numbers"].reverse(),
-    "no resonance looked at": lambda entry: entry["hypotheses"].pop(-2),
-    "another half return": lambda entry: entry["enclosures"]["half_return"]["image"].reverse(),
-    "a derivative less": lambda entry: entry["enclosures"]["half_return"]["image"][0].pop(),
-    "no first integral": lambda entry: entry["enclosures"]["half_return"].pop("first_integral"),
-    "an orbit alone": lambda entry: entry["statement"]["candidate"].update(kind="orbit"),
-}
-
-
-@pytest.mark.parametrize("change", CHANGES)
-def test_forged_certificates_are_refused(certificate: Certificate, change: str) -> None:
-    entry = forged(certificate.to_json(), CHANGES[change])
-    try:
-        again = recheck(Certificate.from_json(entry))
-    except InputError:
-        return
-    assert not again.stands
-
-
-def test_the_certificate_of_the_orbit_is_none_of_tori(certificate: Certificate) -> None:
-    alone = certify(replace(cases.claim(cases.BENT), kind="orbit"), LIMITS)
-    assert alone.proved
-    entry = copy.deepcopy(alone.to_json())
-    changed = forged(entry, lambda content: content["statement"]["candidate"].update(kind=INVARIANT_TORI))
-    try:
-        again = recheck(Certificate.from_json(changed))
-    except InputError:
-        return
-    assert not again.stands
 
 
 def test_a_system_with_one_pair_is_refused() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -28,7 +28,7 @@ from support.chain_cases import (
 )
 from support.claims import known
 from support.conclusions import conclude
-from support.forgeries import atlas_certificate, fabricated, forged, forged_elsewhere, of_parabola
+from support.forgeries import atlas_certificate, fabricated, forged, of_parabola
 from support.stored import values
 
 from orbitproof import verify
@@ -455,8 +455,6 @@ def test_the_certificate_of_a_web_stands_as_far_as_those_that_it_rests_on() -> N
     assert found.rendered is None
     lower = {name: replace(check, level=Level.FORM) for name, check in checks.items()}
     assert recheck(Certificate(document()), given=Given(certificates, lower)).level is Level.FORM
-    other = forged(document(), FORGED["another digest"])
-    assert "rests on sha256:000" in recheck(Certificate(other), given=Given(certificates, lower)).findings[0].message
     higher = {name: replace(check, level=Level.INTEGRATION, precision=90) for name, check in checks.items()}
     integrated = recheck(Certificate(document()), given=Given(certificates, higher))
     assert (integrated.level, integrated.precision) == (Level.INTEGRATION, 90)
@@ -484,44 +482,6 @@ def test_what_it_rests_on_has_to_stand() -> None:
     assert "says 'not proved'" in certified_web(claim, resting(claim, [point, silent]), checks)["reason"]["message"]
     with pytest.raises(ValueError, match="the check of another certificate"):
         certified_web(claim, certificates, {**checks, VERTEX: replace(checks[VERTEX], digest="sha256:" + 64 * "0")})
-
-
-FORGED: dict[str, Callable[[dict[str, Any]], Any]] = {
-    "another digest": lambda d: d["rests_on"][0].update(digest="sha256:" + 64 * "0"),
-    "a certificate left out": lambda d: d["rests_on"].pop(),
-    "a vertex for an arc": lambda d: d["rests_on"][0].update(kind="vertex"),
-    "another way to meet": lambda d: d["arcs"][0]["meets"][0].update(how=BRANCHES),
-    "another claim": lambda d: d["statement"]["claim"]["arcs"][0]["meets"][0].update(how=BRANCHES),
-    "another piece": lambda d: d["arcs"][0]["meets"][0].update(piece="p002"),
-    "a place elsewhere": lambda d: d["arcs"][0]["meets"][0]["s"].update(rad="0x1p-200"),
-    "another level": lambda d: d["vertices"][0]["level"].update(rad="0x1p-300"),
-    "another kind": lambda d: d["vertices"][0].update(k=2),
-    "a narrower range": lambda d: d["arcs"][0]["period"].update(rad="0x1p-300"),
-    "an arc twice": lambda d: d["arcs"].append(d["arcs"][0]),
-    "a switch": lambda d: d.update(switches=[{"vertex": "near", "along": "parabola", "onto": "parabola"}]),
-    "another part": lambda d: d["parts"].append(["near"]),
-    "a hypothesis left out": lambda d: d["hypotheses"].pop(1),
-    "no hypothesis": lambda d: d.update(hypotheses=[]),
-    "a list": lambda d: d["arcs"][0].update(order=12),
-    "another id": lambda d: d.update(id="another"),
-}
-
-
-@pytest.mark.parametrize("change", FORGED.values(), ids=FORGED.keys())
-def test_forged_webs_do_not_stand(change: Callable[[dict[str, Any]], Any]) -> None:
-    assert not checked(forged(document(), change)).stands
-    altered = json.loads(json.dumps(document()))
-    change(altered)
-    assert "digest" in checked(altered).findings[0].place
-
-
-def test_other_words_are_told_anew() -> None:
-    found = checked(forged_elsewhere(document(), lambda d: d["statement"].update(theorem="Everything is joined.")))
-    refused = checked(forged(document(), lambda d: d["statement"].update(theorem="Everything is joined.")))
-    assert "these sources, which word what it proves otherwise" in refused.why
-    assert found.stands
-    assert found.rendered is not None
-    assert found.rendered["statement"]["theorem"] == document()["statement"]["theorem"]
 
 
 def test_a_file_that_was_changed_is_not_read(tmp_path: Path) -> None:

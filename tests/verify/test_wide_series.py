@@ -30,8 +30,6 @@ from support.wide_elements import POINTS, points, shrunk, values_of, wide_arithm
 from orbitproof.shared.systems import SYSTEMS
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic, correct_power, evaluate, prepare
 
-EXPONENTS = [Fraction(-1), Fraction(-1, 2), Fraction(-3, 2), Fraction(-2, 3), Fraction(-3)]
-
 
 @pytest.fixture(autouse=True)
 def _reference_precision() -> Iterator[None]:
@@ -158,64 +156,6 @@ def test_floats_and_packed_polynomials_correspond(seed: int) -> None:
     assert [len(row) for row in rows_of(arithmetic, packed)] == [5] * 7
 
 
-BINARY: dict[str, Callable[[Any, Any], Any]] = {
-    "sum": lambda a, b: a + b,
-    "difference": lambda a, b: a - b,
-    "product": lambda a, b: a * b,
-}
-
-
-@pytest.mark.parametrize("name", BINARY)
-@pytest.mark.parametrize("seed", range(16))
-def test_binary_operations_enclose(name: str, seed: int) -> None:
-    source = random.Random(f"{name} {seed}")
-    arithmetic = wide_arithmetic(source)
-    left, right = random_element(source, arithmetic), random_element(source, arithmetic)
-    result = BINARY[name](left.series, right.series)
-    check(source, arithmetic, result, lambda theta, x: BINARY[name](left.at(theta, x), right.at(theta, x)))
-
-
-@pytest.mark.parametrize("seed", range(15))
-def test_squares_enclose(seed: int) -> None:
-    source = random.Random(seed)
-    arithmetic = wide_arithmetic(source)
-    element = random_element(source, arithmetic)
-    check(source, arithmetic, element.series * element.series, lambda theta, x: element.at(theta, x) ** 2)
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_multiples_enclose(seed: int) -> None:
-    source = random.Random(seed)
-    arithmetic = wide_arithmetic(source)
-    element = random_element(source, arithmetic)
-    factor = Fraction(source.randint(-100, 100) or 1, source.randint(1, 50)) * Fraction(10) ** source.randint(-40, 5)
-    check(source, arithmetic, element.series.scaled(factor), lambda theta, x: number(factor) * element.at(theta, x))
-
-
-@pytest.mark.parametrize("seed", range(15))
-def test_the_value_at_the_end_encloses(seed: int) -> None:
-    source = random.Random(seed)
-    arithmetic = wide_arithmetic(source)
-    element = random_element(source, arithmetic)
-    result = element.series.at_end()
-    assert all(polynomial.length() <= arithmetic.width + 1 for polynomial in result.coefs)
-    for theta, t, point in points(source, arithmetic):
-        assert is_enclosed(result, element.at(mpmath.mpf(1), point), theta, t, point)
-
-
-@pytest.mark.parametrize("exponent", EXPONENTS, ids=str)
-@pytest.mark.parametrize("seed", range(5))
-def test_powers_enclose(exponent: Fraction, seed: int) -> None:
-    source = random.Random(f"{exponent} {seed}")
-    arithmetic = wide_arithmetic(source)
-    element = random_element(source, arithmetic, centre=source.uniform(0.5, 3))
-    approximate, _ = arithmetic.power(element.series.coefs[0], exponent)
-    coefs = [approximate] + [fmpz_poly([])] * (len(arithmetic.grading.monomials) - 1)
-    result = correct_power(Series(arithmetic, coefs, arithmetic.zero_errors()), element.series, exponent)
-    assert result is not None
-    check(source, arithmetic, result, lambda theta, x: mpmath.power(element.at(theta, x), number(exponent)))
-
-
 @pytest.mark.parametrize("seed", range(4))
 def test_programs_enclose(seed: int) -> None:
     """All operations together, with higher grades found monomial by monomial; s also in a coefficient."""
@@ -305,27 +245,6 @@ def test_the_error_of_a_product_is_attained() -> None:
     theta, point = mpmath.mpf(1), [mpmath.mpf(1)] * 3
     distance = abs(element.at(theta, point) ** 2 - known_value(result, theta, point))
     assert distance <= allowed(result, mpmath.mpf(1)) <= distance * (1 + mpmath.mpf(2) ** -30)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(400))
-def test_random_expressions_enclose(seed: int) -> None:
-    """Several operations in a row, whose unknown parts are correlated."""
-    source = random.Random(f"expression {seed}")
-    arithmetic = wide_arithmetic(source)
-    first, second = (random_element(source, arithmetic, centre=source.uniform(0.5, 2)) for _ in range(2))
-    third = random_element(source, arithmetic)
-    factor = Fraction(source.randint(-9, 9) or 1, source.randint(1, 9))
-
-    def expression(a: Any, b: Any, c: Any, scale: Callable[[Any], Any]) -> Any:
-        return (a * b - scale(c)) * (a + c) - b * b
-
-    def exact(theta: Any, x: Any) -> Any:
-        values = (element.at(theta, x) for element in (first, second, third))
-        return expression(*values, lambda value: number(factor) * value)
-
-    result = expression(first.series, second.series, third.series, lambda x: x.scaled(factor))
-    check(source, arithmetic, result, exact, 12)
 
 
 @pytest.mark.parametrize("place", [(3, 0), (0, 4)], ids=["time", "wide variable"])
