@@ -17,11 +17,9 @@ from support.normal_form_maps import KnownBifurcation, Polynomial, known_bifurca
 from support.other_coordinates import Rows, elsewhere
 
 from orbitproof.shared.formats import PeriodicBifurcation, define_system
+from orbitproof.verify.certificate.rechecking import _conclude
 from orbitproof.verify.evidence import (
-    Checklist,
     DerivativeTable,
-    NotEstablishedError,
-    NotProved,
     Outcome,
     enclose,
     guarded,
@@ -34,8 +32,6 @@ from orbitproof.verify.periodic import SectionReturn
 from orbitproof.verify.periodic_bifurcation import (
     BifurcationEnclosures,
     PeriodicBifurcationResults,
-    check_bifurcation_exactly,
-    prove_periodic_bifurcation,
 )
 
 BITS = 200
@@ -134,13 +130,9 @@ def enclosures_of(known: KnownBifurcation, claim: PeriodicBifurcation) -> Bifurc
 def outcome_of(
     known: KnownBifurcation, claim: PeriodicBifurcation, earlier: tuple[SectionReturn, ...] = ()
 ) -> Outcome[PeriodicBifurcationResults]:
-    checklist = Checklist()
     with guarded(BITS):
-        try:
-            check_bifurcation_exactly(checklist, claim)
-        except NotEstablishedError as error:
-            return NotProved(error.reason, tuple(checklist.hypotheses))
-        return prove_periodic_bifurcation(claim, checklist, replace(enclosures_of(known, claim), earlier=earlier))
+        found = replace(enclosures_of(known, claim), earlier=earlier)
+    return _conclude(claim, BITS, found)
 
 
 def over_box(centre: dict[tuple[int, ...], arb], index: tuple[int, ...], sides: list[arb]) -> arb:

@@ -14,22 +14,17 @@ from typing import Any
 from support.other_coordinates import Rows, dot, mixing, product
 
 from orbitproof.shared.formats import PeriodicOrbit, define_system
+from orbitproof.verify.certificate.rechecking import _conclude
 from orbitproof.verify.claim import inverse
 from orbitproof.verify.evidence import (
-    Checklist,
-    NotEstablishedError,
-    NotProved,
     Outcome,
     enclose,
-    guarded,
 )
 from orbitproof.verify.periodic import (
     Linearised,
     PeriodicEnclosures,
     PeriodicResults,
     SectionReturn,
-    check_periodic_exactly,
-    prove_periodic,
 )
 
 BITS = 160
@@ -155,13 +150,7 @@ def known_return(
 
 def outcome_of(claim: PeriodicOrbit, found: PeriodicEnclosures) -> Outcome[PeriodicResults]:
     """What is concluded from enclosures."""
-    checklist = Checklist()
-    with guarded(BITS):
-        try:
-            check_periodic_exactly(checklist, claim)
-        except NotEstablishedError as error:
-            return NotProved(error.reason, tuple(checklist.hypotheses))
-        return prove_periodic(claim, checklist, found)
+    return _conclude(claim, BITS, found)
 
 
 def contains_all(balls: Sequence[Any], values: Sequence[Fraction]) -> bool:

@@ -16,6 +16,7 @@ from support import krein_cases as cases
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import KREIN_COLLISION, Candidate
 from orbitproof.verify.certificate import Certificate, certify
+from orbitproof.verify.certificate.rechecking import _conclude
 from orbitproof.verify.evidence import (
     Checklist,
     DerivativeTable,
@@ -55,13 +56,7 @@ def results_of(claim: Candidate) -> KreinResults:
 
 
 def outcome_of(candidate: Candidate, found: BreakingEnclosures | None) -> Outcome[KreinResults]:
-    with guarded(BITS):
-        checklist = Checklist()
-        try:
-            check_krein_exactly(checklist, candidate)
-        except NotEstablishedError as error:
-            return NotProved(error.reason, tuple(checklist.hypotheses))
-        return prove_krein(candidate, checklist, found)
+    return _conclude(candidate, BITS, found)
 
 
 def refused_by(candidate: Candidate) -> str:

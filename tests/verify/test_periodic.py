@@ -14,17 +14,16 @@ from support import periodic_cases as cases
 from orbitproof.shared.formats import PeriodicOrbit, define_system
 from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import certify
+from orbitproof.verify.certificate.rechecking import _conclude
 from orbitproof.verify.claim import is_free_of_divergence
-from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Outcome, Proved, guarded
+from orbitproof.verify.evidence import NotProved, Outcome, Proved, guarded
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic import (
     Linearised,
     PeriodicEnclosures,
     PeriodicResults,
-    check_periodic_exactly,
     enclose_periodic,
     multipliers_of,
-    prove_periodic,
     stops_of,
 )
 from orbitproof.verify.poincare import IntegratorSettings
@@ -46,13 +45,7 @@ CLAIMS = {
 
 
 def _outcome(claim: PeriodicOrbit, enclosures: PeriodicEnclosures | None) -> Outcome[PeriodicResults]:
-    checklist = Checklist()
-    with guarded(BITS):
-        try:
-            check_periodic_exactly(checklist, claim)
-        except NotEstablishedError as error:
-            return NotProved(error.reason, tuple(checklist.hypotheses))
-        return prove_periodic(claim, checklist, enclosures)
+    return _conclude(claim, BITS, enclosures)
 
 
 def _proved(key: str) -> PeriodicResults:

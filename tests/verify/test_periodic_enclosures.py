@@ -10,17 +10,16 @@ from flint import acb, arb
 from support import periodic_cases as cases
 
 from orbitproof.shared.formats import PeriodicOrbit, define_system
-from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Outcome, Proved, guarded
+from orbitproof.verify.certificate.rechecking import _conclude
+from orbitproof.verify.evidence import NotProved, Outcome, Proved, guarded
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic import (
     Linearised,
     PeriodicEnclosures,
     PeriodicResults,
     SectionReturn,
-    check_periodic_exactly,
     enclose_periodic,
     multipliers_of,
-    prove_periodic,
 )
 from orbitproof.verify.poincare import IntegratorSettings
 
@@ -52,13 +51,7 @@ def _outcome(claim: PeriodicOrbit, found: PeriodicEnclosures | None = None) -> O
     """By enclosures that are given, or by those that are found."""
     if found is None:
         found = enclose_periodic(claim, IntegratorSettings(BITS), ORACLE)
-    checklist = Checklist()
-    with guarded(BITS):
-        try:
-            check_periodic_exactly(checklist, claim)
-        except NotEstablishedError as error:
-            return NotProved(error.reason, tuple(checklist.hypotheses))
-        return prove_periodic(claim, checklist, found)
+    return _conclude(claim, BITS, found)
 
 
 def _by_hand(*image: Linearised) -> PeriodicEnclosures:

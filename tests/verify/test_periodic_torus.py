@@ -17,10 +17,9 @@ from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import PERIODIC_DOUBLING, PERIODIC_FOLD, PeriodicBifurcation
 from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import certify
+from orbitproof.verify.certificate.rechecking import _conclude
 from orbitproof.verify.evidence import (
-    Checklist,
     DerivativeTable,
-    NotEstablishedError,
     NotProved,
     Outcome,
     Proved,
@@ -36,9 +35,7 @@ from orbitproof.verify.periodic_bifurcation import (
     BifurcationEnclosures,
     TorusCoefficients,
     TorusResults,
-    check_torus_exactly,
     enclose_periodic_bifurcation,
-    prove_torus,
     without_plane,
 )
 from orbitproof.verify.poincare import IntegratorSettings
@@ -57,13 +54,7 @@ def _round() -> BifurcationEnclosures:
 
 
 def _outcome(claim: PeriodicBifurcation, enclosures: BifurcationEnclosures | None) -> Outcome[TorusResults]:
-    checklist = Checklist()
-    with guarded(BITS):
-        try:
-            check_torus_exactly(checklist, claim)
-        except NotEstablishedError as error:
-            return NotProved(error.reason, tuple(checklist.hypotheses))
-        return prove_torus(claim, checklist, enclosures)
+    return _conclude(claim, BITS, enclosures)
 
 
 def _proved(claim: PeriodicBifurcation, enclosures: BifurcationEnclosures | None = None) -> TorusResults:

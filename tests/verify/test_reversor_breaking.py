@@ -19,6 +19,7 @@ from support import breaking_cases as cases
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.certificate import Certificate, certify
+from orbitproof.verify.certificate.rechecking import _conclude
 from orbitproof.verify.evidence import (
     Checklist,
     DerivativeTable,
@@ -72,13 +73,7 @@ def exactly(ball: arb) -> Fraction:
 
 
 def outcome_of(candidate: Candidate, found: BreakingEnclosures | None) -> Outcome[BreakingResults]:
-    with guarded(BITS):
-        checklist = Checklist()
-        try:
-            check_breaking_exactly(checklist, candidate)
-        except NotEstablishedError as error:
-            return NotProved(error.reason, tuple(checklist.hypotheses))
-        return prove_breaking(candidate, checklist, found)
+    return _conclude(candidate, BITS, found)
 
 
 def refused_by(candidate: Candidate) -> str:
