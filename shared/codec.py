@@ -167,7 +167,7 @@ def _union(kinds: tuple[Any, ...]) -> Form:
             lambda definitions: {"anyOf": [*_alternatives(inner.schema(definitions)), {"type": "null"}]},
         )
     forms = [form_of(kind) for kind in others]
-    by_kind = {name: form for kind, form in zip(others, forms, strict=True) for name in _kinds(kind)}
+    by_kind = {name: form for kind, form in zip(others, forms, strict=True) for name in kinds_said(kind)}
     if not by_kind:
         return Form(
             to_json,
@@ -287,7 +287,7 @@ def _constant(kind: type) -> dict[str, str]:
     return {"kind": name} if isinstance(name, str) and "kind" not in {each.name for each in fields(kind)} else {}
 
 
-def _kinds(kind: Any) -> tuple[str, ...]:
+def kinds_said(kind: Any) -> tuple[str, ...]:
     """What entries of a dataclass say as their ``kind``: its constant, or the values of that field."""
     if not is_dataclass(kind):
         return ()

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import fields
 from fractions import Fraction
 from itertools import groupby
-from typing import Any
+from typing import Any, cast
 
 from flint import arb
 
@@ -28,11 +29,7 @@ from orbitproof.figures.report.theorems import ARC, VERTEX, Checked
 from orbitproof.shared.claims.fields import Matrix, Vector
 from orbitproof.shared.formats import (
     KINDS,
-    Equilibrium,
-    HopfPoint,
-    InSection,
-    PeriodicBifurcation,
-    PeriodicOrbit,
+    WithoutReversor,
     as_options,
 )
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
@@ -212,9 +209,8 @@ def _tube_margin(deviations: Sequence[str], tube: Sequence[Fraction]) -> str:
 
 def box_table(entry: Checked) -> Table:
     """Parameters and box of a claim, exactly; with a level form also the candidate's own box."""
-    other = _BOXES.get(type(entry.candidate))
-    if other is not None:
-        return other(entry.candidate)
+    if not entry.candidate.uses_reversor:
+        return _table_of(cast(WithoutReversor, entry.candidate))
     claim, candidate = claim_in_words(entry.claim), claim_in_words(entry.candidate)
     rows: list[tuple[Runs, ...]] = [
         ((Math(to_latex(name)),), (Code(format_rational(value)),)) for name, value in candidate.parameters.items()
@@ -227,79 +223,28 @@ def box_table(entry: Checked) -> Table:
     return Table(("", "exact value"), tuple(rows), title, (0.26, 0.68))
 
 
-def _box_in_section(claim: InSection) -> Table:
-    """The box of a claim about a periodic orbit without symmetry, with the section and the level."""
+def _table_of(claim: WithoutReversor) -> Table:
+    """All numbers of a claim that uses no symmetry, under the names of its fields; those of its box last."""
     names = names_in_words(claim.system)
-    coordinates = [names.get(name, name) for name in claim.coordinates]
     rows: list[tuple[Runs, ...]] = [
         ((Math(to_latex(name)),), (Code(format_rational(value)),))
         for name, value in keyed_in_words(claim.system, claim.parameters).items()
     ]
-    rows += [
-        ((f"coefficient of {name} on the section",), (Code(format_exact(value)),))
-        for name, value in zip(coordinates, claim.normal, strict=True)
-        if value
-    ]
-    rows.append((("value on the section",), (Code(format_exact(claim.offset)),)))
-    if claim.level is not None:
-        rows.append((("level of the first integral",), (Code(format_rational(claim.level)),)))
-    if claim.parameter_radius:
-        rows += _of_bifurcation(claim)
-    rows += _box_rows(claim.centre, claim.frame, claim.radii, coordinates, "")
-    title = f"The box of {shown(claim.id)}; entries of A, the frame, that are 0 are left out"
+    box = {"centre": claim.centre, "frame": getattr(claim, "frame", ()), "radii": claim.radii}
+    for each in fields(claim):
+        rows += [] if each.name in box else _numbers(each.name, getattr(claim, each.name))
+    rows += _box_rows(**box, coordinates=[names.get(name, name) for name in claim.coordinates], which="")
+    title = f"The box of {shown(claim.id)}; entries of vectors and matrices that are 0 are left out"
     return Table(("", "exact value"), tuple(rows), title, (0.26, 0.68))
 
 
-def _box_of_equilibrium(claim: Equilibrium | HopfPoint) -> Table:
-    """The box of a claim about an equilibrium, with the intervals of parameter, frequency and eigenvector."""
-    names = names_in_words(claim.system)
-    coordinates = [names.get(name, name) for name in claim.coordinates]
-    rows: list[tuple[Runs, ...]] = [
-        ((Math(to_latex(name)),), (Code(format_rational(value)),))
-        for name, value in keyed_in_words(claim.system, claim.parameters).items()
-    ]
-    if claim.parameter is not None:
-        varying = names.get(claim.parameter, claim.parameter)
-        rows.append(((f"half-width of the interval of {varying}",), (Code(format_exact(claim.parameter_radius)),)))
-        rows.append((("frequency, about",), (Code(format_exact(claim.frequency)),)))
-        rows.append((("half-width of its interval",), (Code(format_exact(claim.frequency_radius)),)))
-        for part, row in zip(("real", "imaginary"), claim.kernel, strict=True):
-            rows += [
-                ((f"kernel, {part} part, component {place}",), (Code(format_exact(value)),))
-                for place, value in enumerate(row)
-                if value
-            ]
-        rows.append((("half-width of the box of the kernel",), (Code(format_exact(claim.kernel_radius)),)))
-    rows += _box_rows(claim.centre, (), claim.radii, coordinates, "")
-    return Table(("", "exact value"), tuple(rows), f"The box of {shown(claim.id)}", (0.26, 0.68))
-
-
-_BOXES: Mapping[type[Any], Callable[[Any], Table]] = {
-    PeriodicOrbit: _box_in_section,
-    PeriodicBifurcation: _box_in_section,
-    Equilibrium: _box_of_equilibrium,
-    HopfPoint: _box_of_equilibrium,
-}
-"""By the type of the claim; the others are about points of Fix(R)."""
-
-
-def _of_bifurcation(claim: PeriodicBifurcation) -> Iterator[tuple[Runs, ...]]:
-    """What such a claim has beside its box."""
-    name = (
-        "the level" if claim.parameter is None else names_in_words(claim.system).get(claim.parameter, claim.parameter)
-    )
-    yield (f"half-width of the interval of {name}",), (Code(format_exact(claim.parameter_radius)),)
-    for number, vector in enumerate(claim.kernel):
-        for place, value in enumerate(vector):
-            if value:
-                yield (f"kernel, vector {number}, component {place}",), (Code(format_exact(value)),)
-    yield ("half-width of the box of the kernel",), (Code(format_exact(claim.kernel_radius)),)
-    for label, value in zip(("cos", "sin"), claim.multiplier or (), strict=False):
-        yield (f"{label} of the multiplier, about",), (Code(format_exact(value)),)
-    for i, row in enumerate(claim.symmetry or ()):
-        for j, value in enumerate(row):
-            if value:
-                yield (Math(f"S_{{{i}{j}}}"),), (Code(format_exact(value)),)
+def _numbers(name: str, value: Any) -> Iterator[tuple[Runs, ...]]:
+    """The numbers of a field, each under its place."""
+    if isinstance(value, int | Fraction):
+        yield (Code(name),), (Code(format_rational(Fraction(value))),)
+    elif isinstance(value, tuple):
+        for place, inner in enumerate(value):
+            yield from _numbers(f"{name}[{place}]", inner) if inner else ()
 
 
 def _box_rows(

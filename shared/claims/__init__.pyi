@@ -27,6 +27,7 @@ from .candidate import Equation as Equation
 from .candidate import OfKind as OfKind
 from .equilibria import EQUILIBRIUM as EQUILIBRIUM
 from .equilibria import HOPF as HOPF
+from .equilibria import AroundPoint as AroundPoint
 from .equilibria import Equilibrium as Equilibrium
 from .equilibria import HopfPoint as HopfPoint
 from .equilibrium_curve import EquilibriumAtlas as EquilibriumAtlas

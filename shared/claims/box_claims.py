@@ -1,9 +1,12 @@
 """What a row of a candidates file may claim of a box."""
 
+from typing import get_args
+
 from orbitproof.shared.claims.candidate import Candidate
-from orbitproof.shared.claims.equilibria import EQUILIBRIUM, HOPF, Equilibrium, HopfPoint
-from orbitproof.shared.claims.periodic import PERIODIC, PeriodicOrbit
-from orbitproof.shared.claims.periodic_bifurcation import PERIODIC_BIFURCATIONS, PeriodicBifurcation
+from orbitproof.shared.claims.equilibria import Equilibrium, HopfPoint
+from orbitproof.shared.claims.periodic import PeriodicOrbit
+from orbitproof.shared.claims.periodic_bifurcation import PeriodicBifurcation
+from orbitproof.shared.codec import kinds_said
 
 InSection = PeriodicOrbit | PeriodicBifurcation
 """A claim of which no symmetry of a reversible system is used: its box lies in a section."""
@@ -12,10 +15,7 @@ WithoutReversor = InSection | Equilibrium | HopfPoint
 """A claim of which no symmetry of a reversible system is used."""
 
 KINDS_WITHOUT_REVERSOR: dict[str, type[WithoutReversor]] = {
-    PERIODIC: PeriodicOrbit,
-    **dict.fromkeys(PERIODIC_BIFURCATIONS, PeriodicBifurcation),
-    EQUILIBRIUM: Equilibrium,
-    HOPF: HopfPoint,
+    name: claim for claim in get_args(WithoutReversor) for name in kinds_said(claim)
 }
 """The types of these, by kind."""
 

@@ -16,17 +16,40 @@ EQUILIBRIUM = "equilibrium"
 HOPF = "hopf"
 
 
-class _OfEquilibria(WithoutSymmetry):
-    """A claim about a point that is no point of an orbit with a section."""
+class AroundPoint(WithoutSymmetry):
+    """A claim about a box of the state, in which nothing is followed.
+
+    Attributes:
+        centre: shape (N,), in the order of the state but for functions of other coordinates.
+        radii: shape (N,), half-widths, all positive.
+        parameter: the name of the one that varies; `None` if none does.
+    """
+
+    centre: Vector
+    radii: Vector
+    parameter: str | None
 
     @property
     def crossings(self) -> int:
         """As of other claims about boxes: nothing is followed for longer than once."""
         return 1
 
+    @property
+    def half_widths(self) -> Vector:
+        """Those of the box, and then of all else that varies."""
+        return self.radii
+
+    def check_box(self) -> None:
+        """Raises `InputError`, one line that begins with the field, for what could not be written as a claim."""
+        size = len(self.system.given_state)
+        self.check_setting()
+        self.check_lengths({"centre": size, "radii": size})
+        check_numbers({"centre": [self.centre], "radii": [self.radii]})
+        check_positive("radii", self.radii)
+
 
 @dataclass(frozen=True, repr=False)
-class Equilibrium(_OfEquilibria):
+class Equilibrium(AroundPoint):
     """A claim: the box of the x with |x_i - centre_i| <= radii_i contains exactly one equilibrium f(x) = 0.
 
     Attributes:
@@ -49,24 +72,15 @@ class Equilibrium(_OfEquilibria):
     parameter = None
 
     def __post_init__(self) -> None:
-        """Raises `InputError`, one line that begins with the field, for what could not be written as a claim."""
-        size = len(self.system.given_state)
-        self.check_setting()
-        self.check_lengths({"centre": size, "radii": size})
-        check_numbers({"centre": [self.centre], "radii": [self.radii]})
-        check_positive("radii", self.radii)
-
-    @property
-    def half_widths(self) -> Vector:
-        """Those of the box."""
-        return self.radii
+        """Raises `InputError` as `check_box`."""
+        self.check_box()
 
     def __repr__(self) -> str:
         return f"<Equilibrium {self.id!r}: of {self.system.name}>"
 
 
 @dataclass(frozen=True, repr=False)
-class HopfPoint(_OfEquilibria):
+class HopfPoint(AroundPoint):
     """A claim: for one value of a parameter an equilibrium has the eigenvalues +- i omega, and orbits are born there.
 
     A is the derivative of f in x. Claimed to be in the box: exactly one (x, a, omega, q) with f(x, a) = 0,
@@ -103,21 +117,19 @@ class HopfPoint(_OfEquilibria):
     kind = HOPF
 
     def __post_init__(self) -> None:
-        """Raises `InputError`, one line that begins with the field, for what could not be written as a claim."""
+        """Raises `InputError` as `check_box`."""
         size = len(self.system.given_state)
-        self.check_setting()
-        self.check_lengths({"centre": size, "radii": size})
+        self.check_box()
         if len(self.kernel) != 2 or any(len(row) != size for row in self.kernel):
             refuse("kernel", "wrong shape", f"give 2 rows of {size} numbers, real and imaginary parts")
         if size < 2:
             refuse("kind", f"{self.kind} takes a state of at least 2 coordinates", "give another kind")
         widths = {
-            "radii": self.radii,
             "parameter_radius": (self.parameter_radius,),
             "frequency_radius": (self.frequency_radius,),
             "kernel_radius": (self.kernel_radius,),
         }
-        check_numbers({"centre": [self.centre], "frequency": [(self.frequency,)], "kernel": self.kernel})
+        check_numbers({"frequency": [(self.frequency,)], "kernel": self.kernel})
         for name, values in widths.items():
             check_numbers({name: [values]})
             check_positive(name, values)

@@ -17,10 +17,10 @@ def test_a_report_tells_the_theorem_with_its_interval_and_margins(tmp_path: Path
     told = output.read_text()
     for words in (
         "A symmetry breaking of periodic orbits",
-        "half-width of the interval of a",
-        "kernel, vector 0, component 1",
-        "half-width of the box of the kernel",
-        "$S_{22}$",
+        "`parameter_radius`",
+        "`kernel[0][1]`",
+        "`kernel_radius`",
+        "`symmetry[2][2]`",
         "widths from 0",
     ):
         assert words in told, words

@@ -1,4 +1,4 @@
-"""CONTRIBUTING, followed word for word: its kind of theorem, made in a copy, fulfils the contract of all kinds."""
+"""CONTRIBUTING, followed word for word: its kinds of theorems, made in a copy, fulfil the contract of all kinds."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ def changed(text: str, diff: str) -> str:
     return text.replace(old, new)
 
 
-def follow(guide: str, folder: Path) -> list[str]:
-    """Make the changes that a guide names; returns the files."""
+def follow(guide: str, heading: str, folder: Path) -> list[str]:
+    """Make the changes that a section of a guide names; returns the files."""
     files = []
-    section = guide[guide.index("## A kind of theorem") :]
-    for step in _STEP.findall(section):
+    section = guide[guide.index(f"## {heading}\n") + 1 :]
+    for step in _STEP.findall(section[: section.index("\n## ") + 4]):
         for block in _BLOCK.finditer(step):
             # The file that was named last.
             *_, name = _FILE.findall(step[: block.start()])
@@ -58,7 +58,7 @@ from pathlib import Path
 from support.metamorphic_cases import ROWS
 from orbitproof.figures.commands.report import main
 from orbitproof.verify.certificate import certify, write_certificates
-write_certificates(Path("rows.json"), [certify(ROWS["bounded-period"]())])
+write_certificates(Path("rows.json"), [certify(ROWS[sys.argv[1]]())])
 sys.exit(main(["rows.json", "-o", "report.md", "--no-pictures", "--quiet"]))
 """
 """A report of a certificate of the new kind."""
@@ -69,39 +69,51 @@ from dataclasses import replace
 from fractions import Fraction
 from support.metamorphic_cases import ROWS
 from orbitproof.verify.certificate import certify
-print(certify(replace(ROWS["bounded-period"](), between=(Fraction(1, 99), Fraction(1)))).reason.condition)
+print(certify(replace(ROWS[sys.argv[1]](), **eval(sys.argv[2]))).reason.condition)
 """
-"""What fails of a claim whose bounds are wrong."""
+"""What fails of the claim with another field."""
 
 
 @pytest.mark.slow
-def test_the_kind_of_the_guide_is_made_as_it_says_and_fulfils_the_contract(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("heading", "places", "kind", "words", "false", "condition"),
+    [
+        (
+            "A kind of theorem", 7, "bounded_period", "Orbit with a bounded period",
+            "{'between': (Fraction(1, 99), Fraction(1))}", "period",
+        ),
+        (
+            "A kind with a claim of its own", 8, "empty_box", "Box without equilibrium",
+            "{'centre': tuple(map(Fraction, (2, 1, 1)))}", "empty",
+        ),
+    ],
+)  # fmt: skip
+def test_a_kind_of_the_guide_is_made_as_it_says_and_fulfils_the_contract(
+    heading: str, places: int, kind: str, words: str, false: str, condition: str, tmp_path: Path
+) -> None:
     faults.copied(tmp_path, ("tests", "docs"))
-    files = follow((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"), tmp_path)
-    assert len(set(files)) == 8
-    schemas = in_copy(tmp_path, "docs/schemas.py")
-    assert schemas.returncode == 0, schemas.stderr
-    schema = (tmp_path / "shared/schemas/candidates.schema.json").read_text(encoding="utf-8")
-    assert '"bounded_period"' in schema
-    words = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "-k", "bounded-period"]
-    found = in_copy(tmp_path, *words, "tests/soundness/test_contract.py", "tests/soundness/test_metamorphic.py")
-    assert found.returncode == 0, found.stdout[-4000:]
-    assert found.stdout.startswith("." * 5), found.stdout
-    chapters = in_copy(
-        tmp_path,
-        *words[:-1],
-        "not broken_links",
-        "tests/soundness/test_chapters.py",
-        "tests/soundness/test_table_of_faults.py",
-    )
-    assert chapters.returncode == 0, chapters.stdout[-4000:]
-    lint = in_copy(tmp_path, "-m", "ruff", "check", "shared", "verify", "tests")
-    assert lint.returncode == 0, lint.stdout
-    report = in_copy(tmp_path, "-c", REPORT)
-    assert report.returncode == 0, report.stderr
-    assert "Orbit with a bounded period" in (tmp_path / "report.md").read_text(encoding="utf-8")
-    false = in_copy(tmp_path, "-c", FALSE)
-    assert (false.returncode, false.stdout) == (0, "period\n"), false.stderr
+    files = follow((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"), heading, tmp_path)
+    assert len(set(files)) == places
+    case = kind.replace("_", "-")
+
+    def run(*arguments: str) -> str:
+        found = in_copy(tmp_path, *arguments)
+        assert found.returncode == 0, found.stdout[-4000:] + found.stderr
+        return found.stdout
+
+    run("docs/schemas.py")
+    assert f'"{kind}"' in (tmp_path / "shared/schemas/candidates.schema.json").read_text(encoding="utf-8")
+    tests = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "-k"]
+    names = ("contract", "metamorphic", "chapters", "table_of_faults")
+    contract, metamorphic, *texts = (f"tests/soundness/test_{name}.py" for name in names)
+    assert run(*tests, case, contract, metamorphic).startswith("." * 5)
+    run(*tests, "not broken_links", *texts)
+    run("-m", "ruff", "check", "shared", "verify", "tests")
+    run("tests/sentences.py")
+    assert f"== {case} ==" in (tmp_path / "tests/data/sentences.txt").read_text(encoding="utf-8")
+    run("-c", REPORT, case)
+    assert words in (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert run("-c", FALSE, case, false) == f"{condition}\n"
 
 
 def test_a_diff_whose_lines_are_not_there_is_an_error() -> None:

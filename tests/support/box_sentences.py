@@ -17,7 +17,7 @@ from support.metamorphic_cases import ROWS
 from support.told import in_full
 
 from orbitproof.shared.errors import InputError
-from orbitproof.shared.formats import BoxClaim, Candidate, Equilibrium, HopfPoint
+from orbitproof.shared.formats import BoxClaim, Candidate, InSection
 from orbitproof.shared.systems import FixedLevel, ReversibleSystem
 from orbitproof.verify.bifurcation import level_form
 from orbitproof.verify.certificate.kinds import kind_of
@@ -161,10 +161,15 @@ FOUND: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
 """By the kind of results, what may be found; the first as all others that are not named."""
 
 
+def found_of(claim: BoxClaim) -> Mapping[str, Mapping[str, Any]]:
+    """What may be found of a claim; of results that are not named there all follows from their fields."""
+    return FOUND.get(kind_of(claim).results.__name__, {"": {}})
+
+
 def results_of(claim: BoxClaim, **changes: Any) -> Any:
     """What may be found of a claim; with these changes."""
     kind = kind_of(claim).results
-    given = {**FOUND[kind.__name__][""], **changes}
+    given = {**found_of(claim)[""], **changes}
     hints, system = get_type_hints(kind), claim.system
     on_fixed = system.centre_coordinates if isinstance(system, ReversibleSystem) else system.state
     if "other_point" in hints:
@@ -175,7 +180,9 @@ def results_of(claim: BoxClaim, **changes: Any) -> Any:
         given["along"] = on_fixed[0]
     if "twist_coordinate" in hints:
         given |= {"twist_coordinate": system.state[0], "twist_momentum": system.state[1]}
-    return made(kind, **({"point": points(on_fixed)} | given))
+    if "point" in hints:
+        given = {"point": points(on_fixed), **given}
+    return made(kind, **given)
 
 
 def told(claim: BoxClaim, form: Candidate | None = None, **found: Any) -> str | None:
@@ -191,7 +198,7 @@ def _of(claim: BoxClaim, fixed: Mapping[str, Any] | None = None, **changes: Any)
 
 
 def _variants(name: str, claim: BoxClaim) -> Iterator[tuple[str, Callable[[], BoxClaim]]]:
-    if isinstance(claim, Equilibrium | HopfPoint):
+    if not isinstance(claim, Candidate | InSection):
         return
     for crossings in (2, 3):
         yield f"{crossings} crossings", partial(replace, claim, crossings=crossings)
@@ -240,7 +247,7 @@ def _all() -> Iterator[tuple[str, str | None]]:
     for name, make in ROWS.items():
         claim = make()
         yield name, told(claim)
-        for label, found in FOUND[kind_of(claim).results.__name__].items():
+        for label, found in found_of(claim).items():
             if label and claim.kind not in kinds:
                 yield f"{name} / {label}", told(claim, **found)
         kinds.add(claim.kind)

@@ -19,12 +19,11 @@ from orbitproof.shared.formats import (
     HALF_PERIOD,
     LEVEL,
     BoxClaim,
-    Equilibrium,
     EquilibriumAtlas,
     HopfPoint,
+    InSection,
     PeriodicAtlas,
     PeriodicBifurcation,
-    PeriodicOrbit,
 )
 from orbitproof.shared.systems import Defined, FixedLevel, ParameterRange, ReversibleSystem, System, record
 from orbitproof.shared.systems.described_functions import program_function
@@ -249,9 +248,9 @@ def _affine(names: Sequence[str], centre: Vector, frame: Rows, beside: Sequence[
 
 def changed_claim(claim: BoxClaim, change: Change) -> BoxClaim:
     """The claim told otherwise."""
-    if isinstance(claim, Equilibrium | HopfPoint):
-        return _at_equilibrium(claim, change)
-    return _candidate(claim, change) if isinstance(claim, Candidate) else _in_section(claim, change)
+    if isinstance(claim, Candidate):
+        return _candidate(claim, change)
+    return _in_section(claim, change) if isinstance(claim, InSection) else _around_point(claim, change)
 
 
 def _candidate(claim: Candidate, change: Change) -> Candidate:
@@ -293,7 +292,8 @@ def _candidate(claim: Candidate, change: Change) -> Candidate:
     )  # fmt: skip
 
 
-def _at_equilibrium(claim: Equilibrium | HopfPoint, change: Change) -> Equilibrium | HopfPoint:
+def _around_point(claim: Any, change: Change) -> Any:
+    """A claim about a box of the state; other numbers that it has, but for those of Hopf points, are as before."""
     system, order = claim.system, given_order_of(claim.system, change)
     beside = change.beside or ()
 
@@ -318,7 +318,7 @@ def _at_equilibrium(claim: Equilibrium | HopfPoint, change: Change) -> Equilibri
     return replace(claim, **known)
 
 
-def _in_section(claim: PeriodicOrbit | PeriodicBifurcation, change: Change) -> PeriodicOrbit | PeriodicBifurcation:
+def _in_section(claim: InSection, change: Change) -> InSection:
     system, order = claim.system, given_order_of(claim.system, change)
     affine = _affine(system.given_state, claim.centre, claim.frame, change.beside or ())
     centre, frame = affine.told(order, change)

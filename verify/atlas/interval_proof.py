@@ -16,9 +16,7 @@ from orbitproof.shared.formats import (
     AnyAtlas,
     AnyPiece,
     BirthPiece,
-    EquilibriumAtlas,
     LibrationPiece,
-    PeriodicAtlas,
     Piece,
     SurfacePiece,
     atlas_without_symmetry,
@@ -36,11 +34,9 @@ from orbitproof.verify.attempt import counsel
 from orbitproof.verify.certificate import systems_with
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.curve import NOT_PROVED, Computation, Interval, PieceLimits, prove_birth_piece, prove_piece
-from orbitproof.verify.equilibrium_curve import EquilibriumLimits, prove_equilibrium_piece
 from orbitproof.verify.evidence import Proved, Reason
 from orbitproof.verify.lasting import LastingResult, twist_of_piece
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.periodic_curve import PeriodicLimits, prove_periodic_piece
 from orbitproof.verify.stability import (
     TubeOfOrbits,
     about_closer_polynomial,
@@ -198,18 +194,9 @@ def _periodic(argument: Mapping[str, Any], stepped: Callable[[float], None]) -> 
     parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
     start, end = (parse_exact(text) for text in argument["interval"])
     atlas = atlas_without_symmetry(piece.id, piece.id, system, parameters, claim, (piece,))
-    return _WITHOUT_SYMMETRY[type(atlas)](atlas, piece, (start, end), argument["integrator"], stepped)
-
-
-def _of_equilibria(atlas: Any, piece: Piece, interval: Interval, given: Settings, stepped: Stepped) -> Result:
-    return prove_equilibrium_piece(atlas, piece, interval, EquilibriumLimits(**given), stepped).stored
-
-
-def _of_orbits(atlas: Any, piece: Piece, interval: Interval, given: Settings, stepped: Stepped) -> Result:
-    return prove_periodic_piece(atlas, piece, interval, ORACLE, PeriodicLimits(**given), stepped).stored
-
-
-_WITHOUT_SYMMETRY = {PeriodicAtlas: _of_orbits, EquilibriumAtlas: _of_equilibria}
+    kind = kind_of(atlas)
+    assert kind.prove is not None
+    return kind.prove(atlas, piece, (start, end), kind.limits(**argument["integrator"]), stepped)
 
 
 def _system_of(argument: Mapping[str, Any]) -> ReversibleSystem:

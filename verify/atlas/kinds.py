@@ -34,6 +34,8 @@ class BranchKind(Kind):
         coordinates: names of those of a point, from the atlas.
         setting: what the proof of a piece depends on beside the piece, the system and its parameters, from the atlas.
         in_question: what the proof of an interval is asked besides, from the atlas.
+        prove: an interval of a piece, where no symmetry is used: atlas, piece, interval, settings of the type `limits`,
+            and what is called after a step.
         more_at_next: by how much more the settings of a second attempt are than is usual.
         holds_points: whether certified orbits are looked for on such a branch, and resonances listed: a curve of
             symmetric orbits.
@@ -54,6 +56,7 @@ class BranchKind(Kind):
     coordinates: Callable[[Any], tuple[str, ...]] = lambda atlas: atlas.system.centre_coordinates
     setting: Callable[[Any], tuple[Any, ...]] = lambda atlas: (atlas.claim.symmetry, atlas.claim.crossings)
     in_question: Callable[[Any], Mapping[str, Any]] = lambda atlas: {}
+    prove: Callable[[Any, Any, Any, Any, Callable[[float], None]], Result] | None = None
     more_at_next: Mapping[str, int] = field(default_factory=dict)
     holds_points: bool = False
     time: str = "half period"

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from flint import arb
 
-from orbitproof.shared.formats import BoxClaim, Candidate, Equilibrium, HopfPoint, InSection
+from orbitproof.shared.claims import AroundPoint
+from orbitproof.shared.formats import BoxClaim, Candidate, InSection
 from orbitproof.verify.bifurcation import coordinates_in_box
 from orbitproof.verify.evidence import (
     GREATEST_PRECISION,
@@ -118,8 +119,8 @@ def periodic_precision(claim: InSection, digits: int) -> int:
     return max(LEAST_PRECISION, -(-wanted // 8) * 8)
 
 
-def equilibrium_precision(claim: Equilibrium | HopfPoint, digits: int) -> int:
-    """Bits to begin with at an equilibrium: nothing is integrated, and few are lost."""
+def equilibrium_precision(claim: AroundPoint, digits: int) -> int:
+    """Bits to begin with around a point: nothing is integrated, and few are lost."""
     widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in claim.half_widths)
     wanted = widths + ceil(digits * _BITS_PER_DIGIT) + 2 * _RESERVE
     return max(LEAST_PRECISION, -(-wanted // 8) * 8)

@@ -319,7 +319,7 @@ def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
         "k": candidate.get("k", 1),
         "results": results,
         "computation": stored.computation,
-        **({} if results is None else {"point": results.point, **kind.attributes(results)}),
+        **({} if results is None else {"point": getattr(results, "point", {}), **kind.attributes(results)}),
     }
     return {name: MappingProxyType(value) if isinstance(value, dict) else value for name, value in found.items()}
 

@@ -107,7 +107,8 @@ class BoxKind(Kind, Generic[Claim, Found, Results]):
     Attributes:
         enclosures: the type of what a proof is evaluated from. How it is written down, read, and compared with that of
             another integration follows from its fields.
-        results: the type of what is proved then, in the same way; its `point` is that of the claim, by coordinate.
+        results: the type of what is proved then, in the same way; its `point`, if it has
+            one, is that of the claim, by coordinate.
         statement: the claim in full, but for the theorem; the second argument is its level form, if its box and
             coordinates are those that the hypotheses are about.
         theorem_of: the theorem that a candidate claims, or why none applies; the second argument is as before.

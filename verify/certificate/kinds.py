@@ -15,23 +15,15 @@ from typing import Any, cast
 from flint import acb, arb
 
 from orbitproof.shared.claims import (
+    BOX_KINDS,
     CLAIMS,
-    DOUBLE_RESONANCE,
-    EQUILIBRIUM,
     EQUILIBRIUM_CURVES,
-    HOPF,
-    INVARIANT_TORI,
     KINDS,
-    KREIN_COLLISION,
-    ORBIT,
+    KINDS_WITHOUT_REVERSOR,
     PERIODIC,
+    PERIODIC_BIFURCATIONS,
     PERIODIC_CURVES,
-    PERIODIC_DOUBLING,
-    PERIODIC_FOLD,
-    PERIODIC_PITCHFORK,
     PERIODIC_TORUS,
-    REVERSOR_BREAKING,
-    STABLE_ORBIT,
     SURFACE,
     BoxClaim,
     Candidate,
@@ -50,22 +42,14 @@ Found = Any
 Results = Any
 """What is proved of some kind: its `Kind.results`."""
 
-_PERIODIC_BIFURCATIONS = (PERIODIC_FOLD, PERIODIC_DOUBLING, PERIODIC_PITCHFORK)
-MODULES: Mapping[str, str] = {
+_CALLED: Mapping[str, str] = {
     **dict.fromkeys(KINDS, "bifurcation"),
-    ORBIT: "orbit",
-    STABLE_ORBIT: "stable_orbit",
-    INVARIANT_TORI: "invariant_tori",
-    REVERSOR_BREAKING: "reversor_breaking",
-    KREIN_COLLISION: "krein_collision",
-    DOUBLE_RESONANCE: "double_resonance",
     PERIODIC: "periodic_orbit",
-    **dict.fromkeys(_PERIODIC_BIFURCATIONS, "periodic_bifurcation"),
+    **dict.fromkeys(PERIODIC_BIFURCATIONS, "periodic_bifurcation"),
     PERIODIC_TORUS: "periodic_torus",
-    EQUILIBRIUM: "equilibrium",
-    HOPF: "hopf",
 }
-"""Modules of `verify.theorems`, by the kinds of claims about a box as candidates say them."""
+MODULES: Mapping[str, str] = {name: _CALLED.get(name, name) for name in (*BOX_KINDS, *KINDS_WITHOUT_REVERSOR)}
+"""Modules of `verify.theorems`, by the kinds of claims about a box: called as these, but for those of `_CALLED`."""
 
 WEB, INDEX, CATALOGUE = "web", "index", "catalogue"
 FURTHER: Mapping[str, str] = {

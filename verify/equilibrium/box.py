@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from flint import acb, arb
 
-from orbitproof.shared.claims import Equilibrium, HopfPoint
+from orbitproof.shared.claims import AroundPoint
 from orbitproof.verify.evidence import (
     Checklist,
     Evidence,
@@ -83,7 +83,7 @@ def require_zero(
     return [meet(symmetric(radius), ball) for ball, radius in zip(image, radii, strict=True)]
 
 
-def point_of(claim: Equilibrium | HopfPoint, where: Sequence[arb]) -> dict[str, arb]:
+def point_of(claim: AroundPoint, where: Sequence[arb]) -> dict[str, arb]:
     """The coordinates by name, from those in the box."""
     values = [enclose(middle) + ball for middle, ball in zip(claim.centre, where, strict=True)]
     return dict(zip(claim.system.given_state, values, strict=True))

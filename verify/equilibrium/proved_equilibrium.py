@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from orbitproof.shared.claims import Equilibrium, HopfPoint
+from orbitproof.shared.claims import AroundPoint, Equilibrium
 from orbitproof.verify.equilibrium.box import NARROWER, check_field, point_of, require_zero
 from orbitproof.verify.equilibrium.enclosures import EquilibriumEnclosures
 from orbitproof.verify.equilibrium.spectrum import Spectrum, spectrum_of
@@ -40,7 +40,7 @@ class EquilibriumTheorem:
         return *(["functions"] if self.claim.system.defined else []), "field", "equilibrium"
 
 
-def check_equilibrium_exactly(checklist: Checklist, claim: Equilibrium | HopfPoint) -> None:
+def check_equilibrium_exactly(checklist: Checklist, claim: AroundPoint) -> None:
     """All hypotheses that need no enclosures; raises `NotEstablishedError` for the first that fails."""
     check_functions_of(checklist, claim.system)
 

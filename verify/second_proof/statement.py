@@ -180,8 +180,8 @@ def read_statement(certificate: Mapping[str, Any]) -> Statement:
     """The statement of one certificate. Raises `BadCertificate`, and `CannotFollow` for one of another form."""
     claim = "statement.candidate"
     kind = read(certificate, f"{claim}.kind", str)
-    if kind.startswith("periodic"):
-        raise CannotFollow("no theorem that is used here is about periodic orbits without symmetry")
+    if "k" not in read(certificate, claim, dict):
+        raise CannotFollow(f"no theorem that is used here is about the kind {kind}")
     k = read(certificate, f"{claim}.k", operator.index)
     if not {
         "symmetry_breaking": k == 1,

@@ -20,6 +20,7 @@ from orbitproof.verify.equilibrium_curve import (
     EquilibriumLimits,
     ProvedEquilibriumCurve,
     conclude_equilibria,
+    prove_equilibrium_piece,
 )
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.words.equilibrium_curve import equilibrium_curve_in_full, equilibrium_curve_in_words
@@ -58,6 +59,7 @@ KIND = BranchKind(
     coordinates=lambda atlas: atlas.coordinates,
     setting=lambda atlas: atlas.claim.setting,
     in_question=lambda atlas: {"claim": to_json(atlas.claim)},
+    prove=lambda *asked: prove_equilibrium_piece(*asked).stored,
     more_at_next={"top": 1},
     statement=_statement,
     conclude=lambda atlas, results, *_: told(conclude_equilibria(atlas, results)),

@@ -17,12 +17,14 @@ from orbitproof.verify.certificate.levels import Finding
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.curve import Conclusion
 from orbitproof.verify.evidence import Proved
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic_curve import (
     PeriodicCurveTheorem,
     PeriodicIntervalResult,
     PeriodicLimits,
     ProvedPeriodicCurve,
     conclude_periodic,
+    prove_periodic_piece,
     unconfirmed_multipliers,
 )
 from orbitproof.verify.words.periodic_curve import periodic_curve_in_full, periodic_curve_in_words
@@ -70,6 +72,9 @@ KIND = BranchKind(
     coordinates=lambda atlas: atlas.coordinates,
     setting=lambda atlas: atlas.claim.setting,
     in_question=lambda atlas: {"claim": to_json(atlas.claim)},
+    prove=lambda atlas, piece, interval, limits, stepped: (
+        prove_periodic_piece(atlas, piece, interval, ORACLE, limits, stepped).stored
+    ),
     more_at_next={"top": 1},
     statement=_statement,
     conclude=lambda atlas, results, *_: told(conclude_periodic(atlas, results)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from orbitproof.shared.formats import Equilibrium, HopfPoint
+from orbitproof.shared.claims import AroundPoint, Equilibrium, HopfPoint
 from orbitproof.verify.claim import keyed_in_words, names_in_words
 from orbitproof.verify.equilibrium import (
     EquilibriumResults,
@@ -25,7 +25,7 @@ _OTHER = {"above": "below", "below": "above"}
 def equilibrium_in_words(theorem: EquilibriumTheorem) -> str:
     """The theorem, in short."""
     return (
-        f"In the box there is exactly one equilibrium of the {_field_in_words(theorem.claim)}. The derivative of the "
+        f"In the box there is exactly one equilibrium of the {field_in_words(theorem.claim)}. The derivative of the "
         "field there is regular: the equilibrium persists for neighbouring values of the parameters. The results "
         "enclose the point and the eigenvalues of this derivative."
     )
@@ -33,7 +33,7 @@ def equilibrium_in_words(theorem: EquilibriumTheorem) -> str:
 
 def equilibrium_in_full(claim: Equilibrium, theorem: str, found: EquilibriumResults) -> Iterator[str]:
     """System, box, theorem and what was found, in lines."""
-    yield from _setting(claim, None)
+    yield from setting_in_words(claim)
     yield "Theorem."
     yield theorem
     yield from _point(claim, found)
@@ -51,7 +51,7 @@ def hopf_in_words(theorem: HopfTheorem) -> str:
     return (
         f"In the box and in the interval of {varying} there are exactly one point, one value of {varying}, one number "
         "omega and one vector q, normalised as in the candidate, with which the point is an equilibrium of the "
-        f"{_field_in_words(claim)} and the derivative of the field there has the eigenvalue i omega with the "
+        f"{field_in_words(claim)} and the derivative of the field there has the eigenvalue i omega with the "
         "eigenvector q. It is a Hopf bifurcation: i omega and -i omega are simple eigenvalues, no other one has real "
         f"part 0, their real part has a derivative in {varying} that is not 0, and the first Lyapunov coefficient is "
         f"not 0. Therefore the point has a neighbourhood in which, for values of {varying} near its own, there is "
@@ -65,7 +65,7 @@ def hopf_in_words(theorem: HopfTheorem) -> str:
 def hopf_in_full(claim: HopfPoint, theorem: str, found: HopfResults) -> Iterator[str]:
     """System, box, theorem and what was found, in lines."""
     varying = _varying(claim)
-    yield from _setting(claim, claim.parameter)
+    yield from setting_in_words(claim)
     middle = enclose(claim.parameters[claim.parameter])
     yield f"  {varying} lies in {decimal_interval(middle + symmetric(claim.parameter_radius), _DIGITS)}"
     frequency = enclose(claim.frequency) + symmetric(claim.frequency_radius)
@@ -99,9 +99,9 @@ def hopf_in_full(claim: HopfPoint, theorem: str, found: HopfResults) -> Iterator
     )
 
 
-def _field_in_words(claim: Equilibrium | HopfPoint) -> str:
-    varying = claim.parameter
-    fixed = {name: value for name, value in claim.parameters.items() if name != varying}
+def field_in_words(claim: AroundPoint) -> str:
+    """The field as a noun, with the parameters that the candidate gives."""
+    fixed = {name: value for name, value in claim.parameters.items() if name != claim.parameter}
     named = ", ".join(keyed_in_words(claim.system, fixed))
     return f"{claim.system.title}{f' ({named} as in the candidate)' if named else ''}"
 
@@ -110,11 +110,12 @@ def _varying(claim: HopfPoint) -> str:
     return names_in_words(claim.system).get(claim.parameter, claim.parameter)
 
 
-def _setting(claim: Equilibrium | HopfPoint, varying: str | None) -> Iterator[str]:
+def setting_in_words(claim: AroundPoint) -> Iterator[str]:
+    """System, parameters and box, in lines."""
     system, names = claim.system, names_in_words(claim.system)
     field, _ = field_in_lines(system, _TAKEN)
     yield from field
-    fixed = {name: value for name, value in claim.parameters.items() if name != varying}
+    fixed = {name: value for name, value in claim.parameters.items() if name != claim.parameter}
     for name, value in keyed_in_words(system, fixed).items():
         yield f"  {name} = {exact_text(value)}"
     if names:
@@ -126,7 +127,7 @@ def _setting(claim: Equilibrium | HopfPoint, varying: str | None) -> Iterator[st
         yield f"  {name} lies in {decimal_interval(enclose(middle) + symmetric(radius), _DIGITS)}"
 
 
-def _point(claim: Equilibrium | HopfPoint, found: EquilibriumResults | HopfResults) -> Iterator[str]:
+def _point(claim: AroundPoint, found: EquilibriumResults | HopfResults) -> Iterator[str]:
     place = ", ".join(located(name, ball, _DIGITS) for name, ball in keyed_in_words(claim.system, found.point).items())
     yield f"The equilibrium in the box has {place}."
 
