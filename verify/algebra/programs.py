@@ -200,6 +200,9 @@ class Evaluation(Recurrence[fmpz_poly]):
 
     def reciprocal(self, index: int) -> fmpz_poly:
         """An approximation of 1 / base at the centre, for a node that is a power."""
+        if index not in self._inverse:
+            base = self.coefs[self.program.nodes[index].left][0]
+            self._inverse[index] = self.arithmetic.power(base, Fraction(-1))
         return self._inverse[index]
 
     def constant(self, index: int, value: Fraction) -> fmpz_poly:
@@ -227,8 +230,8 @@ class Evaluation(Recurrence[fmpz_poly]):
         arithmetic = self.arithmetic
         grades = arithmetic.grading.grades
         if n == 0:
-            value, self._inverse[index] = arithmetic.power(base[0], exponent)
-            return value
+            self._inverse.pop(index, None)
+            return arithmetic.power(base[0], exponent, self.coefs[index][0])
         p, q = exponent.numerator, exponent.denominator
         power = self.coefs[index]
         if (index, n) not in self._inner:
@@ -241,7 +244,7 @@ class Evaluation(Recurrence[fmpz_poly]):
         exact = self._inner[index, n][0] + power[0] * base[n] * fmpz(p * grades[n])
         if not exact.length():
             return ZERO
-        quotient, _ = arithmetic.cut(arithmetic.reduced(exact) * self._inverse[index])
+        quotient, _ = arithmetic.cut(arithmetic.reduced(exact) * self.reciprocal(index))
         return quotient // (arithmetic.one * fmpz(q * grades[n]))
 
     def enclose(

@@ -166,29 +166,28 @@ class Arithmetic:
         """The value at theta = 1."""
         return fmpz_poly([polynomial(fmpz(1))]) if polynomial.length() else polynomial
 
-    def power(self, base: fmpz_poly, exponent: Fraction) -> tuple[fmpz_poly, fmpz_poly]:
-        """Approximations of ``base ** exponent``, exponent < 0, and of ``1 / base``, polynomials of grade 0.
+    def power(self, base: fmpz_poly, exponent: Fraction, near: fmpz_poly = ZERO) -> fmpz_poly:
+        """An approximation of ``base ** exponent``, exponent < 0, polynomials of grade 0.
 
-        Nothing is proved by them: `correct_power` bounds how far the first is from the power. Raises
-        `IntegrationFailure` if there are none.
+        Nothing is proved by it: `correct_power` bounds how far it is from the power. Raises `IntegrationFailure` if
+        there is none. `near`: perhaps the power of a base nearby, or 0.
         """
         length, scale, cap = self.degree + 1, arb(2) ** self.bits, ctx.cap
         ctx.cap = length
         try:
             with guarded(self.bits):
                 series = arb_series([arb(value) / scale for value in base.coeffs()], prec=length)
-                found = [series ** (arb(a.numerator) / a.denominator) for a in (exponent, Fraction(-1))]
-                integers = [[integer_part(each[n] * scale) for n in range(length)] for each in found]
+                found = series ** (arb(exponent.numerator) / exponent.denominator)
+                power = [c for n in range(length) if (c := integer_part(found[n] * scale)) is not None]
         finally:
             ctx.cap = cap
-        power, inverse = ([value for value in values if value is not None] for values in integers)
-        if len(power) + len(inverse) < 2 * length:
+        if len(power) < length:
             raise IntegrationFailure(
                 "singularity",
                 "a power or quotient of the vector field has no finite expansion at the centre",
                 "the orbit meets a singularity of the vector field: give another centre",
             )
-        return fmpz_poly(power), fmpz_poly(inverse)
+        return fmpz_poly(power)
 
     def balls_in_time(self, polynomial: fmpz_poly, part: arb | None) -> list[arb]:
         """Enclosures of the coefficients of the powers of theta of a polynomial of grade 0, for s in `part`."""

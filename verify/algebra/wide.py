@@ -21,8 +21,8 @@ from orbitproof.verify.algebra.norms import FLOOR, float_above, inflate
 from orbitproof.verify.algebra.series import ZERO, Arithmetic, Products
 from orbitproof.verify.evidence import IntegrationFailure
 
-_FLOAT_BITS = 48
-"""So many bits of a power are right that is found in float64."""
+_NEAR_BITS, _MOST_STEPS = 16, 8
+"""With fewer right bits a power nearby is not improved; and no power by more than so many steps."""
 _SPARE_POWERS = 8
 """So many powers of s beyond the width are found exactly in a product before they are cut off."""
 _REMEMBERED = 256
@@ -61,12 +61,18 @@ class WideArithmetic(Arithmetic):
 
     def part_for(self, coarse: Arithmetic, polynomial: fmpz_poly) -> tuple[fmpz_poly, int]:
         """What a coarser format keeps of a packed polynomial, and the l1 norm of the rest."""
-        coefs = polynomial.coeffs()
         stride, length = self.stride, (coarse.degree + 1) * self.stride
-        rest = coefs[length:]
-        for start in range(coarse.width + 1, min(len(coefs), length), stride):
-            rest += coefs[start : start - coarse.width - 1 + stride]
-        return self._kept(coarse, coefs), int(sum(map(abs, rest)))
+        kept, rest = polynomial.truncate(length), polynomial.right_shift(length).coeffs()
+        for row in range(0, kept.length(), stride):
+            for place in range(row + coarse.width + 1, row + stride):
+                if value := kept[place]:
+                    rest.append(value)
+                    kept[place] = 0
+        if coarse.stride < stride:
+            coefs = kept.coeffs()
+            rows = (coefs[row : row + coarse.stride] for row in range(0, len(coefs), stride))
+            kept = fmpz_poly([value for values in rows for value in values])
+        return kept, int(sum(map(abs, rest)))
 
     def round_product(self, exact: fmpz_poly, position: int) -> tuple[fmpz_poly, float]:
         """As for every arithmetic; rounded before it is cut: one unit counts for every coefficient that is read."""
@@ -74,17 +80,8 @@ class WideArithmetic(Arithmetic):
         return kept, inflate(float_above(exact.length() + rest, -self.scales[position]))
 
     def reduced(self, product: fmpz_poly) -> fmpz_poly:
-        """As for every arithmetic."""
-        return self._kept(self, (product // self.one).coeffs())
-
-    def _kept(self, coarse: Arithmetic, coefs: Sequence[fmpz]) -> fmpz_poly:
-        """What a coarser format keeps of a packed polynomial with these coefficients."""
-        kept: list[fmpz] = []
-        zeros = [fmpz(0)] * (coarse.stride - coarse.width - 1)
-        for start in range(0, min(len(coefs), (coarse.degree + 1) * self.stride), self.stride):
-            kept += coefs[start : start + coarse.width + 1]
-            kept += zeros
-        return fmpz_poly(kept)
+        """As for every arithmetic; powers of s beyond the width stay until they are cut off."""
+        return product.truncate((self.degree + 1) * self.stride) // self.one
 
     def _exact(self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], factors: Pairs) -> fmpz_poly:
         """As for every arithmetic: products up to the largest degree."""
@@ -114,8 +111,9 @@ class WideArithmetic(Arithmetic):
 
     def derivative(self, polynomial: fmpz_poly) -> fmpz_poly:
         """The derivative in theta."""
-        stride = self.stride
-        return fmpz_poly([value * (index // stride) for index, value in enumerate(polynomial.coeffs())][stride:])
+        stride, coefs = self.stride, polynomial.coeffs()
+        rows = enumerate(range(stride, len(coefs), stride), 1)
+        return fmpz_poly([times * value for times, row in rows for value in coefs[row : row + stride]])
 
     def at_end(self, polynomial: fmpz_poly) -> fmpz_poly:
         """The value at theta = 1, a polynomial in s."""
@@ -151,31 +149,30 @@ class WideArithmetic(Arithmetic):
             values += zeros
         return fmpz_poly(values)
 
-    def power(self, base: fmpz_poly, exponent: Fraction) -> tuple[fmpz_poly, fmpz_poly]:
-        """Approximations of ``base ** exponent``, exponent < 0, and of ``1 / base``, packed polynomials of grade 0.
+    def power(self, base: fmpz_poly, exponent: Fraction, near: fmpz_poly = ZERO) -> fmpz_poly:
+        """As for every arithmetic; packed polynomials.
 
-        The power is found in float64 and improved by steps of Newton's method for y^q base^p = 1, the inverse, which
-        only higher grades need, by one.
+        The power is found in float64, unless there is one nearby, and improved by steps of Newton's method for
+        y^q base^p = 1.
         """
-        values = to_points(self.unpack(base, self.bits, self.degree + 1))
-        inverse, power = (
-            self.pack(from_points(power_of_series(values, a), self.width), self.bits) for a in (Fraction(-1), exponent)
-        )
         p, q = -exponent.numerator, exponent.denominator
-        shared = min(p, q)
-        right = _FLOAT_BITS
-        while right < self.bits:
+        shared, one = min(p, q), fmpz_poly([self.one])
+        power = near if near.length() else self._in_floats(base, exponent)
+        for _ in range(_MOST_STEPS):
             mixed = self._reduced_product(power, base)
-            power = self._improved(power, [*[mixed] * shared, *[base] * (p - shared), *[power] * (q - shared)], q)
-            right *= 2
-        if right > _FLOAT_BITS and self.grading.top:
-            inverse = self._improved(inverse, [inverse, base], 1)
-        return power, inverse
+            factors = [*[mixed] * shared, *[base] * (p - shared), *[power] * (q - shared)]
+            defect = one - reduce(self._reduced_product, factors)
+            missing = int(defect.height_bits())
+            if missing > self.bits - _NEAR_BITS and power is near:
+                return self.power(base, exponent)
+            power = power + self._reduced_product(power, defect) // fmpz(q)
+            if 2 * missing <= self.bits:
+                break
+        return self.cut(power)[0]
 
-    def _improved(self, power: fmpz_poly, factors: Sequence[fmpz_poly], root: int) -> fmpz_poly:
-        """A step of Newton's method: the product of the factors should be 1."""
-        value = reduce(self._reduced_product, factors)
-        return power + self._reduced_product(power, fmpz_poly([self.one]) - value) // fmpz(root)
+    def _in_floats(self, base: fmpz_poly, exponent: Fraction) -> fmpz_poly:
+        values = to_points(self.unpack(base, self.bits, self.degree + 1))
+        return self.pack(from_points(power_of_series(values, exponent), self.width), self.bits)
 
     def _reduced_product(self, left: fmpz_poly, right: fmpz_poly) -> fmpz_poly:
         return self.reduced(left.mul_low(right, (self.degree + 1) * self.stride))

@@ -86,7 +86,7 @@ def derivative_bounds(
 
     def slope_of_power(index: int) -> Series:
         base, exponent = values[program.nodes[index].left], program.nodes[index].value
-        approximate, _ = coarse.power(base.coefs[0], _MINUS_ONE)
+        approximate = coarse.power(base.coefs[0], _MINUS_ONE)
         inverse = correct_power(Series(coarse, [approximate], coarse.zero_errors()), base, _MINUS_ONE)
         if inverse is None:
             raise _unbounded()

@@ -77,7 +77,7 @@ def slope(element: Series, share: Fraction) -> Series:
 def inverse(element: Series) -> Series:
     """1/f. Raises `IntegrationFailure` if f is not shown to have no zero for |sigma| <= 1."""
     arithmetic = _same(element)
-    approximate = Series(arithmetic, [arithmetic.power(element.coefs[0], Fraction(-1))[0]], arithmetic.zero_errors())
+    approximate = Series(arithmetic, [arithmetic.power(element.coefs[0], Fraction(-1))], arithmetic.zero_errors())
     result = correct_power(approximate, element, Fraction(-1))
     if result is None:
         message = "the derivative across the curve may be singular at a complex s close to the interval"
