@@ -56,10 +56,13 @@ def draw(path: Path) -> None:
                 (left, bottom), width, HEIGHT, "round,pad=0.02", fc=KINDS.get(name, ARGUMENT), ec="#555555", lw=0.6
             )
             axes.add_patch(box)
-            size, margin = (9, 0.12) if len(rooms) < 4 else (6.2, 0.1) if len(rooms) == 4 else (5.2, 0.06)
-            axes.text(left + margin, bottom + HEIGHT / 2, name, va="center", fontsize=size, family="monospace")
+            size, margin, apart = (9, 0.12, 0.0) if len(rooms) < 4 else (6.7, 0.06, 0.2)
+            middle = bottom + HEIGHT / 2
+            axes.text(left + margin, middle + apart * HEIGHT, name, va="center", fontsize=size, family="monospace")
             words = f"{title_of(room)}, {lines_of(room):,}" if len(rooms) == 1 else f"{lines_of(room):,}"
-            axes.text(left + width - margin, bottom + HEIGHT / 2, words, va="center", ha="right", fontsize=min(size, 8))
+            axes.text(
+                left + width - margin, middle - apart * HEIGHT, words, va="center", ha="right", fontsize=min(size, 8)
+            )
     handles = [plt.Rectangle((0, 0), 1, 1, fc=color, ec="#555555", lw=0.6) for color in LEGEND.values()]
     axes.legend(handles, LEGEND, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=3, fontsize=7.5, frameon=False)
     axes.set(xlim=(-0.1, WIDTH + 0.1), ylim=(-0.1, len(rows) * (HEIGHT + GAP)))

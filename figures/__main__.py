@@ -8,7 +8,6 @@ import io
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
 
 from orbitproof.figures.commands import all as all_command
 from orbitproof.figures.commands import atlas as atlas_command
@@ -24,9 +23,8 @@ from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_family, draw_resonances, print_path, tables_of, write_tables
 from orbitproof.shared.answers import add_json_option, answered, tell
 from orbitproof.shared.formats import InputError, refused
-from orbitproof.shared.help_text import HelpFormatter
+from orbitproof.shared.help_text import HelpFormatter, Parser, add_command
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
-from orbitproof.shared.misspelt import with_remedy
 from orbitproof.shared.printed_tables import terminal_width, wrapped
 
 _EXAMPLES = """\
@@ -70,25 +68,16 @@ Exit codes: 0 tables written; 1 written, but a row is not proved, lies outside o
 """
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        """One line and exit code 2, like every other bad input."""
-        self.exit(2, f"error: {with_remedy(message, self)}; see {self.prog} --help\n")
-
-
 def argument_parser() -> argparse.ArgumentParser:
     """The command line: its commands and options."""
-    raw = HelpFormatter
-    parser = _Parser(
+    parser = Parser(
         prog="orbitproof figures",
         description="Pictures of families of symmetric periodic orbits (PDF and PNG), and tables of what is certified.",
         epilog=_EXAMPLES,
-        formatter_class=raw,
+        formatter_class=HelpFormatter,
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    family = commands.add_parser(
-        "family", help="a family, its resonances and what is certified", epilog=_EXAMPLES, formatter_class=raw
-    )
+    family = add_command(commands, "family", "a family, its resonances and what is certified", _EXAMPLES)
     family.add_argument("candidates", type=Path, help="candidates file (JSON)")
     family.add_argument("certificates", type=Path, nargs="?", help="certificates file; without it nothing is filled")
     family.add_argument("--family", type=Path, nargs="+", default=[], metavar="FILE", help="traced families (JSON)")
@@ -96,11 +85,8 @@ def argument_parser() -> argparse.ArgumentParser:
     family.add_argument("--quiet", action="store_true", help="no messages on standard error")
     add_file_options(family)
     family.set_defaults(run=_run_family)
-    resonances = commands.add_parser(
-        "resonances",
-        help="stability along families, finely sampled, as picture and CSV",
-        epilog=_RESONANCES_EXAMPLES,
-        formatter_class=raw,
+    resonances = add_command(
+        commands, "resonances", "stability along families, finely sampled, as picture and CSV", _RESONANCES_EXAMPLES
     )
     resonances.add_argument("families", type=Path, nargs="+", help="family files (JSON), searched for resonances")
     resonances.add_argument(
@@ -111,9 +97,7 @@ def argument_parser() -> argparse.ArgumentParser:
     resonances.add_argument("--quiet", action="store_true", help="no messages on standard error")
     add_file_options(resonances)
     resonances.set_defaults(run=_run_resonances)
-    tables = commands.add_parser(
-        "tables", help="the certified rows beside the published ones", epilog=_TABLES_EXAMPLES, formatter_class=raw
-    )
+    tables = add_command(commands, "tables", "the certified rows beside the published ones", _TABLES_EXAMPLES)
     tables.add_argument("certificates", type=Path, nargs="+", help="certificates files (JSON)")
     tables.add_argument("-o", "--output", type=Path, metavar="FOLDER", help="folder for the tables")
     tables.add_argument("--published", type=Path, metavar="FILE", help="published enclosures (default: the paper's)")

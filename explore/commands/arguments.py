@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import NoReturn
 
 from orbitproof.explore.commands import (
     atlas,
@@ -29,8 +28,7 @@ from orbitproof.explore.names import mass_name
 from orbitproof.explore.search import POINTS, PRESETS
 from orbitproof.explore.three_body.names import FAMILY_NAMES, family_name
 from orbitproof.shared.answers import add_json_option
-from orbitproof.shared.help_text import HelpFormatter
-from orbitproof.shared.misspelt import with_remedy
+from orbitproof.shared.help_text import HelpFormatter, Parser, add_command
 from orbitproof.shared.systems import MASS_PARAMETERS
 
 _FOLDS = "also look for folds: extrema of the family parameter or first integral along the family"
@@ -60,13 +58,6 @@ _MASS_HELP = (
 )
 
 
-class Parser(argparse.ArgumentParser):
-    """Reports a wrong command line as one line, exit code 2."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(2, f"error: {with_remedy(message, self)}; see {self.prog} --help\n")
-
-
 def parser() -> Parser:
     """The parser of ``orbitproof explore``."""
     result = Parser(
@@ -78,8 +69,8 @@ def parser() -> Parser:
         allow_abbrev=False,
     )
     commands = result.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=Parser)
-    candidates = common.add_command(
-        commands, "candidates", "find and refine bifurcations, write candidate boxes", _EXAMPLES
+    candidates = add_command(
+        commands, "candidates", "find and refine bifurcations, write candidate boxes", _examples("candidates")
     )
     _family_options(candidates)
     candidates.add_argument(
@@ -112,7 +103,7 @@ def parser() -> Parser:
         help="keep what the output file already holds; points refined there to as many digits are not refined again",
     )
     candidates.add_argument("--family-output", type=Path, metavar="FILE", help="write the traced families as JSON")
-    family = common.add_command(commands, "family", "trace families and their resonances in float64", _EXAMPLES)
+    family = add_command(commands, "family", "trace families and their resonances in float64", _examples("family"))
     _family_options(family)
     family.add_argument("-k", nargs="+", type=common.multiplicity, metavar="K", help="also locate these resonances")
     family.add_argument("--folds", action="store_true", help=_FOLDS)
@@ -149,6 +140,12 @@ def parser() -> Parser:
     for command_parser in commands.choices.values():
         add_json_option(command_parser)
     return result
+
+
+def _examples(command: str) -> str:
+    """Those of one command."""
+    lines = _EXAMPLES.splitlines(keepends=True)
+    return lines[0] + "".join(line for line in lines if f" {command} " in line)
 
 
 def _family_options(target: argparse.ArgumentParser) -> None:

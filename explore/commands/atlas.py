@@ -19,6 +19,7 @@ from orbitproof.explore.three_body.names import (
     system_with,
 )
 from orbitproof.shared.formats import Covers, InputError, check_writable
+from orbitproof.shared.help_text import add_command
 from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
 
 DEGREES = (8, 60)
@@ -167,7 +168,7 @@ curve. Exit codes: 0 covered, 1 not, 2 bad input.
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = common.add_command(
+    parser = add_command(
         commands, "atlas", "cover a whole branch of symmetric orbits by pieces for the verifier", _EXAMPLES
     )
     presets = "; ".join(f"{name}: {preset.title}" for name, preset in ATLAS_PRESETS.items())

@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from orbitproof.explore.commands.common import add_command, add_output, add_quiet, number, positive
+from orbitproof.explore.commands.common import add_output, add_quiet, number, positive
 from orbitproof.explore.names import mass_name, mass_parameter
 from orbitproof.shared.formats import InputError, check_writable, write_atlas
+from orbitproof.shared.help_text import add_command
 from orbitproof.shared.systems import MASS_PARAMETERS
 
 POINTS = ("L1", "L2", "L3")

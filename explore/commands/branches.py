@@ -9,7 +9,7 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from orbitproof.explore.commands.common import add_command, add_output, add_quiet
+from orbitproof.explore.commands.common import add_output, add_quiet
 from orbitproof.explore.names import examined
 from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import (
@@ -23,6 +23,7 @@ from orbitproof.shared.formats import (
     stated_format,
     validate_document,
 )
+from orbitproof.shared.help_text import add_command
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.printed_tables import fitted
 from orbitproof.shared.systems import shown

@@ -19,6 +19,7 @@ from orbitproof.explore.three_body.names import (
     system_with,
 )
 from orbitproof.shared.formats import InputError, check_writable, table_form
+from orbitproof.shared.help_text import add_command
 from orbitproof.shared.systems import CR3BP, THREE_BODY
 from orbitproof.shared.wording import counted
 
@@ -51,7 +52,7 @@ Exit codes: 0 all rows found, 1 some not, 2 bad input, 130 interrupted.
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = common.add_command(
+    parser = add_command(
         commands, "catalogue", "a dense catalogue of a family, or rows of one, as JSON, CSV or Parquet", _EXAMPLES
     )
     parser.add_argument("file", type=Path, nargs="?", metavar="FILE", help="a catalogue (JSON or CSV) to choose from")

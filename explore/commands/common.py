@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.explore.three_body.names import BRANCHES, DEFAULT_BRANCH, FAMILY_NAMES
-from orbitproof.shared.help_text import HelpFormatter
 
 MAX_MULTIPLICITY = 1000
 DIGITS = (15, 400)
@@ -21,15 +20,6 @@ DIGITS = (15, 400)
 
 WORTH_TELLING = 0.01
 """A correction that moves a guess so far, relative to its size, is told."""
-
-
-def add_command(commands: Any, name: str, meaning: str, examples: str) -> argparse.ArgumentParser:
-    """A subcommand, with examples below its help."""
-    raw = HelpFormatter
-    parser: argparse.ArgumentParser = commands.add_parser(
-        name, help=meaning, epilog=examples, formatter_class=raw, allow_abbrev=False
-    )
-    return parser
 
 
 def add_system(parser: Any) -> None:

@@ -8,11 +8,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from orbitproof.explore.commands.common import add_command, add_orbit_choice, add_quiet, positive
+from orbitproof.explore.commands.common import add_orbit_choice, add_quiet, positive
 from orbitproof.explore.commands.trajectory import add_spice_numbers
 from orbitproof.explore.names import NoOrbit
 from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import InputError, check_writable, write_text
+from orbitproof.shared.help_text import add_command
 from orbitproof.shared.printed_tables import wrapped
 
 _EXAMPLES = """\

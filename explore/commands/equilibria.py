@@ -12,6 +12,7 @@ from orbitproof.explore.commands import common
 from orbitproof.explore.commands.periodic_claims import Along, ClaimStore, Passed, kept_claims
 from orbitproof.explore.names import exact_number, given_values, own_system, symmetry_of
 from orbitproof.shared.formats import InputError, check_writable, write_atlas, write_text
+from orbitproof.shared.help_text import add_command
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.wording import counted
 
@@ -43,7 +44,7 @@ Exit codes: 0 found, 1 something is not found or not refined, 2 bad input.
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
     meaning = "equilibria of any system, their curves, folds and Hopf points, and the orbits that are born there"
-    parser = common.add_command(commands, "equilibria", meaning, _EXAMPLES)
+    parser = add_command(commands, "equilibria", meaning, _EXAMPLES)
     parser.add_argument(
         "--system", required=True, metavar="NAME|FILE", help="a file of your own, .json, or .py, which is run; or cr3bp"
     )

@@ -7,9 +7,10 @@ import re
 from math import isfinite
 from typing import Any
 
-from orbitproof.explore.commands.common import add_command, add_orbit_choice, add_output, add_quiet, index, positive
+from orbitproof.explore.commands.common import add_orbit_choice, add_output, add_quiet, index, positive
 from orbitproof.explore.names import NoOrbit
 from orbitproof.shared.formats import InputError, check_writable
+from orbitproof.shared.help_text import add_command
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.wording import counted
 

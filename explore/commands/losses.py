@@ -9,6 +9,7 @@ from typing import Any
 
 from orbitproof.explore.commands import common
 from orbitproof.shared.formats import ACROSS_KINDS, REVERSOR_BREAKING, check_writable, write_candidates
+from orbitproof.shared.help_text import add_command
 
 _EXAMPLES = """\
 examples:
@@ -24,7 +25,7 @@ Exit codes: 0 all refined, 1 one was not, or there is none, 2 bad input.
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = common.add_command(
+    parser = add_command(
         commands,
         "losses",
         "refine the points of a complete list at which R may be lost, or multipliers collide",

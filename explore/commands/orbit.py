@@ -34,6 +34,7 @@ from orbitproof.shared.formats import (
     read_candidates,
     write_candidates,
 )
+from orbitproof.shared.help_text import add_command
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.shared.wording import counted
 
@@ -73,7 +74,7 @@ interrupted run goes on with the same command. Exit codes: 0 corrected, 1 not, 2
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
     meaning = "one symmetric orbit: corrected, or to many digits for the verifier"
-    parser = common.add_command(commands, "orbit", meaning, _EXAMPLES)
+    parser = add_command(commands, "orbit", meaning, _EXAMPLES)
     common.add_start(parser)
     parser.add_argument(
         "--mass", type=mass_name, nargs=1, metavar="MU", help="mass parameter of the CR3BP: a name or a number"

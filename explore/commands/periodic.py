@@ -31,6 +31,7 @@ from orbitproof.explore.names import (
 )
 from orbitproof.explore.three_body.seeds import TRIANGULAR
 from orbitproof.shared.formats import InputError, check_writable
+from orbitproof.shared.help_text import add_command
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import CR3BP, System
 
@@ -69,7 +70,7 @@ for. Exit codes: 0 found, 1 something is not found or not refined, 2 bad input.
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
     meaning = "periodic orbits of any system, no symmetry needed: found, and to many digits for the verifier"
-    parser = common.add_command(commands, "periodic", meaning, _EXAMPLES)
+    parser = add_command(commands, "periodic", meaning, _EXAMPLES)
     parser.add_argument(
         "--system", metavar="NAME|FILE", help="a file of your own, .json, or .py, which is run; or cr3bp"
     )

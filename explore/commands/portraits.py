@@ -6,8 +6,9 @@ import argparse
 from math import isfinite
 from typing import Any
 
-from orbitproof.explore.commands.common import add_command, add_output, add_quiet
+from orbitproof.explore.commands.common import add_output, add_quiet
 from orbitproof.shared.formats import InputError, check_writable
+from orbitproof.shared.help_text import add_command
 from orbitproof.shared.wording import counted
 
 _EXAMPLES = """\

@@ -25,6 +25,7 @@ from orbitproof.shared.formats import (
     read_candidates,
     write_candidates,
 )
+from orbitproof.shared.help_text import add_command
 
 _KINDS = (*KINDS, *ACROSS_KINDS, DOUBLE_RESONANCE)
 
@@ -47,7 +48,7 @@ The point has to be good to five digits or so. Exit codes: 0 refined, 1 not, 2 b
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = common.add_command(
+    parser = add_command(
         commands, "refine", "refine an approximate bifurcation point to a candidate with its box", _EXAMPLES
     )
     common.add_system(parser)

@@ -9,11 +9,12 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from orbitproof.explore.commands.common import add_command, add_orbit_choice, positive
+from orbitproof.explore.commands.common import add_orbit_choice, positive
 from orbitproof.explore.names import NoOrbit
 from orbitproof.explore.three_body.names import units_of_system
 from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import InputError, check_writable, write_text
+from orbitproof.shared.help_text import add_command
 from orbitproof.shared.printed_tables import wrapped
 
 if TYPE_CHECKING:

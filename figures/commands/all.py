@@ -11,7 +11,7 @@ from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_all, print_path
 from orbitproof.shared.answers import tell
 from orbitproof.shared.formats import InputError, select_ids
-from orbitproof.shared.help_text import HelpFormatter
+from orbitproof.shared.help_text import add_command
 from orbitproof.shared.printed_tables import wrapped
 
 _EXAMPLES = """\
@@ -29,12 +29,7 @@ Exit codes: 0 all drawn; 1 something not drawn, or no certificates, so that noth
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = commands.add_parser(
-        "all",
-        help="every picture, from a folder of data files",
-        epilog=_EXAMPLES,
-        formatter_class=HelpFormatter,
-    )
+    parser = add_command(commands, "all", "every picture, from a folder of data files", _EXAMPLES)
     parser.add_argument("data", type=Path, metavar="DATA", help="folder of data files")
     parser.add_argument("-o", "--output", type=Path, metavar="FOLDER", help="folder for the pictures")
     parser.add_argument("--only", nargs="+", metavar="NAME", help="these pictures (with * and ?; default: all)")

@@ -8,7 +8,7 @@ from typing import Any
 
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_atlases, print_path
-from orbitproof.shared.help_text import HelpFormatter
+from orbitproof.shared.help_text import add_command
 
 _EXAMPLES = """\
 examples:
@@ -26,12 +26,7 @@ Exit codes: 0 written, 1 written, but something is not proved, 2 bad input.
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = commands.add_parser(
-        "atlas",
-        help="proved branches: their pieces, and the curves",
-        epilog=_EXAMPLES,
-        formatter_class=HelpFormatter,
-    )
+    parser = add_command(commands, "atlas", "proved branches: their pieces, and the curves", _EXAMPLES)
     parser.add_argument("certificates", type=Path, nargs="+", help="certificates of atlases (JSON)")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")
     add_file_options(parser)

@@ -8,7 +8,7 @@ from typing import Any
 
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_branches, print_path
-from orbitproof.shared.help_text import HelpFormatter
+from orbitproof.shared.help_text import add_command
 
 _EXAMPLES = """\
 examples:
@@ -23,12 +23,7 @@ numerical. Exit codes: 0 written, 2 bad input.
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = commands.add_parser(
-        "branches",
-        help="new orbits at bifurcation points, beside their families",
-        epilog=_EXAMPLES,
-        formatter_class=HelpFormatter,
-    )
+    parser = add_command(commands, "branches", "new orbits at bifurcation points, beside their families", _EXAMPLES)
     parser.add_argument("branches", type=Path, metavar="FILE", help="branch file of explore branches (JSON)")
     parser.add_argument("--family", type=Path, nargs="+", default=[], metavar="FILE", help="traced families (JSON)")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")

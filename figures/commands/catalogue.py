@@ -8,7 +8,7 @@ from typing import Any
 
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_catalogues, print_path
-from orbitproof.shared.help_text import HelpFormatter
+from orbitproof.shared.help_text import add_command
 
 _EXAMPLES = """\
 examples:
@@ -23,9 +23,8 @@ Exit codes: 0 written, 2 bad input.
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    raw = HelpFormatter
     words = "rows of a catalogue that a curve certifies"
-    parser = commands.add_parser("catalogue", help=words, epilog=_EXAMPLES, formatter_class=raw)
+    parser = add_command(commands, "catalogue", words, _EXAMPLES)
     parser.add_argument("certificates", type=Path, nargs="+", metavar="FILE", help="certificates of catalogues (JSON)")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")
     add_file_options(parser)

@@ -8,7 +8,7 @@ from typing import Any
 
 from orbitproof.figures.scripting import make_data, missing_steps, print_path
 from orbitproof.shared.answers import tell
-from orbitproof.shared.help_text import HelpFormatter
+from orbitproof.shared.help_text import add_command
 
 _EXAMPLES = """\
 examples:
@@ -25,12 +25,7 @@ Exit codes: 0 all files there; 1 a command did not find or prove everything; 2 b
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = commands.add_parser(
-        "data",
-        help="make the data files of the pictures that are missing",
-        epilog=_EXAMPLES,
-        formatter_class=HelpFormatter,
-    )
+    parser = add_command(commands, "data", "make the data files of the pictures that are missing", _EXAMPLES)
     parser.add_argument("data", type=Path, metavar="DATA", help="folder of data files, created if need be")
     parser.add_argument("--only", nargs="+", metavar="FILE", help="these files, by name (with * and ?; default: all)")
     parser.add_argument("--dry-run", action="store_true", help="print the commands that would be run, run nothing")

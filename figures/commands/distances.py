@@ -8,7 +8,7 @@ from typing import Any
 
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_distances, print_path
-from orbitproof.shared.help_text import HelpFormatter
+from orbitproof.shared.help_text import add_command
 
 _EXAMPLES = """\
 examples:
@@ -22,11 +22,8 @@ surface of the body and the orbits that hit it. All of it is numerical. Exit cod
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = commands.add_parser(
-        "distances",
-        help="distances from the smaller primary along families, and which orbits hit it",
-        epilog=_EXAMPLES,
-        formatter_class=HelpFormatter,
+    parser = add_command(
+        commands, "distances", "distances from the smaller primary along families, and which orbits hit it", _EXAMPLES
     )
     parser.add_argument("families", type=Path, nargs="+", metavar="FILE", help="family files (JSON)")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")

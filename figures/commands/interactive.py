@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.figures.scripting import print_path, write_page
-from orbitproof.shared.help_text import HelpFormatter
+from orbitproof.shared.help_text import add_command
 
 _EXAMPLES = """\
 examples:
@@ -27,11 +27,8 @@ Exit codes: 0 written, 2 bad input.
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = commands.add_parser(
-        "interactive",
-        help="orbits in space as one HTML file, to be turned with the mouse",
-        epilog=_EXAMPLES,
-        formatter_class=HelpFormatter,
+    parser = add_command(
+        commands, "interactive", "orbits in space as one HTML file, to be turned with the mouse", _EXAMPLES
     )
     parser.add_argument(
         "file", type=Path, metavar="FILE", help="families, a catalogue, an atlas's certificate, tori, .. (JSON)"

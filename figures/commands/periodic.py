@@ -9,7 +9,7 @@ from typing import Any
 
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_periodic, print_path
-from orbitproof.shared.help_text import HelpFormatter
+from orbitproof.shared.help_text import add_command
 
 _EXAMPLES = """\
 examples:
@@ -19,23 +19,20 @@ examples:
   orbitproof figures periodic family.json -o figures-out/
   orbitproof figures periodic life.json certificates.json -o figures-out/
 
-Of each orbit two projections with its points on the section (orbit-*), the point that is enclosed by a certificate
-filled; of each bifurcation the orbit, and beside it the new orbits or, of a torus, iterates on the section, these
-numerical (bifurcation-*); of each family the period and the multipliers over what varies, with the points where
-multipliers meet the unit circle, all numerical (family-*). Of a whole
-life of explore equilibria --life: equilibria, orbits that are born there, and periods (life-*), with what the
-certificates beside it prove filled. Verdicts are copied.
+  orbit-*         two projections of each orbit, with its points on the section; filled if certified
+  bifurcation-*   the orbit at each bifurcation and, numerical, the new orbits or, of a torus, iterates on the section
+  family-*        period and multipliers along each family, and where multipliers meet the unit circle; all numerical
+  life-*          equilibria, the orbits that are born there, and their periods; filled where a certificate proves them
+
+Verdicts are copied.
 Exit codes: 0 written, 1 an orbit, or what is born at a bifurcation, could not be drawn, 2 bad input.
 """
 
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = commands.add_parser(
-        "periodic",
-        help="periodic orbits without symmetry, their bifurcations and families",
-        epilog=_EXAMPLES,
-        formatter_class=HelpFormatter,
+    parser = add_command(
+        commands, "periodic", "periodic orbits without symmetry, their bifurcations and families", _EXAMPLES
     )
     words = "candidates, certificates or families of explore periodic (JSON)"
     parser.add_argument("files", type=Path, nargs="+", metavar="FILE", help=words)

@@ -8,7 +8,7 @@ from typing import Any
 
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_tori, print_path
-from orbitproof.shared.help_text import HelpFormatter
+from orbitproof.shared.help_text import add_command
 
 _EXAMPLES = """\
 examples:
@@ -22,12 +22,7 @@ In space and on the section; all of it is numerical and labelled so. Exit codes:
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = commands.add_parser(
-        "tori",
-        help="tori around elliptic orbits, tubes of unstable ones",
-        epilog=_EXAMPLES,
-        formatter_class=HelpFormatter,
-    )
+    parser = add_command(commands, "tori", "tori around elliptic orbits, tubes of unstable ones", _EXAMPLES)
     parser.add_argument("files", type=Path, nargs="+", metavar="FILE", help="files of tori or manifolds (JSON)")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")
     add_file_options(parser)

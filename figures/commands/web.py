@@ -8,7 +8,7 @@ from typing import Any
 
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_web, print_path
-from orbitproof.shared.help_text import HelpFormatter
+from orbitproof.shared.help_text import add_command
 
 _EXAMPLES = """\
 examples:
@@ -24,9 +24,8 @@ Exit codes: 0 written, 2 bad input.
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    raw = HelpFormatter
     words = "families joined into a proved graph: level against x"
-    parser = commands.add_parser("web", help=words, epilog=_EXAMPLES, formatter_class=raw)
+    parser = add_command(commands, "web", words, _EXAMPLES)
     parser.add_argument("web", type=Path, help="certificate of a web (JSON)")
     words = "certificates of its arcs (JSON)"
     parser.add_argument("--certificates", type=Path, nargs="+", required=True, metavar="FILE", help=words)

@@ -54,7 +54,12 @@ _FILES: ContextVar[Files] = ContextVar("files")
 def add_file_options(parser: argparse.ArgumentParser) -> None:
     """``--format``, ``--dpi`` and ``--width``, for commands that draw."""
     parser.add_argument(
-        "--format", nargs="+", choices=FORMATS, default=["pdf", "png"], help="files of each picture (default: pdf png)"
+        "--format",
+        nargs="+",
+        choices=FORMATS,
+        default=["pdf", "png"],
+        metavar="FORMAT",
+        help=f"files of each picture: {', '.join(FORMATS)} (default: pdf png)",
     )
     parser.add_argument("--dpi", type=int, metavar="N", help=f"of PNG files, {DPI[0]} to {DPI[1]} (default: 200)")
     parser.add_argument(

@@ -154,9 +154,7 @@ def _diagram(axes: Axes, branch: BranchRecord, family: SampledFamily | None) -> 
     colour = marker_of(branch.k, branch.kind)[1]
     curve = curve_of(branch)
     x, y = curve.starts[:, place], curve.differences
-    axes.plot(x, np.where(curve.elliptic, np.nan, y), color=colour, linestyle=_HYPERBOLIC, linewidth=1.2)
-    axes.plot(x, np.where(curve.elliptic, y, np.nan), color=colour, linewidth=1.8)
-    _limits(axes, x, y)
+    _new_orbits(axes, x, y, curve.elliptic, colour)
     if family is not None:
         points, levels = nearest_curve(family, branch)
         column = 0 * levels if loop else points[:, system.centre_coordinates.index(system.state[place])]
@@ -170,13 +168,19 @@ def _diagram(axes: Axes, branch: BranchRecord, family: SampledFamily | None) -> 
     axes.set_title("(a)  bifurcation diagram", color=INK)
 
 
+def _new_orbits(axes: Axes, x: Array, y: Array, elliptic: Array, colour: str) -> None:
+    """The curve of new orbits, dashed where they are hyperbolic in the new pair of multipliers."""
+    axes.plot(x, np.where(elliptic, np.nan, y), color=colour, linestyle=_HYPERBOLIC, linewidth=1.2)
+    axes.plot(x, np.where(elliptic, y, np.nan), color=colour, linewidth=1.8)
+    _limits(axes, x, y)
+
+
 def _beside(axes: Axes, branch: BranchRecord, family: SampledFamily | None) -> None:
     """The section where R is lost: starts of new orbits beside Fix(R), where the symmetric ones start."""
     system, curve = branch.system, curve_of(branch)
     shown = [widest_coordinate(branch, each) for each in (system.fixed_coordinates, system.kernel_coordinates)]
     rows, last = curve.starts[:, shown], shown_orbit(branch).crossings[0][shown]
-    axes.plot(*rows.T, color=marker_of(branch.k, branch.kind)[1], linewidth=1.6)
-    _limits(axes, *rows.T)
+    _new_orbits(axes, *rows.T, curve.elliptic, marker_of(branch.k, branch.kind)[1])
     if family is not None:
         points, _ = nearest_curve(family, branch)
         column = points[:, system.centre_coordinates.index(system.state[shown[0]])]
@@ -193,10 +197,10 @@ def _starts(axes: Axes, branch: BranchRecord, family: SampledFamily | None) -> N
     """Fix(R): where new orbits start and where they are half a period later, near the point."""
     names = branch.system.centre_coordinates
     colour = marker_of(branch.k)[1]
-    rows = curve_of(branch).points
+    curve = curve_of(branch)
+    rows = curve.points
     shown = (0, 1) if np.ptp(rows[:, 1]) >= 0.2 * np.ptp(rows[:, 2]) else (0, 2)
-    axes.plot(rows[:, shown[0]], rows[:, shown[1]], color=colour, linewidth=1.6)
-    _limits(axes, rows[:, shown[0]], rows[:, shown[1]])
+    _new_orbits(axes, rows[:, shown[0]], rows[:, shown[1]], curve.elliptic, colour)
     if family is not None:
         points, _ = nearest_curve(family, branch)
         axes.plot(

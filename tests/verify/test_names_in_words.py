@@ -183,7 +183,7 @@ def test_titles_are_no_symbols_either() -> None:
     system = replace(renamed(CR3BP, {name: name for name in (*CR3BP.state, "mu", "S")}), first_integral_name="P")
     assert "the parameter being the first integral" in words_of(replace(known("em2"), system=system))
     named = replace(system, first_integral_name="H")
-    assert "the parameter being the H" in words_of(replace(known("em2"), system=named))
+    assert "the parameter being the first integral H" in words_of(replace(known("em2"), system=named))
 
 
 @pytest.mark.parametrize("names", [("H", "H_coordinate"), ("P", "P_coordinate_coordinate"), ("p_1", "p_1_coordinate")])

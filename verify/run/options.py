@@ -7,28 +7,20 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import NoReturn
 
 from orbitproof.shared.answers import add_json_option
-from orbitproof.shared.help_text import HelpFormatter
+from orbitproof.shared.help_text import HelpFormatter, Parser
 from orbitproof.shared.interrupts import INTERRUPTED
-from orbitproof.shared.misspelt import with_remedy
 from orbitproof.shared.processes import GRACE_SECONDS
 from orbitproof.verify.run.workplace import GIBIBYTE, INTEGRATION_SECONDS, CheckLimits
 
 
-class ArgumentParser(argparse.ArgumentParser):
-    """Errors are one line, and exit code 2, like every other bad input."""
+class ArgumentParser(Parser):
+    """What all parsers of the verifier share."""
 
     def __init__(self, prog: str, description: str, examples: str) -> None:
-        layout = HelpFormatter
-        super().__init__(prog=prog, description=description, epilog=examples, formatter_class=layout)
+        super().__init__(prog=prog, description=description, epilog=examples, formatter_class=HelpFormatter)
         add_json_option(self)
-
-    def error(self, message: str) -> NoReturn:
-        """Say what is wrong and end."""
-        print(f"error: {with_remedy(message, self)}; see {self.prog} --help", file=sys.stderr)
-        raise SystemExit(2)
 
     def number(self, name: str, metavar: str, words: str, of: Callable[[str], float], default: int | None) -> None:
         """An option that takes a number of this type."""

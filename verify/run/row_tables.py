@@ -14,6 +14,8 @@ from orbitproof.verify.run.other_boxes import remark
 
 _SHOWN_DIGITS = 34
 _DIGITS_OF_A_POINT = 16
+_NAMED = 3
+"""So many candidates that are not finished are named."""
 
 
 def verdict_text(
@@ -24,15 +26,17 @@ def verdict_text(
     `kept` names the rows that an earlier run proved.
     """
     lines: list[str] = []
+    names = [shown(candidate.id) for candidate in candidates if candidate.id not in certificates]
     for candidate in candidates:
         certificate = certificates.get(candidate.id)
         if certificate is None:
-            lines.append(f"{shown(candidate.id)}: not finished")
             continue
         when = "by an earlier run" if candidate.id in kept else f"in {certificate.computation.seconds:.1f} s"
         lines.append(f"{shown(certificate.id)}: {certificate.verdict} {when}")
         for text in _found(certificate):
             lines += filled(text, terminal_width(), "  ", "    ")
+    unfinished = names if len(names) <= _NAMED else [f"{len(names)} candidates"]
+    lines += [f"{each}: not finished" for each in unfinished]
     return "\n".join(lines)
 
 

@@ -71,7 +71,7 @@ examples:
   orbitproof verify --second-proof certificates.json -o second-proofs.json --jobs 2
       prove all rows again; if interrupted, the same command goes on
 
-exit codes: 0 all rows are proved again and agree, 1 some row is not or does not, 2 bad input, 130 interrupted
+exit codes: 0 all rows are proved again and agree, 1 some are not, 2 bad input, 130 interrupted
 "cannot follow" says nothing against the certificate
 """
 

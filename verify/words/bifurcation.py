@@ -25,6 +25,8 @@ def bifurcation_in_words(theorem: TheoremInBox) -> str:
 def _statement(candidate: Candidate) -> str:
     system, k = candidate.system, candidate.k
     parameter = parameter_name(candidate)
+    if system.family_parameter is None:
+        parameter = f"the first integral {parameter}" if len(parameter) == 1 else f"the {parameter}"
     fixed = ", ".join(candidate.parameters)
     m = candidate.crossings
     power = "Poincare map P" if m == 1 else f"power P = (Poincare map)^{m}"
@@ -52,7 +54,7 @@ def _statement(candidate: Candidate) -> str:
     if candidate.is_fold:
         return (
             f"{origin}; at exactly one point of it, the bifurcation point, it undergoes a fold, the parameter being "
-            f"the {parameter}: the derivative of the parameter along the curve vanishes there and nowhere else in the "
+            f"{parameter}: the derivative of the parameter along the curve vanishes there and nowhere else in the "
             f"box, and the second derivative is not zero. {others}"
         )
     tupled = (
@@ -70,7 +72,7 @@ def _statement(candidate: Candidate) -> str:
         f"{k} of P^2 crosses it",
     }[candidate.kind]
     return (
-        f"{origin}; at exactly one point of it, the bifurcation point, the parameter being the {parameter}, it "
+        f"{origin}; at exactly one point of it, the bifurcation point, the parameter being {parameter}, it "
         f"undergoes {branch}. {others}"
     )
 
