@@ -241,7 +241,7 @@ def test_a_wrong_rate_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     ids=str,
 )
 def test_rates_that_vanish_in_the_piece_are_not_used(powers: list[Fraction], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("orbitproof.verify.oracle.approximations.relative_return_times", lambda *given: powers)
+    monkeypatch.setattr("orbitproof.verify.oracle.relative_return_times", lambda *given: powers)
     assert WIDE_SETS["twist"].returns().rate is None
 
 
