@@ -100,13 +100,14 @@ DOORS = {
     "half orbits that meet the section more than once": ("verify.poincare.half_orbit",),
     "orbits that are followed in regularised coordinates": ("verify.poincare.regularised",),
     "families around a libration point, in units of their orbits": (
+        "shared.systems.libration",
         "verify.curve.libration_point",
         "verify.curve.vertical_family",
         "verify.curve.lyapunov_family",
     ),
-    "axial families from birth to birth": ("verify.curve.lifted_family",),
-    "families of doubled period from their birth": ("verify.curve.doubling_birth",),
-    "period doublings over the mass": ("verify.curve.doubled_family",),
+    "axial families from birth to birth": ("shared.systems.lifted", "verify.curve.lifted_family"),
+    "families of doubled period from their birth": ("shared.systems.three_body", "verify.curve.doubling_birth"),
+    "period doublings over the mass": ("shared.systems.varied", "verify.curve.doubled_family"),
     "motion in a plane of a larger system": ("verify.out_of_plane.out_of_plane", "verify.stability.across_list"),
 }
 """The modules that functions import, by the claims for which they do."""

@@ -16,9 +16,10 @@ from support.curve_cases import proof, refusal
 from support.once import once
 from support.stored import values
 
+from orbitproof.shared import systems
 from orbitproof.shared.claims.web import Meeting, Web, WebArc
 from orbitproof.shared.formats import Atlas, BirthPiece, InputError, atlas_from_json, atlas_to_json, read_atlas
-from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, LIFTED
+from orbitproof.shared.systems import BRANCH_SYSTEMS, CR3BP, CR3BP_AXIAL, HILL_VARIED, LIFTED
 from orbitproof.verify.atlas.curve_conclusion import follow, partner
 from orbitproof.verify.claim import check_symmetries
 from orbitproof.verify.curve import (
@@ -36,9 +37,11 @@ from orbitproof.verify.curve.birth_piece import even_part, read_birth
 from orbitproof.verify.curve.equation import divided_by_wide
 from orbitproof.verify.curve.lifted_family import _birth_at_end
 from orbitproof.verify.curve.other_point import Crossing, meets_section_once
+from orbitproof.verify.curve.piece_claim import is_of_axial_orbits, is_of_doublings
 from orbitproof.verify.curve.tube import Tube
 from orbitproof.verify.evidence import Checklist, Evidence, NotProved, Proved
 from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.stability.units import is_of_vertical_orbits
 from orbitproof.verify.web import Arc, conclude_web
 from orbitproof.verify.words.branches import conclusion_in_words
 from orbitproof.verify.words.web import web_in_words
@@ -341,3 +344,14 @@ def test_files_hold_such_a_piece_last_in_an_atlas_of_this_system_only() -> None:
         with pytest.raises(InputError, match=field):
             atlas_from_json({**document, "pieces": [*others, {**last, field: value}]}, "file")
     assert isinstance(atlas_from_json(document, "file").pieces[-1], BirthPiece)
+
+
+def test_what_points_of_a_system_stand_for_is_known_by_the_system_itself() -> None:
+    told = {system.name: (is_of_axial_orbits(system), is_of_doublings(system), is_of_vertical_orbits(system))
+            for system in BRANCH_SYSTEMS.values()}  # fmt: skip
+    vertical = {system.name for system in systems.VERTICAL.values()}
+    assert {name for name, (axial, _, _) in told.items() if axial} == {LIFTED.name}
+    assert {name for name, (_, doublings, _) in told.items() if doublings} == {HILL_VARIED.name}
+    assert {name for name, (_, _, upright) in told.items() if upright} == vertical
+    assert not is_of_axial_orbits(replace(LIFTED))
+    assert not is_of_doublings(replace(HILL_VARIED))

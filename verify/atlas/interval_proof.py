@@ -34,6 +34,7 @@ from orbitproof.verify.attempt import counsel
 from orbitproof.verify.certificate import systems_with
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.curve import NOT_PROVED, Computation, Interval, PieceLimits, prove_birth_piece, prove_piece
+from orbitproof.verify.curve.piece_claim import is_of_axial_orbits
 from orbitproof.verify.evidence import Proved, Reason
 from orbitproof.verify.lasting import LastingResult, twist_of_piece
 from orbitproof.verify.oracle import ORACLE
@@ -44,7 +45,6 @@ from orbitproof.verify.stability import (
     stability_of_piece,
     stability_slope_bits,
 )
-from orbitproof.verify.stability.units import is_of_axial_orbits
 from orbitproof.verify.surface import SurfaceLimits, prove_libration_piece, prove_surface_piece
 
 _MOST_SHOWN = 0.95

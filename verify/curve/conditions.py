@@ -7,10 +7,16 @@ from collections.abc import Sequence
 from flint import arb
 
 from orbitproof.shared.formats import Atlas, Covers
-from orbitproof.shared.systems import HILL_VARIED, LIFTED, System
+from orbitproof.shared.systems import System
 from orbitproof.verify.claim import check_symmetries, names_in_words, signs_on
 from orbitproof.verify.curve.gluing import Chain, follow
-from orbitproof.verify.curve.piece_claim import require_birth_piece, require_piece, takes_birth
+from orbitproof.verify.curve.piece_claim import (
+    is_of_axial_orbits,
+    is_of_doublings,
+    require_birth_piece,
+    require_piece,
+    takes_birth,
+)
 from orbitproof.verify.curve.piece_result import IntervalResult
 from orbitproof.verify.curve.tube import lower_end, read_tube, upper_end
 from orbitproof.verify.evidence import Checklist, Evidence, all_finite, exact_text, excludes_zero
@@ -31,8 +37,8 @@ def hypotheses_of(atlas: Atlas) -> tuple[str, ...]:
         *(f"increasing-{name}" for name in claim.increasing),
         *(("covers",) if claim.covers is not None else ()),
         *(("vertical",) if _is_of_vertical_orbits(atlas) else ()),
-        *(("from-plane",) if atlas.system is LIFTED else ()),
-        *(("doubled",) if atlas.system is HILL_VARIED else ()),
+        *(("from-plane",) if is_of_axial_orbits(atlas.system) else ()),
+        *(("doubled",) if is_of_doublings(atlas.system) else ()),
         *(("birth",) if atlas.birth_pieces() else ()),
     )
 
@@ -69,11 +75,11 @@ def check_curve(checklist: Checklist, atlas: Atlas, results: Sequence[IntervalRe
         from orbitproof.verify.curve.vertical_family import check_vertical
 
         check_vertical(checklist, atlas, found)
-    if atlas.system is LIFTED:
+    if is_of_axial_orbits(atlas.system):
         from orbitproof.verify.curve.lifted_family import check_from_plane
 
         check_from_plane(checklist, atlas)
-    if atlas.system is HILL_VARIED:
+    if is_of_doublings(atlas.system):
         from orbitproof.verify.curve.doubled_family import check_doubled
 
         check_doubled(checklist, atlas, found)

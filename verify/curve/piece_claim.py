@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from orbitproof.shared.formats import Atlas, BirthPiece, Piece, is_regular
-from orbitproof.shared.systems import CR3BP, LIFTED, ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.claim import determinant, is_adapted, quadratic_coefficient, signs_on
 from orbitproof.verify.evidence import Evidence
 
@@ -47,10 +47,32 @@ def require_piece(evidence: Evidence, system: ReversibleSystem, piece: Piece, sy
     evidence.require(bool(odd), f"piece {piece.id} is not symmetric: {symmetry} negates no equation")
 
 
+def is_of_axial_orbits(system: ReversibleSystem) -> bool:
+    """Whether points of a system stand for axial orbits in units of their speed across the plane (section 16.9)."""
+    if not system.normalised:
+        return False
+    from orbitproof.shared.systems import LIFTED
+
+    return system is LIFTED
+
+
+def is_of_doublings(system: ReversibleSystem) -> bool:
+    """Whether points of a system stand for period doublings, over the mass (section 15.10)."""
+    if not system.normalised:
+        return False
+    from orbitproof.shared.systems import HILL_VARIED
+
+    return system is HILL_VARIED
+
+
 def takes_birth(atlas: Atlas) -> bool:
     """Whether a curve can end in a piece of a birth: one of axial orbits, or of half orbits of two crossings."""
-    claim, is_born_twice = atlas.claim, atlas.system is CR3BP and atlas.claim.crossings == _TWICE
-    return claim.is_arc and (atlas.system is LIFTED or is_born_twice)
+    if atlas.claim.is_arc and atlas.claim.crossings == _TWICE:
+        from orbitproof.shared.systems import CR3BP
+
+        if atlas.system is CR3BP:
+            return True
+    return atlas.claim.is_arc and is_of_axial_orbits(atlas.system)
 
 
 def require_birth_piece(evidence: Evidence, piece: BirthPiece) -> None:

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 from flint import arb, ctx
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.shared.systems import HILL_VARIED, LIFTED
 from orbitproof.verify.curve.conclusion import Conclusion, Ends
 from orbitproof.verify.curve.conditions import check_curve, hypotheses_of
 from orbitproof.verify.curve.followed import Follow, Partner, follow_nothing, no_partner
 from orbitproof.verify.curve.gluing import Chain
+from orbitproof.verify.curve.piece_claim import is_of_axial_orbits, is_of_doublings
 from orbitproof.verify.curve.piece_result import IntervalResult
 from orbitproof.verify.evidence import (
     Checklist,
@@ -84,11 +84,11 @@ def conclude(
     """
 
     def placed_on(chain: Chain | None, birth: Birth | None) -> tuple[Bifurcation, ...]:
-        if atlas.system is HILL_VARIED:
+        if is_of_doublings(atlas.system):
             from orbitproof.verify.curve.doubled_family import place_doubling
 
             return tuple(place_doubling(atlas, chain, entry, follow) for entry in bifurcations)
-        if atlas.system is LIFTED:
+        if is_of_axial_orbits(atlas.system):
             from orbitproof.verify.curve.lifted_family import place_birth
 
             return tuple(place_birth(atlas, chain, birth, entry, follow) for entry in bifurcations)
@@ -132,7 +132,7 @@ def _birth(
     """Where the orbits at the end of the curve come from, if that is claimed."""
     if not atlas.birth_pieces():
         return None
-    if atlas.system is LIFTED:
+    if is_of_axial_orbits(atlas.system):
         from orbitproof.verify.curve.lifted_family import check_birth
 
         return check_birth(checklist, atlas, chain, results, follow)

@@ -11,6 +11,7 @@ from flint import arb, fmpq
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.curve import Chain, Stretch
+from orbitproof.verify.curve.piece_claim import is_of_axial_orbits
 from orbitproof.verify.evidence import enclose, excludes_zero, sign
 from orbitproof.verify.functions import BoundedFunction
 from orbitproof.verify.stability.combinations import combination_functions
@@ -21,7 +22,7 @@ from orbitproof.verify.stability.level import Level
 from orbitproof.verify.stability.linear_stability import is_stable
 from orbitproof.verify.stability.list_entries import Combinations, CompleteList, Extremum, Gap, Point, Segment
 from orbitproof.verify.stability.stored_stability import StabilityResult
-from orbitproof.verify.stability.units import is_of_axial_orbits, is_of_vertical_orbits
+from orbitproof.verify.stability.units import is_of_vertical_orbits
 from orbitproof.verify.stability.zeros import Zero, between, ends_of, zeros_beside_double_one, zeros_on
 
 if TYPE_CHECKING:

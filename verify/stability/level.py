@@ -12,11 +12,11 @@ from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import Program, System
 from orbitproof.verify.claim import atlas_in_words
 from orbitproof.verify.curve import Stretch
+from orbitproof.verify.curve.piece_claim import is_of_axial_orbits
 from orbitproof.verify.evidence import Checklist, Hypothesis, enclose, excludes_zero, is_positive, power
 from orbitproof.verify.stability.kinds import Matter
 from orbitproof.verify.stability.known_functions import point_over
 from orbitproof.verify.stability.list_entries import Gap, Segment, level_name
-from orbitproof.verify.stability.units import is_of_axial_orbits
 from orbitproof.verify.stability.zeros import between
 
 LEVEL = "level"

@@ -10,10 +10,11 @@ from flint import arb
 from orbitproof.shared.formats import FOLD, KREIN_COLLISION, REVERSOR_BREAKING, Atlas
 from orbitproof.shared.systems import CR3BP_PLANAR, shown
 from orbitproof.verify.curve import Bifurcation
+from orbitproof.verify.curve.piece_claim import is_of_axial_orbits
 from orbitproof.verify.evidence import EmptyIntersectionError, enclose, is_below
 from orbitproof.verify.stability.kinds import Kind, Matter, Resonance, name_of
 from orbitproof.verify.stability.list_entries import Gap, Point
-from orbitproof.verify.stability.units import is_of_axial_orbits, is_of_vertical_orbits
+from orbitproof.verify.stability.units import is_of_vertical_orbits
 
 _KINDS = {
     FOLD: (Kind.FOLD,), "symmetry_breaking": (Kind.SYMMETRIC, Kind.IN_PLANE), REVERSOR_BREAKING: (Kind.LOSS,),

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from orbitproof.shared.systems import LIFTED, VERTICAL, ReversibleSystem, record
+from orbitproof.shared.systems import ReversibleSystem, record
 from orbitproof.verify.algebra import Series
+from orbitproof.verify.curve.piece_claim import is_of_axial_orbits
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.poincare import at_start
 
@@ -57,12 +58,11 @@ def scales(system: ReversibleSystem) -> bool:
 
 def is_of_vertical_orbits(system: ReversibleSystem) -> bool:
     """Whether points of a system stand for vertical orbits, up to z -> -z (section 18.14)."""
+    if not system.normalised:
+        return False
+    from orbitproof.shared.systems import VERTICAL
+
     return any(system is known for known in VERTICAL.values())
-
-
-def is_of_axial_orbits(system: ReversibleSystem) -> bool:
-    """Whether points of a system stand for axial orbits in units of their speed across the plane (section 18.15)."""
-    return system is LIFTED
 
 
 def units_of(system: ReversibleSystem) -> tuple[str, str]:

@@ -8,6 +8,7 @@ from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import shown
 from orbitproof.shared.wording import itemised
 from orbitproof.verify.claim import atlas_in_words
+from orbitproof.verify.curve.piece_claim import is_of_axial_orbits
 from orbitproof.verify.distances import Ranges, Where
 from orbitproof.verify.evidence import decimal_interval, exact_interval_text, exact_text, interval_text
 from orbitproof.verify.stability import (
@@ -29,7 +30,7 @@ from orbitproof.verify.stability import (
     What,
     level_name,
 )
-from orbitproof.verify.stability.units import is_of_axial_orbits, is_of_vertical_orbits
+from orbitproof.verify.stability.units import is_of_vertical_orbits
 
 _DIGITS, _MOST_DIGITS = 14, 24
 _IN_PLANE, _ACROSS = "a stability parameter", "(lambda + 1/lambda)/2"
