@@ -109,34 +109,6 @@ def edited(
     return verdict(claim(description(len(radii) - 1, False, k == 1), kind, k, radii), tables, None)
 
 
-@pytest.mark.parametrize("bad", [arb("nan"), arb("inf"), arb(0, "inf")], ids=["nan", "infinite", "infinite radius"])
-@pytest.mark.parametrize("where", ["box", "centre"])
-@pytest.mark.parametrize("index", [(0, 0), (1, 1), (0, 3)])
-def test_an_enclosure_that_is_not_finite_is_not_proved(index: tuple[int, int], where: str, bad: arb) -> None:
-    failed(edited("k=2", 2, index, **{where: lambda _: bad}), "poincare-map")
-
-
-def test_disjoint_enclosures_of_one_derivative_are_not_proved() -> None:
-    failed(edited("k=2", 2, (1, 1), centre=lambda ball: ball + 1), "poincare-map")
-
-
-def test_empty_or_incomplete_tables_are_not_proved() -> None:
-    system, kind, k, radii = CASES["k=2"]
-    tables, _ = tables_of_maps(system, k, radii)
-    candidate = claim(description(1, False), kind, k, radii)
-    empty = DerivativeTable({}, {})
-    thin = DerivativeTable({i: b for i, b in tables[1][0].box.items() if i != (0, 3)}, tables[1][0].centre)
-    for iterates in ([], [[], []], tables[:1], [*tables, tables[0]], [[empty], [empty]], [tables[0], [thin]]):
-        failed(verdict(candidate, iterates, None), "poincare-map")
-
-
-def test_a_first_integral_that_is_missing_or_too_many_is_not_proved() -> None:
-    system, kind, k, radii = CASES["k=2"]
-    tables, integral = tables_of_maps(system, k, radii, tilted)
-    failed(verdict(claim(description(1, True), kind, k, radii), tables, None), "poincare-map")
-    failed(verdict(claim(description(1, False), kind, k, radii), tables, integral), "poincare-map")
-
-
 def test_box_off_the_family_is_not_proved() -> None:
     failed(edited("k=2", 1, (0, 0), box=lambda x: x + 1, centre=lambda x: x + 1), "family")
 

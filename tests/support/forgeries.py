@@ -16,10 +16,9 @@ from support.conclusions import conclude
 from support.stored import value_of, values
 
 from orbitproof.shared import format_exact, parse_exact
-from orbitproof.shared.claims import Atlas, BoxClaim
+from orbitproof.shared.claims import Atlas
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import read_atlas
-from orbitproof.shared.numbers import format_dyadic
 from orbitproof.verify.atlas import Means, ProvedBefore, make_atlas_certificate
 from orbitproof.verify.atlas.curve_conclusion import told
 from orbitproof.verify.certificate import (
@@ -31,7 +30,6 @@ from orbitproof.verify.certificate import (
     make_certificate,
     recheck,
     rechecking,
-    tables_from_json,
 )
 from orbitproof.verify.run.branch_tasks import task_again
 from orbitproof.verify.surface import conclude_surface
@@ -56,19 +54,6 @@ def forged_elsewhere(document: Mapping[str, Any], change: Callable[[Document], A
     """The same, said to be made by another version, which may word things otherwise."""
     software = {**document["software"], "orbitproof": "0.0.1"}
     return forged({**document, "software": software}, change)
-
-
-def each_narrowed(entry: Mapping[str, Any], candidate: BoxClaim) -> Iterator[Any]:
-    """The enclosures of a certificate with one ball a sixteenth as wide, or elsewhere if it is exact, for each ball."""
-    for place, text in balls_of(entry["enclosures"]):
-        middle, radius = (parse_exact(part) for part in text.split(" +- "))
-        tables = copy.deepcopy(entry["enclosures"])
-        target: Any = tables
-        for key in place[:-1]:
-            target = target[key]
-        changed = (middle, radius / 16) if radius else (middle + 1, radius)
-        target[place[-1]] = " +- ".join(map(format_dyadic, changed))
-        yield tables_from_json(tables, candidate, Computation(**entry["computation"]))
 
 
 def balls_of(value: Any, place: Place = ()) -> Iterator[tuple[Place, str]]:

@@ -248,24 +248,7 @@ def test_no_loss_of_r_is_a_collision_and_the_other_way_round() -> None:
 Change = Callable[[BreakingEnclosures], BreakingEnclosures]
 
 
-def _with_image(found: BreakingEnclosures, change: Callable[[DerivativeTable], DerivativeTable]) -> BreakingEnclosures:
-    return replace(found, image=(change(found.image[0]), *found.image[1:]))
-
-
-def _nan(table: DerivativeTable) -> DerivativeTable:
-    last = list(table.box)[-1]
-    return DerivativeTable({**table.box, last: arb("nan")}, table.centre)
-
-
-def _less(table: DerivativeTable) -> DerivativeTable:
-    return DerivativeTable({index: ball for index, ball in table.box.items() if sum(index) < 3}, table.centre)
-
-
 CHANGES: Mapping[str, tuple[Change, str]] = {
-    "no half return": (lambda found: replace(found, iterates=()), "poincare-map"),
-    "no image": (lambda found: replace(found, image=()), "poincare-map"),
-    "not finite": (lambda found: _with_image(found, _nan), "poincare-map"),
-    "no third derivatives": (lambda found: _with_image(found, _less), "poincare-map"),
     "no sheet": (lambda found: replace(found, sheet=()), "poincare-map"),
     "both sheets": (lambda found: replace(found, sheet=(arb(0, 1),)), "sheet"),
     "P to one point": (lambda found: replace(found, image=(found.image[1], found.image[1])), "regular"),

@@ -15,7 +15,7 @@ from flint import acb, arb, ctx, fmpq
 from hypothesis import given
 from hypothesis import strategies as st
 from support.claims import known, to_the_end
-from support.forgeries import each_narrowed, forged
+from support.forgeries import forged
 from support.springs import springs
 
 from orbitproof.shared import parse_exact
@@ -45,7 +45,7 @@ from orbitproof.verify.certificate import (
     tables_to_json,
 )
 from orbitproof.verify.certificate import rechecking as chapter
-from orbitproof.verify.certificate.kinds import kind_of, unconfirmed
+from orbitproof.verify.certificate.kinds import kind_of
 from orbitproof.verify.certificate.stored_balls import to_json as results_to_json
 from orbitproof.verify.evidence import (
     DerivativeTable,
@@ -242,20 +242,6 @@ def moved(value: Any) -> Any:
     return list(map(moved, value)) if isinstance(value, list) else value
 
 
-def test_no_number_of_the_tables_is_left_out(point: Certificate) -> None:
-    candidate, enclosures = springs("twice")
-    entry, own = tables_to_json(enclosures), point.to_json()["enclosures"]
-    assert entry is not None
-    # In two variables there are ten derivatives, at the centre and over the box: of q twice, two coordinates, the half
-    # period, the level, the distance at both ends; four of the second half; two numbers of each extremum in between.
-    for claim, tables, count in ((candidate, entry, 8 * 20 + 4 + 2 * 4), (point.candidate, own, 3 * 20 + 3)):
-        stored, other = (
-            tables_from_json(each, claim, Computation(128, 20, 0, 1, 0.0)) for each in (tables, moved(tables))
-        )
-        assert not list(contradictions(stored, stored, "again"))
-        assert len(list(contradictions(stored, other, "again"))) == count
-
-
 def test_other_extrema_are_other_tables() -> None:
     _, enclosures = springs("once")
     assert enclosures.distance is not None
@@ -266,21 +252,6 @@ def test_other_extrema_are_other_tables() -> None:
     ):  # fmt: skip
         with pytest.raises(ValueError, match="do not belong to each other"):
             list(contradictions(enclosures, replace(enclosures, distance=distance), "again"))
-
-
-@pytest.mark.parametrize("kind", ["bifurcation", "orbit"])
-def test_each_enclosure_contains_that_of_another_integration_or_is_named(kind: str, point: Certificate) -> None:
-    """One ball after the other, narrower than what is found."""
-    if kind == "orbit":
-        candidate, enclosures = springs("twice")
-        entry = {"enclosures": tables_to_json(enclosures), "computation": vars(COMPUTATION)}
-    else:
-        candidate, entry = point.candidate, point.to_json()
-    fresh = tables_from_json(entry["enclosures"], candidate, COMPUTATION)
-    assert not list(unconfirmed(fresh, fresh, "again"))
-    found = [list(unconfirmed(tables, fresh, "again")) for tables in each_narrowed(entry, candidate)]
-    assert len(found) > 60
-    assert all("does not confirm" in finding.message for (finding,) in found)
 
 
 # Integrations

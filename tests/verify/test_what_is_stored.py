@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import copy
-from collections import Counter
-from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from itertools import count
@@ -14,18 +12,14 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx
-from support.claims import known
 from support.stability_cases import atlas, listed, results
 from support.stored import values
 
 from orbitproof.shared import format_exact, parse_exact
-from orbitproof.shared.formats import read_atlas, read_candidates
+from orbitproof.shared.formats import read_atlas
 from orbitproof.verify.atlas import interval_proof
 from orbitproof.verify.atlas.conclusion_as_json import curve_to_json, list_to_json
 from orbitproof.verify.atlas.interval_proof import question
-from orbitproof.verify.certificate import Limits, certify, contradictions, rechecking
-from orbitproof.verify.certificate.kinds import numbers
-from orbitproof.verify.certificate.tables import ball_to_text
 from orbitproof.verify.curve import Bifurcation, Computation, PieceResult, PlaceOnCurve, ProvedInterval, conclude
 from orbitproof.verify.distances import DistanceFunctions, Extreme, Extremes, Ranges, Where
 from orbitproof.verify.distances.distances import PARTS
@@ -39,7 +33,6 @@ from orbitproof.verify.evidence import (
     reason_to_json,
 )
 from orbitproof.verify.functions import BoundedFunction, StoredFunction
-from orbitproof.verify.orbit import OrbitEnclosures
 from orbitproof.verify.out_of_plane import VariationFunctions
 from orbitproof.verify.stability import (
     Bound,
@@ -68,36 +61,6 @@ DATA = Path(__file__).parents[1] / "data"
 def _precision() -> Any:
     with ctx.workprec(160):
         yield
-
-
-def enclosures_of(name: str) -> tuple[Any, Any, dict[str, Any]]:
-    """A claim, what it was proved from, and the same as its certificate stores it."""
-    claim = read_candidates(DATA / "orbit-vertical.json")[-1] if name == "orbit" else known(name)
-    entry = certify(claim, Limits(digits=10, max_precision=256, level="coordinates")).to_json()
-    stated = rechecking._read(entry)
-    return stated.claim, stated.enclosures, entry["enclosures"]
-
-
-def texts_of(value: Any) -> Iterator[str]:
-    if isinstance(value, str) and "+-" in value:
-        yield value
-    for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
-        yield from texts_of(inner)
-
-
-@pytest.mark.parametrize("name", ["fs3", "em1", "orbit"])
-def test_every_number_that_is_stored_of_a_box_is_compared_with_that_of_another_integration(name: str) -> None:
-    _, found, entry = enclosures_of(name)
-    compared = Counter(ball_to_text(ball) for ball in numbers(found).values() if isinstance(ball, arb))
-    assert not Counter(texts_of(entry)) - compared
-    assert (entry["first_integral"] is not None) == (name != "fs3")
-    assert not list(contradictions(found, found, "here"))
-    if isinstance(found, OrbitEnclosures):
-        assert found.distance is not None
-        for name_ in ("start_kind", "end_kind"):
-            change: dict[str, Any] = {name_: "another"}
-            with pytest.raises(ValueError, match="do not belong to each other"):
-                list(contradictions(found, replace(found, distance=replace(found.distance, **change)), "here"))
 
 
 def test_what_is_stored_of_a_curve_and_of_points_on_it_is_what_is_known() -> None:
