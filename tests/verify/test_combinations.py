@@ -116,13 +116,6 @@ def test_what_a_file_lists_is_seen(all_lists: Any) -> None:
     assert not lists_combinations({"conclusion": {}})
 
 
-def test_at_a_collision_the_block_and_its_sides_are_told(all_lists: Any) -> None:
-    for _, said, text in all_lists:
-        collides = any(point["kind"] == "Krein collision" for point in said["points"])
-        assert ("At each of these Sigma is one Jordan block." in text) == collides
-    assert any(point["kind"] == "Krein collision" for _, said, _ in all_lists for point in said["points"])
-
-
 def test_they_are_listed_for_two_stability_parameters_only() -> None:
     two = SYSTEMS["two"](2).atlas(6)
     one, three = line(1, 1, True).atlas(6), line(0, 3, False).atlas(6)
@@ -209,19 +202,6 @@ def test_a_list_without_combinations_says_nothing_of_them(certificate: dict[str,
     text = found.rendered["conclusion"]["statement"]
     assert "Combination resonances of two pairs of multipliers are not listed." in text
     assert "combination resonance of order" not in text
-
-
-def test_kinds_are_told_in_their_words(all_lists: Any) -> None:
-    words = {
-        "combination 2:1": "2 omega is omega' or -omega'",
-        "combination 3:1": "3 omega is omega' or -omega'",
-        "combination 2:2": "omega + omega' is pi",
-    }
-    for _, said, text in all_lists:
-        about = "are in a combination resonance of order 3 or 4 at exactly these:\n"
-        told = text[text.index(about) + len(about) :].splitlines()[: len(said["combinations"])]
-        for line_, entry in zip(told, said["combinations"], strict=True):
-            assert line_.startswith(f"- {words[entry['kind']]}: ")
 
 
 def test_where_stability_is_not_decided_a_place_is_named() -> None:

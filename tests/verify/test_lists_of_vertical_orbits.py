@@ -41,7 +41,6 @@ from orbitproof.verify.stability.list_entries import Gap
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
 from orbitproof.verify.stability.units import at_other_point, units_of
 from orbitproof.verify.stability.zeros import Zero
-from orbitproof.verify.words.complete_list import _of_vertical_orbits
 
 ARC: dict[str, Any] = json.loads((Path(__file__).parents[1] / "data" / "vertical-arc.json").read_text())
 """The family of L1, Earth-Moon, from rest through the birth of the axial orbits."""
@@ -184,26 +183,6 @@ def test_the_birth_of_the_axial_orbits_is_the_one_point_at_which_the_list_has_tw
     assert signs[0] * signs[1] < 0
     # One parameter is above 1 all along, so no orbit is linearly stable.
     assert complete["stable"] == complete["undecided"] == []
-
-
-def test_the_theorem_says_over_which_time_its_multipliers_are() -> None:
-    words = listed(12)["statement"]
-    for said in (
-        "after half its period, 2 T, followed by z -> -z", "The multipliers of the whole period 4 T are the lambda^2",
-        "2 c^2 - 1", "m at most 6, are exactly those", "k = 2 m and, if m is odd, those with k = m",
-        "quarter T of the period in", "Points with eps2 < 0 stand for no orbit",
-    ):  # fmt: skip
-        assert said in words, said
-    assert "Hypothesis level of the list: the level is the Jacobi constant" in words
-    assert "is a coordinate" not in words
-    assert "half period in" not in words.partition("Hypothesis level")[2]
-    assert "m at most 1, are" in listed(3)["statement"]
-
-
-def test_what_is_said_of_the_whole_period_leaves_out_what_the_list_does_not_cover() -> None:
-    for gaps, said in (((), "are exactly those"), ((None,), "are, but for the places named below, exactly those")):
-        of_whole_period = " ".join(_of_vertical_orbits(arc(), SimpleNamespace(order=12, gaps=gaps)))  # type: ignore[arg-type]
-        assert said in of_whole_period
 
 
 def test_the_index_over_the_whole_period_is_told_of_single_orbits_only() -> None:

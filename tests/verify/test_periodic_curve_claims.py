@@ -12,9 +12,8 @@ from typing import Any
 import pytest
 from support.periodic_curves import LEVELS, ROUND, closed_atlas
 
-from orbitproof.shared.formats import Covers, InputError, PeriodicAtlas, define_system, read_atlas, write_atlas
+from orbitproof.shared.formats import InputError, PeriodicAtlas, define_system, read_atlas, write_atlas
 from orbitproof.shared.systems import ParameterRange, describe
-from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.periodic_curve import conclude_periodic
 from orbitproof.verify.theorems.periodic_curve import told
@@ -124,26 +123,6 @@ def test_a_curve_has_a_piece_and_a_closed_one_two() -> None:
         assert isinstance(outcome, NotProved)
         assert outcome.reason.condition == "pieces"
         assert "too few" in outcome.reason.message
-
-
-def test_the_theorem_says_all_of_the_claim() -> None:
-    covers = Covers("x", F(5, 4), F(3, 2))
-    claim = {"normal": (F(1, 2), F(-1)), "offset": F(1, 4), "direction": -1, "crossings": 3, "covers": covers}
-    atlas, results = with_b(**claim, increasing=("a", "x"))
-    certificate = make_atlas_certificate(atlas, results, told(conclude_periodic(atlas, results)))
-    theorem, full = certificate["statement"]["theorem"], certificate["statement"]["in_full"]
-    for words in (
-        "with b = 1.5, and the section of all points with 0.5 x - y = 0.25",
-        "in the direction of the atlas where the left side falls in time",
-        "a smooth curve without self-intersections in the coordinates (a, x) from (",
-        "in exactly 3 points; the point comes back to itself at crossing number 3.",
-        "Along it a and x increase strictly.",
-        "Along it x takes all values from 1.25 to 1.5.",
-    ):
-        assert words in theorem, theorem
-    assert "  b = 1.5\n" in full
-    assert "extrem" not in theorem
-    assert full.endswith(theorem)
 
 
 def test_extrema_are_told_as_what_they_are() -> None:

@@ -538,26 +538,6 @@ def test_a_claim_names_each_arc_and_each_meeting_once(tmp_path: Path) -> None:
         verify.certify(Web("w", "w", ()), quiet=True)
 
 
-def test_the_theorem_says_what_it_is_about() -> None:
-    claim = web({"halo": {"one": BRANCHES, "inside": PASSES}})
-    words = theorem(claim, halo())
-    assert "The arc halo (d1), a symmetric loop of orbits symmetric under R, mirror images included" in words
-    assert "branches off at one: at the symmetric point of piece p000" in words
-    assert "only symmetric points are in Fix(S)" in words
-    assert "- inside: period tupling of order 2, Jacobi constant in" in words
-    assert "joined by a path" not in words
-    assert "closed sets of states, compared" in words
-    # Orbits for two values of a parameter may consist of the same states.
-    assert "closed sets of states with the value of beta, compared" in document()["statement"]["theorem"]
-    assert "mirror" not in theorem(web({"loop": {}}), arc(loop(), "loop"))
-    atlas, results = symmetric_loop()
-    case = replace(atlas, system=replace(atlas.system, reversor="flip")), results
-    below = certificate(circle_point(-0.7), name="below")
-    words = theorem(web({"halo": {"below": PASSES}}), arc(case, "halo", below))
-    assert "of orbits symmetric under flip, mirror images included" in words
-    assert "on piece p001 (its mirror image)" in words
-
-
 def test_what_is_stored_of_an_arc_is_its_own() -> None:
     claim = web({"halo": {"inside": PASSES}, "loop": {"inside": PASSES}})
     assert claim.vertices == ("inside",)
