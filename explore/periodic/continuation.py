@@ -44,6 +44,9 @@ largest one before."""
 _GROWN = 2.0
 """Steps are measured anew where an orbit is so many times as large as the one that they were measured by."""
 
+_LONGER, _SLOW = 2.5, 0.05
+"""Period and least speed, by those of the first orbit and by the greatest, from which orbits come close to a saddle."""
+
 
 @dataclass(frozen=True)
 class StepControl(numerics.StepControl):
@@ -242,7 +245,7 @@ def _follow(
             end = _hopf_end(family, last(), hopf)
             if end is not None:
                 return end
-        return f"ends near {last().value:.10g}: {failure}"
+        return f"ends near {last().value:.10g}: {failure}{near_rest(start.orbit, last().orbit)}"
     return f"has {control.most} orbits, the most that were asked for, at {last().value:.6g}"
 
 
@@ -264,6 +267,17 @@ def _hopf_end(family: FamilyEquations, member: FamilyMember, hopf: list[Hopf], *
         return None
     hopf.append(found)
     return f"ends at a Hopf point, {found.value:.15g}"
+
+
+def near_rest(first: ClosedOrbit, last: ClosedOrbit) -> str:
+    """What to say of a family whose last orbit takes much longer than the first, and is slow close to one place."""
+    paces = np.linalg.norm(np.diff(last.loop, axis=0), axis=1)
+    if last.period < _LONGER * first.period or paces.min() > _SLOW * paces.max():
+        return ""
+    place = ", ".join(f"{value:.4g}" for value in last.loop[int(np.argmin(paces))])
+    return (
+        f"; its period has grown to {last.period:.6g}, as towards an orbit homoclinic to an equilibrium near ({place})"
+    )
 
 
 def _share(start: float, now: float, bounds: tuple[float, float], orbits: float) -> float:

@@ -5,8 +5,10 @@ from __future__ import annotations
 from fractions import Fraction
 from math import pi
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from orbitproof.explore.__main__ import main
@@ -24,6 +26,7 @@ from orbitproof.explore.periodic import (
     family_described,
     refine_bifurcation,
 )
+from orbitproof.explore.periodic.continuation import near_rest
 from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.formats import define_system
 
@@ -53,6 +56,16 @@ def _family(
     (name,) = system.parameters
     problem = PeriodicProblem(system, {name: Fraction(value)})
     return continue_orbit(problem, correct(problem, start, period), name, bounds, StepControl(**control))
+
+
+@pytest.mark.parametrize(("period", "power", "told"), [(20.0, 3, True), (7.0, 3, False), (20.0, 1, False)])
+def test_a_family_that_slows_down_close_to_one_place_says_where(period: float, power: int, told: bool) -> None:
+    angles = pi * np.linspace(-1, 1, 2001) ** power
+    loop = np.column_stack([2 + np.cos(angles), np.sin(angles)])
+    first, last = SimpleNamespace(period=6.0), SimpleNamespace(period=period, loop=loop)
+    said = near_rest(first, last)  # type: ignore[arg-type]
+    assert ("has grown to 20" in said and "near (3, " in said) is told
+    assert bool(said) is told
 
 
 def test_a_pair_that_crosses_the_circle_is_followed_to_it() -> None:
