@@ -49,7 +49,8 @@ def follow(
             states.append(samples[:-1])
             progress((number + 1) / _PIECES)
     except FlowFailure as failure:
-        raise PeriodicFailure(f"{failure}, after {number} of {_PIECES} pieces") from None
+        why = "it runs away, or the field is too stiff; begin elsewhere"
+        raise PeriodicFailure(f"{failure}, after {number} of {_PIECES} pieces: {why}") from None
     return np.concatenate(states), np.arange(_PIECES * (SAMPLES - 1)) * (piece / (SAMPLES - 1))
 
 
