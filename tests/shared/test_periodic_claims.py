@@ -19,7 +19,7 @@ from orbitproof.shared.formats import (
     read_claims,
     write_candidates,
 )
-from orbitproof.shared.systems import CR3BP, System
+from orbitproof.shared.systems import System
 
 LORENZ = define_system(
     {
@@ -46,25 +46,6 @@ def _claim(**changes: Any) -> PeriodicOrbit:
         radii=(Fraction(1, 1024), Fraction(1, 1024)),
     )
     return replace(claim, **changes)
-
-
-def test_claims_are_read_as_they_were_written(tmp_path: Path) -> None:
-    on_level = PeriodicOrbit(
-        id="planar",
-        system=CR3BP,
-        parameters={"mu": Fraction(1, 100)},
-        normal=(*[Fraction(0)] * 5, Fraction(1)),
-        offset=Fraction(0),
-        direction=1,
-        crossings=1,
-        centre=(Fraction(1, 2), *[Fraction(0)] * 5),
-        frame=tuple(tuple(Fraction(int(i == j)) for j in range(5)) for i in range(6)),
-        radii=(Fraction(1, 8),) * 5,
-        level=Fraction(19, 6),
-    )
-    claims = [_claim(), on_level]
-    write_candidates(tmp_path / "claims.json", claims)
-    assert read_claims(tmp_path / "claims.json") == claims
 
 
 def test_a_system_with_a_first_integral_needs_no_symmetry() -> None:

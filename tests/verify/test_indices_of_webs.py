@@ -26,7 +26,7 @@ from orbitproof.shared.formats import InputError
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.atlas import certified_web, claiming_indices, resting
 from orbitproof.verify.atlas import web as of_webs
-from orbitproof.verify.certificate import Certificate, Finding, Given, Key, Level, Recheck, recheck, write_certificate
+from orbitproof.verify.certificate import Certificate, Given, Key, Level, Recheck, recheck, write_certificate
 from orbitproof.verify.stability import ListedPlace
 from orbitproof.verify.web import Arc, IndexOnArc, Indices
 
@@ -96,18 +96,6 @@ def _elsewhere(one: Arc) -> Any:
         replace(each, polynomial=tuple(row + zero for row in each.polynomial)) for each in one.atlas.curve_pieces()
     )
     return replace(one.atlas, pieces=tuple(pieces))
-
-
-def test_a_web_stands_as_far_as_the_certificates_of_its_indices() -> None:
-    for level in (Level.FORM, Level.CONCLUSION, Level.INTEGRATION):
-        found = recheck(Certificate(document()), given=Given(given(), checks(level)))
-        assert (found.stands, found.level) == (True, level), found.why
-        lower = {CURVE: checks(Level.INTEGRATION)[CURVE], INDEX: checks(level)[INDEX]}
-        assert recheck(Certificate(document()), given=Given(given(), lower)).level is level
-    fallen = {**checks(), INDEX: replace(checks()[INDEX], findings=(Finding("digest", "does not fit"),))}
-    found = recheck(Certificate(document()), given=Given(given(), fallen))
-    assert not found.stands
-    assert f"the certificate of the index of {NAME} does not stand" in found.why
 
 
 def not_proved(entry: Certificate, check: Recheck) -> str:

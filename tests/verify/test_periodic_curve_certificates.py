@@ -13,9 +13,8 @@ from typing import Any
 
 import pytest
 from support.forgeries import checked, honest
-from support.periodic_curves import ATLASES, TUBE, levels_atlas, proved, shifted, turning_atlas
+from support.periodic_curves import ATLASES, TUBE, proved, shifted, turning_atlas
 
-from orbitproof import verify
 from orbitproof.shared.formats import Covers, InputError, PeriodicAtlas, read_atlas, validate_document, write_atlas
 from orbitproof.verify.atlas import SCHEMA, atlas_of, conclusion_of, make_atlas_certificate, results_from_json
 from orbitproof.verify.atlas.certificate import results_for
@@ -130,22 +129,6 @@ def test_results_of_another_claim_are_not_used_again(tmp_path: Path) -> None:
     wider = replace(atlas, claim=replace(atlas.claim, covers=Covers("x", Fraction(4, 5), Fraction(1))))
     assert len(results_for(stored, wider)) == 2
     assert len(results_for(stored, shifted(atlas, TUBE))) == 1
-
-
-def test_curves_run_through_the_command_and_are_checked_at_all_levels(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path, output = tmp_path / "atlas.json", tmp_path / "certificate.json"
-    write_atlas(path, levels_atlas())
-    narrow = ["--precision", "96", "--order", "40", "--width", "16"]
-    assert main([str(path), "-o", str(output), "--quiet", *narrow], prove_task) == 0
-    assert "PROVED" in capsys.readouterr().out
-    assert main([str(path), "-o", str(output), "--quiet", *narrow], prove_task) == 0
-    assert "kept" in capsys.readouterr().out
-    assert main(["--recheck", "--integrate", str(output), "--quiet"], prove_task) == 0
-    assert "3 integration" in capsys.readouterr().out
-    (check,) = verify.recheck(verify.read(output), quiet=True)
-    assert check.stands
 
 
 @pytest.mark.parametrize(
