@@ -42,6 +42,7 @@ CHAPTERS = {
     "torus": ("verify.periodic_bifurcation.following", "verify.periodic_bifurcation.proved_torus"),
     "periodic-curve": ("verify.periodic_curve.piece", "verify.periodic_curve.proved_curve"),
     "equilibrium-curve": ("verify.equilibrium_curve.piece", "verify.equilibrium_curve.proved_curve"),
+    "birth-curve": ("verify.birth_curve.piece", "verify.birth_curve.proved_curve"),
     "surface": ("verify.surface.piece", "verify.surface.libration_piece", "verify.surface.proved_surface"),
     "list": ("verify.curve.piece", "verify.stability.matrix", "verify.stability.proved_list"),
     "lasting": (
@@ -69,6 +70,7 @@ OTHER_WORDS = {
     "torus": ("periodic-torus", "neimark-sacker"),
     "periodic-curve": ("periodic-atlas", "periodic-arc", "periodic-loop"),
     "equilibrium-curve": ("equilibrium-arc", "equilibrium-loop"),
+    "birth-curve": ("birth-arc", "births"),
     "surface": ("mass", "masses", "birth"),
     "list": ("complete", "complete-list", "stability"),
     "lasting": ("twistless", "stable-for-ever"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,7 @@ from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.wording import counted
 
 if TYPE_CHECKING:
-    from orbitproof.explore.periodic import FoundEquilibrium
+    from orbitproof.explore.periodic import FoundEquilibrium, Hopf
     from orbitproof.shared.systems import System
 
 _EXAMPLES = """\
@@ -103,6 +103,11 @@ def add_parser(commands: Any) -> None:
     )
     words = "with --along: the curve as pieces, through its folds, for orbitproof verify atlas"
     parser.add_argument("--atlas", type=Path, metavar="FILE", help=words)
+    words = (
+        "with --along: the orbits that are born at the Hopf point as pieces, from the equilibrium on, for orbitproof "
+    )
+    words += "verify atlas; of several Hopf points the further files are FILE-2, .."
+    parser.add_argument("--births", type=Path, metavar="FILE", help=words)
     parser.add_argument("--digits", type=common.digits, default=50, metavar="N", help="default: %(default)s")
     parser.add_argument(
         "--id", metavar="NAME", help="of the claim, numbered if there are several (default: the system)"
@@ -117,7 +122,15 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Find, print, refine and write; returns the exit code. Raises `InputError`."""
-    for path in (options.output, options.curve, options.csv, options.family_output, options.life, options.atlas):
+    for path in (
+        options.output,
+        options.curve,
+        options.csv,
+        options.family_output,
+        options.life,
+        options.atlas,
+        options.births,
+    ):
         if path is not None:
             check_writable(path)
     system = own_system(options.system)
@@ -227,6 +240,8 @@ def follow_curve(
     # Of explore periodic it is the curve of an orbit.
     if hasattr(options, "cycles") and options.atlas is not None:
         code = _cover(options, found, name, (low, high), report)
+    if getattr(options, "births", None) is not None:
+        code = max(code, _cover_births(options, curve.hopf, (low, high), report))
     passed = Passed(options.id or system.name, options, store, report)
     for point in curve.hopf:
         passed.take_hopf(point)
@@ -265,6 +280,28 @@ def _cover(
     return 0 if covered.reaches else 1
 
 
+def _cover_births(options: argparse.Namespace, points: Sequence[Hopf], bounds: tuple[float, float], report: Any) -> int:
+    """The orbits that are born at Hopf points, each written as an atlas; 1 if there are none, or none are covered."""
+    from orbitproof.explore.periodic import PeriodicFailure, cover_birth
+
+    code = 0 if points else 1
+    if not points:
+        report.error("no Hopf point on the way; no orbits are born")
+    for number, hopf in enumerate(points, start=1):
+        path = options.births if number == 1 else options.births.with_stem(f"{options.births.stem}-{number}")
+        report.stage(f"covering the orbits born at {hopf.name} = {hopf.value:.10g}")
+        base = (options.id or f"{hopf.problem.system.name}-birth") + (f"-{number}" if number > 1 else "")
+        try:
+            covered = cover_birth(hopf, bounds, base, progress=lambda text: report.update(text, None))
+        except PeriodicFailure as failure:
+            report.error(f"{hopf.problem.system.name}: no atlas of the orbits born there: {failure}")
+            code = 1
+            continue
+        write_atlas(path, covered.atlas)
+        report.message(f"{counted(len(covered.atlas.pieces), 'piece')} are in {path}; ends: {'; '.join(covered.ends)}")
+    return code
+
+
 def _along(options: argparse.Namespace, system: System, parameters: Mapping[str, Fraction]) -> Along | None:
     """The parameter and the interval of ``--along``. Raises `InputError`."""
     of_cycles = {
@@ -281,6 +318,7 @@ def _along(options: argparse.Namespace, system: System, parameters: Mapping[str,
         "--curve": options.curve,
         "--life": options.life,
         "--atlas": options.atlas,
+        "--births": options.births,
         "--claims": options.claims,
     }
     for option, given in of_curves.items():

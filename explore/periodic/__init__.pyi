@@ -1,6 +1,7 @@
 from .atlas import cover_curve as cover_curve
 from .atlas import cover_equilibria as cover_equilibria
 from .bifurcations import refine_bifurcation as refine_bifurcation
+from .birth_curve import cover_birth as cover_birth
 from .births import families as families
 from .births import is_same as is_same
 from .births import new_orbits as new_orbits

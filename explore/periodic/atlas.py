@@ -22,7 +22,7 @@ from orbitproof.explore.periodic.equilibrium_search import FoundEquilibrium
 from orbitproof.explore.periodic.flow import Matrix, Vector
 from orbitproof.explore.periodic.rest_curve import RestCurve
 from orbitproof.explore.periodic.search import FoundOrbit
-from orbitproof.explore.periodic.section_curve import CONVERGED, CurvePoint, SectionCurve
+from orbitproof.explore.periodic.section_curve import CONVERGED, CurvePoint, NewtonCurve, SectionCurve
 from orbitproof.shared.claims import EquilibriumAtlas, EquilibriumCurveClaim
 from orbitproof.shared.formats import Covers, PeriodicAtlas, PeriodicCurveClaim, Piece
 
@@ -58,7 +58,7 @@ class CurveControl:
 
 
 @dataclass(frozen=True)
-class _Chart:
+class Chart:
     """A piece in float64.
 
     Attributes:
@@ -200,14 +200,14 @@ def cover_equilibria(
 class _Walk:
     """All pieces of a curve in float64, and why it ends, as `CoveredCurve` says."""
 
-    charts: list[_Chart]
+    charts: list[Chart]
     ends: tuple[str, ...]
     reaches: bool
     is_closed: bool
 
-    def pieces(self, curve: SectionCurve | RestCurve, control: CurveControl) -> tuple[Piece, ...]:
+    def pieces(self, curve: NewtonCurve, control: CurveControl) -> tuple[Piece, ...]:
         return tuple(
-            _piece(curve, f"p{number:03d}", chart, control) for number, chart in enumerate(self.charts, start=1)
+            piece_of(curve, f"p{number:03d}", chart, control) for number, chart in enumerate(self.charts, start=1)
         )
 
     def covers(self, name: str | None, bounds: tuple[float, float]) -> Covers | None:
@@ -217,7 +217,7 @@ class _Walk:
 
 
 def _walked(
-    curve: SectionCurve | RestCurve,
+    curve: NewtonCurve,
     first: CurvePoint,
     bounds: tuple[float, float],
     control: CurveControl,
@@ -226,7 +226,7 @@ def _walked(
 ) -> _Walk:
     """The pieces of a curve both ways from a point of it. Raises `PeriodicFailure` if there is none."""
     middle = _first_chart(curve, first)
-    trace = _Trace(curve, bounds, control, middle, progress)
+    trace = Trace(curve, bounds, control, middle, progress)
     ahead, reason = trace.pieces(middle.ends[1])
     if reason is None:
         return _Walk([middle, *ahead], (f"the curve is closed: {len(ahead) + 1} pieces",), True, True)
@@ -239,7 +239,7 @@ def _walked(
     return _Walk(charts, ends, not any(bounds[0] <= value <= bounds[1] for value in values), False)
 
 
-def _change(curve: SectionCurve | RestCurve, start: Vector, period: float) -> float:
+def _change(curve: NewtonCurve, start: Vector, period: float) -> float:
     """How much the coordinates of the section change with the parameter, at an orbit and not far from it."""
     tangents = [curve.tangent(start, period)]
     for length in (sign * part * _FIRST for part in (1.0, 0.2) for sign in (1.0, -1.0)):
@@ -249,11 +249,11 @@ def _change(curve: SectionCurve | RestCurve, start: Vector, period: float) -> fl
     return max(float(np.abs(each[1:]).max() / (abs(each[0]) or 1.0)) for each in tangents)
 
 
-def _first_chart(curve: SectionCurve | RestCurve | RestCurve, point: CurvePoint) -> _Chart:
+def _first_chart(curve: NewtonCurve, point: CurvePoint) -> Chart:
     width = _FIRST
     while True:
         try:
-            return _chart(curve, point, width)
+            return chart_about(curve, point, width)
         except PeriodicFailure:
             width *= _NARROWER
             if width < _LEAST:
@@ -261,29 +261,29 @@ def _first_chart(curve: SectionCurve | RestCurve | RestCurve, point: CurvePoint)
 
 
 @dataclass(frozen=True)
-class _Trace:
+class Trace:
     """Piece after piece along a curve.
 
     Attributes:
         first: the piece from which it begins, both ways.
     """
 
-    curve: SectionCurve | RestCurve
+    curve: NewtonCurve
     bounds: tuple[float, float]
     control: CurveControl
-    first: _Chart
+    first: Chart
     progress: Callable[[str], None] | None
 
     def value(self, point: CurvePoint) -> float:
         """The parameter, or the level."""
-        if self.curve.place is not None:
+        if not isinstance(self.curve, SectionCurve) or self.curve.place is not None:
             return float(point.place[0])
         x, values = self.curve.state(point.place)
         return self.curve.problem.level(x, values) or 0.0
 
-    def pieces(self, start: CurvePoint) -> tuple[list[_Chart], str | None]:
+    def pieces(self, start: CurvePoint) -> tuple[list[Chart], str | None]:
         """Pieces from an end of the first one on, and why they end; `None` if they come back to the first."""
-        found: list[_Chart] = []
+        found: list[Chart] = []
         end, width, low_high = start, min(self.first.half_width * _WIDER, self.control.widest), self.bounds
         while low_high[0] <= self.value(end) <= low_high[1]:
             if len(found) == self.control.most:
@@ -307,12 +307,12 @@ class _Trace:
                 return found, None
         return found, "beyond what was asked for"
 
-    def _next(self, end: CurvePoint, width: float) -> _Chart:
+    def _next(self, end: CurvePoint, width: float) -> Chart:
         """The piece that begins at the end of another one. Raises `PeriodicFailure`."""
         step = (1 - _OVERLAP) * width
         guess = end.place + step * end.tangent * self.curve.scales
         centre = self.curve.solved(guess, end.period, end.tangent, end.place, step)
-        chart = _chart(self.curve, centre, width)
+        chart = chart_about(self.curve, centre, width)
         if chart.centre.tangent @ end.tangent < _STRAIGHT:
             raise PeriodicFailure("it turns too fast")
         return chart
@@ -327,7 +327,7 @@ class _Trace:
         )
 
 
-def _chart(curve: SectionCurve | RestCurve, centre: CurvePoint, half_width: float) -> _Chart:
+def chart_about(curve: NewtonCurve, centre: CurvePoint, half_width: float) -> Chart:
     """The piece about an orbit. Raises `PeriodicFailure` if it is too wide."""
     frame = _frame(centre.tangent)
     nodes = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
@@ -352,11 +352,11 @@ def _chart(curve: SectionCurve | RestCurve, centre: CurvePoint, half_width: floa
     noise = max(tail, left, _TINY)
     large = np.flatnonzero(np.abs(series).max(axis=0) > noise)
     kept = series[:, : min(_DEGREE, int(large[-1]) if len(large) else 0) + 1]
-    return _Chart(centre, half_width, kept, frame, (ends[0], ends[1]), noise)
+    return Chart(centre, half_width, kept, frame, (ends[0], ends[1]), noise)
 
 
 def _at(
-    curve: SectionCurve | RestCurve,
+    curve: NewtonCurve,
     centre: CurvePoint,
     near: CurvePoint,
     frame: Matrix,
@@ -387,7 +387,7 @@ def _frame(tangent: Vector) -> Matrix:
     return np.column_stack(columns)
 
 
-def _turned(chart: _Chart) -> _Chart:
+def _turned(chart: Chart) -> Chart:
     """A piece run through backwards."""
     signs = np.where(np.arange(chart.series.shape[1]) % 2, -1.0, 1.0)
     frame = chart.frame.copy()
@@ -395,7 +395,7 @@ def _turned(chart: _Chart) -> _Chart:
     return replace(chart, series=chart.series * signs, frame=frame, ends=(chart.ends[1], chart.ends[0]))
 
 
-def _piece(curve: SectionCurve | RestCurve, name: str, chart: _Chart, control: CurveControl) -> Piece:
+def piece_of(curve: NewtonCurve, name: str, chart: Chart, control: CurveControl) -> Piece:
     centre = tuple(Fraction(float(value)) for value in chart.centre.place)
     frame = tuple(
         tuple(Fraction(float(entry)) for entry in row) for row in chart.frame * curve.scales[:, None]

@@ -10,14 +10,14 @@ from orbitproof.explore.flow import FlowFailure
 from orbitproof.explore.periodic.correction import PeriodicFailure, PeriodicProblem
 from orbitproof.explore.periodic.equilibria import field_slopes
 from orbitproof.explore.periodic.flow import Matrix, Vector, velocity_at
-from orbitproof.explore.periodic.section_curve import CONVERGED, CurvePoint
+from orbitproof.explore.periodic.section_curve import CONVERGED, CurvePoint, NewtonCurve
 
 _NEWTON_STEPS = 10
 _RELIABLE = 1e-8
 
 
 @dataclass(frozen=True)
-class RestCurve:
+class RestCurve(NewtonCurve):
     """The equations of a curve: f(x, a) = 0; the coordinates are a and those of the state. Periods are not used.
 
     Attributes:
@@ -35,7 +35,7 @@ class RestCurve:
         values[self.place] = place[0]
         return place[1:], values
 
-    def linearised(self, place: Vector) -> tuple[Vector, Matrix]:
+    def linearised(self, place: Vector, _period: float = 0.0) -> tuple[Vector, Matrix]:
         """What is zero on the curve, and its derivatives by coordinates in units of their scales."""
         x, values = self.state(place)
         slopes, n = field_slopes(self.problem.system, x, values), len(x)

@@ -33,8 +33,45 @@ class CurvePoint:
     error: float
 
 
+class NewtonCurve:
+    """A curve by its equations: `scales` of its coordinates, and `linearised`, what is zero on it, with derivatives."""
+
+    scales: Vector
+
+    def linearised(self, place: Vector, period: float) -> tuple[Vector, Matrix]:
+        """What is zero on the curve, and its derivatives by coordinates in units of their scales and log T."""
+        raise NotImplementedError
+
+    def tangent(self, place: Vector, period: float) -> Vector:
+        """Along the curve, in units of the scales."""
+        along = np.linalg.svd(self.linearised(place, period)[1])[2][-1][:-1]
+        return np.asarray(along / np.linalg.norm(along))
+
+    def solved(self, guess: Vector, period: float, along: Vector, origin: Vector, length: float) -> CurvePoint:
+        """The orbit at which along . (place - origin)/scales is `length`. Raises `PeriodicFailure`."""
+        place, time, last = guess.copy(), period, np.inf
+        try:
+            for _ in range(_NEWTON_STEPS):
+                residual, matrix = self.linearised(place, time)
+                here = along @ ((place - origin) / self.scales) - length
+                rows = np.vstack([matrix, np.append(along, 0.0)])
+                step = -np.linalg.lstsq(rows, np.append(residual, here), rcond=None)[0]
+                size = float(np.max(np.abs(step)))
+                if not size < 1.0:
+                    break
+                place, time = place + step[:-1] * self.scales, time * float(np.exp(step[-1]))
+                if size < CONVERGED or (size < _RELIABLE and size > last / 4):
+                    tangent = np.linalg.svd(matrix)[2][-1][:-1]
+                    tangent = tangent / np.linalg.norm(tangent)
+                    return CurvePoint(place, time, tangent if tangent @ along >= 0 else -tangent, size)
+                last = size
+        except (FlowFailure, np.linalg.LinAlgError) as failure:
+            raise PeriodicFailure(str(failure)) from None
+        raise PeriodicFailure("Newton's method does not converge")
+
+
 @dataclass(frozen=True)
-class SectionCurve:
+class SectionCurve(NewtonCurve):
     """The equations of a curve: phi_T(x) = x on a section, on a level if there is one.
 
     Attributes:
@@ -87,30 +124,3 @@ class SectionCurve:
             matrix = np.vstack([matrix, row])
             residual = np.append(residual, (self.problem.level(x, values) or 0.0) - self.level)
         return residual, matrix * np.append(self.scales, 1.0)
-
-    def tangent(self, place: Vector, period: float) -> Vector:
-        """Along the curve, in units of the scales."""
-        along = np.linalg.svd(self.linearised(place, period)[1])[2][-1][:-1]
-        return np.asarray(along / np.linalg.norm(along))
-
-    def solved(self, guess: Vector, period: float, along: Vector, origin: Vector, length: float) -> CurvePoint:
-        """The orbit at which along . (place - origin)/scales is `length`. Raises `PeriodicFailure`."""
-        place, time, last = guess.copy(), period, np.inf
-        try:
-            for _ in range(_NEWTON_STEPS):
-                residual, matrix = self.linearised(place, time)
-                here = along @ ((place - origin) / self.scales) - length
-                rows = np.vstack([matrix, np.append(along, 0.0)])
-                step = -np.linalg.lstsq(rows, np.append(residual, here), rcond=None)[0]
-                size = float(np.max(np.abs(step)))
-                if not size < 1.0:
-                    break
-                place, time = place + step[:-1] * self.scales, time * float(np.exp(step[-1]))
-                if size < CONVERGED or (size < _RELIABLE and size > last / 4):
-                    tangent = np.linalg.svd(matrix)[2][-1][:-1]
-                    tangent = tangent / np.linalg.norm(tangent)
-                    return CurvePoint(place, time, tangent if tangent @ along >= 0 else -tangent, size)
-                last = size
-        except (FlowFailure, np.linalg.LinAlgError) as failure:
-            raise PeriodicFailure(str(failure)) from None
-        raise PeriodicFailure("Newton's method does not converge")

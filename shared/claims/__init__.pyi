@@ -1,6 +1,9 @@
 from .atlas import Atlas as Atlas
 from .atlas import Claim as Claim
 from .atlas import Covers as Covers
+from .birth_curve import BIRTH_CURVES as BIRTH_CURVES
+from .birth_curve import BirthAtlas as BirthAtlas
+from .birth_curve import BirthCurveClaim as BirthCurveClaim
 from .box_claims import KINDS_WITHOUT_REVERSOR as KINDS_WITHOUT_REVERSOR
 from .box_claims import BoxClaim as BoxClaim
 from .box_claims import InSection as InSection

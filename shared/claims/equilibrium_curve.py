@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from orbitproof.shared.claims.atlas import Atlas, Claim, Covers, Names
+from orbitproof.shared.claims.birth_curve import BirthCurveClaim
 from orbitproof.shared.claims.fields import Identifier
 from orbitproof.shared.claims.periodic_curve import PeriodicAtlas, PeriodicCurveClaim
 from orbitproof.shared.systems import System
@@ -62,4 +63,4 @@ class EquilibriumAtlas(PeriodicAtlas):
 class StoredAtlas(Atlas):
     """An atlas of any kind, for the schema."""
 
-    claim: Claim | PeriodicCurveClaim | EquilibriumCurveClaim  # type: ignore[assignment]
+    claim: Claim | PeriodicCurveClaim | EquilibriumCurveClaim | BirthCurveClaim  # type: ignore[assignment]

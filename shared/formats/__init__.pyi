@@ -3,6 +3,7 @@ from ..arguments import about as about
 from ..arguments import as_options as as_options
 from ..arguments import refused as refused
 from ..claims import ACROSS_KINDS as ACROSS_KINDS
+from ..claims import BIRTH_CURVES as BIRTH_CURVES
 from ..claims import COORDINATE as COORDINATE
 from ..claims import DOUBLE_RESONANCE as DOUBLE_RESONANCE
 from ..claims import EQUILIBRIUM as EQUILIBRIUM
@@ -32,6 +33,8 @@ from ..claims import SURFACE as SURFACE
 from ..claims import AnyAtlas as AnyAtlas
 from ..claims import AnyPiece as AnyPiece
 from ..claims import Atlas as Atlas
+from ..claims import BirthAtlas as BirthAtlas
+from ..claims import BirthCurveClaim as BirthCurveClaim
 from ..claims import BirthPiece as BirthPiece
 from ..claims import BoxClaim as BoxClaim
 from ..claims import Candidate as Candidate

@@ -7,7 +7,10 @@ from fractions import Fraction
 from typing import Any, NoReturn
 
 from orbitproof.shared.claims import (
+    BIRTH_CURVES,
     EQUILIBRIUM_CURVES,
+    BirthAtlas,
+    BirthCurveClaim,
     EquilibriumAtlas,
     EquilibriumCurveClaim,
     PeriodicAtlas,
@@ -20,6 +23,9 @@ from orbitproof.shared.formats.candidates import find_system
 from orbitproof.shared.formats.pieces import check_length, periodic_piece_from_json
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import DescriptionError, ReversibleSystem, System, described_plainly
+
+CurveClaim = PeriodicCurveClaim | EquilibriumCurveClaim | BirthCurveClaim
+"""What may be claimed of a curve that uses no symmetry."""
 
 
 def system_without_symmetry(
@@ -72,7 +78,7 @@ def atlas_without_symmetry(
     title: str,
     system: System,
     parameters: Mapping[str, Fraction],
-    claim: PeriodicCurveClaim | EquilibriumCurveClaim,
+    claim: CurveClaim,
     pieces: tuple[Piece, ...],
     provenance: Mapping[str, Any] | None = None,
 ) -> PeriodicAtlas:
@@ -83,26 +89,37 @@ def atlas_without_symmetry(
     return atlas
 
 
-_ATLASES = {PeriodicCurveClaim: PeriodicAtlas, EquilibriumCurveClaim: EquilibriumAtlas}
+_ATLASES = {PeriodicCurveClaim: PeriodicAtlas, EquilibriumCurveClaim: EquilibriumAtlas, BirthCurveClaim: BirthAtlas}
+_CLAIMS = {
+    **dict.fromkeys(EQUILIBRIUM_CURVES, EquilibriumCurveClaim),
+    **dict.fromkeys(BIRTH_CURVES, BirthCurveClaim),
+}
 
 
-def curve_claim_from_json(entry: Mapping[str, Any], source: str) -> PeriodicCurveClaim | EquilibriumCurveClaim:
+def curve_claim_from_json(entry: Mapping[str, Any], source: str) -> CurveClaim:
     """What is claimed of a curve, as far as it needs no system."""
-    kind: Any = EquilibriumCurveClaim if entry["kind"] in EQUILIBRIUM_CURVES else PeriodicCurveClaim
-    claim: PeriodicCurveClaim | EquilibriumCurveClaim = from_json(kind, entry, source)
+    claim: CurveClaim = from_json(_CLAIMS.get(entry["kind"], PeriodicCurveClaim), entry, source)
     return claim
 
 
-def _claim(entry: Mapping[str, Any], system: System, source: str) -> PeriodicCurveClaim | EquilibriumCurveClaim:
+def _claim(entry: Mapping[str, Any], system: System, source: str) -> CurveClaim:
     def refuse(name: str, why: str, remedy: str) -> NoReturn:
         raise InputError(f"{source}.{name}: {why}; {remedy}")
 
     claim = curve_claim_from_json(entry, source)
     size = len(system.given_state)
-    if isinstance(claim, EquilibriumCurveClaim):
-        if claim.parameter not in system.parameters:
-            known = ", ".join(system.parameters) or "none"
-            refuse("parameter", f"{system.name} has no parameter {claim.parameter!r}", f"known: {known}")
+    if claim.parameter is not None and claim.parameter not in system.parameters:
+        known = ", ".join(system.parameters) or "none"
+        refuse("parameter", f"{system.name} has no parameter {claim.parameter!r}", f"known: {known}")
+    if isinstance(claim, BirthCurveClaim):
+        if system.defined:
+            refuse("kind", "a field with sin, cos, exp or log has no such claim", "give a field in plain arithmetic")
+        for field, named in (("section", claim.section), ("amplitude", claim.amplitude)):
+            if named not in system.state:
+                refuse(field, f"{system.name} has no coordinate {named!r}", f"choose one of: {', '.join(system.state)}")
+        if claim.section == claim.amplitude:
+            refuse("amplitude", "is the coordinate of the section", "choose another one")
+    if not isinstance(claim, PeriodicCurveClaim):
         return claim
     if len(claim.normal) != size:
         refuse("normal", f"{len(claim.normal)} numbers", f"give {size}; the state is {', '.join(system.given_state)}")
@@ -110,9 +127,6 @@ def _claim(entry: Mapping[str, Any], system: System, source: str) -> PeriodicCur
         refuse("normal", "is zero", "give a vector across the section")
     for name, value in (("offset", claim.offset), *((f"normal[{i}]", value) for i, value in enumerate(claim.normal))):
         check_length(value, f"{source}.{name}")
-    if claim.parameter is not None and claim.parameter not in system.parameters:
-        known = ", ".join(system.parameters) or "none"
-        refuse("parameter", f"{system.name} has no parameter {claim.parameter!r}", f"known: {known}")
     if claim.uses_integral and system.first_integral_program is None:
         field = "parameter" if claim.parameter is None else "level"
         remedy = "name the parameter that varies" if claim.parameter is None else "leave it out"
@@ -126,7 +140,7 @@ def _claim(entry: Mapping[str, Any], system: System, source: str) -> PeriodicCur
     return claim
 
 
-def _check_coordinates(claim: PeriodicCurveClaim | EquilibriumCurveClaim, names: tuple[str, ...], source: str) -> None:
+def _check_coordinates(claim: CurveClaim, names: tuple[str, ...], source: str) -> None:
     wanted = ", ".join(names)
     for position, name in enumerate(claim.increasing):
         if name not in names or name in claim.increasing[:position]:

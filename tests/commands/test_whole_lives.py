@@ -51,3 +51,20 @@ def test_the_commands_of_the_document_find_and_prove_a_whole_life(
             assert set(blocks) == set(PROVED[name])
             for each, value in PROVED[name].items():
                 assert value in " ".join(blocks[each].split()), each
+
+
+def test_the_commands_of_the_document_prove_a_birth(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At the square root of 3."""
+    monkeypatch.chdir(tmp_path)
+    text = DOCUMENT.read_text("utf-8")
+    for file, source in re.findall(r"^```python ([\w.-]+)\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+        Path(file).write_text(source)
+    commands = [line.split(maxsplit=2)[1:] for line in re.findall(r"^orbitproof .*births.*$", text, re.MULTILINE)]
+    for command, words in commands:
+        assert MAINS[command](shlex.split(words)) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "PROVED" in said
+    assert "It begins at A_parameter = [1.7320508075" in said
+    assert "it is a Hopf point" in said

@@ -16,8 +16,9 @@ from support.springs import SPRINGS
 
 from orbitproof.shared.claims import Claim, Covers
 from orbitproof.shared.claims.web import BRANCHES, ENDS, PASSES, Meeting, Web, WebArc
-from orbitproof.shared.formats import Atlas, EquilibriumAtlas, PeriodicAtlas, define_system, read_atlas
+from orbitproof.shared.formats import Atlas, BirthAtlas, EquilibriumAtlas, PeriodicAtlas, define_system, read_atlas
 from orbitproof.shared.systems import AROUND, AXIAL, CR3BP, CR3BP_PLANAR, VERTICAL, FixedLevel
+from orbitproof.verify.birth_curve import BirthCurveTheorem, ProvedBirthCurve
 from orbitproof.verify.curve import (
     Bifurcation,
     Conclusion,
@@ -29,6 +30,7 @@ from orbitproof.verify.curve import (
 )
 from orbitproof.verify.distances import Ranges, Where
 from orbitproof.verify.distances.ranges import Extreme
+from orbitproof.verify.equilibrium import Spectrum
 from orbitproof.verify.equilibrium_curve import EquilibriumCurveTheorem, Fold, ProvedEquilibriumCurve, SidedPart, Sides
 from orbitproof.verify.evidence import Hypothesis, Proved
 from orbitproof.verify.index import CountedOrbit, HalfTurns, IndexTheorem, Interval, ProvedIndex
@@ -70,6 +72,7 @@ from orbitproof.verify.stability import (
 from orbitproof.verify.stability.list_entries import Combinations
 from orbitproof.verify.surface import Height, PlanarFamily, ProvedSurface, SurfaceTheorem
 from orbitproof.verify.web import Arc, Incidence, IndexOnArc, Indices, KnownArc, ProvedWeb, Switch, Vertex, WebTheorem
+from orbitproof.verify.words.birth_curve import birth_curve_in_words
 from orbitproof.verify.words.branches import branch_in_full, conclusion_in_words
 from orbitproof.verify.words.catalogue import catalogue_in_words
 from orbitproof.verify.words.equilibrium_curve import equilibrium_curve_in_full, equilibrium_curve_in_words
@@ -504,7 +507,13 @@ EQUILIBRIA: tuple[tuple[str, tuple[Fold, ...], tuple[SidedPart, ...]], ...] = (
 def periodic_curves() -> Told:
     for name, make in CURVES.items():
         atlas = make().atlas
-        if isinstance(atlas, EquilibriumAtlas):
+        if isinstance(atlas, BirthAtlas):
+            ends = {"start": points(atlas.coordinates, 11), "end": points(atlas.coordinates, 21)}
+            for label, eigenvalues in (("", Spectrum((), 1, 0, 0)), (" / not decided", Spectrum((), 0, 0, 1))):
+                born = ProvedBirthCurve(NO_CHAIN, ends, ball(1), eigenvalues, ball(2), ())
+                said = birth_curve_in_words(BirthCurveTheorem(atlas), born)
+                yield f"{name}{label}", equilibrium_curve_in_full(atlas, said)
+        elif isinstance(atlas, EquilibriumAtlas):
             ends = {"start": points(atlas.coordinates, 11), "end": points(atlas.coordinates, 21)}
             for label, folds, sides in EQUILIBRIA:
                 found = ProvedEquilibriumCurve(NO_CHAIN, ends, folds, sides)

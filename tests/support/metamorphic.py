@@ -13,7 +13,7 @@ from fractions import Fraction
 from random import Random
 from typing import Any, TypeVar
 
-from orbitproof.shared.claims import Atlas, Candidate, Covers, Piece
+from orbitproof.shared.claims import Atlas, BirthAtlas, Candidate, Covers, Piece
 from orbitproof.shared.formats import (
     COORDINATE,
     HALF_PERIOD,
@@ -25,7 +25,16 @@ from orbitproof.shared.formats import (
     PeriodicAtlas,
     PeriodicBifurcation,
 )
-from orbitproof.shared.systems import Defined, FixedLevel, ParameterRange, ReversibleSystem, System, record
+from orbitproof.shared.systems import (
+    AMPLITUDE,
+    Defined,
+    FixedLevel,
+    ParameterRange,
+    ReversibleSystem,
+    System,
+    own_name,
+    record,
+)
 from orbitproof.shared.systems.described_functions import program_function
 from orbitproof.verify import enclose
 
@@ -371,7 +380,10 @@ def changed_atlas(atlas: Atlas | PeriodicAtlas, change: Change) -> Atlas | Perio
         factor = change.factor(covers.coordinate)
         covers = Covers(change.name(covers.coordinate), covers.start * factor, covers.end * factor)
     known: dict[str, Any] = {"increasing": tuple(map(change.name, claim.increasing)), "covers": covers}
-    if isinstance(atlas, EquilibriumAtlas):
+    if isinstance(atlas, BirthAtlas):
+        claim, change = atlas.claim, in_units_of_amplitude(atlas, change)
+        known = {name: change.name(getattr(claim, name)) for name in ("section", "amplitude", "parameter")}
+    elif isinstance(atlas, EquilibriumAtlas):
         known["parameter"] = change.name(atlas.claim.parameter)
     elif isinstance(atlas, PeriodicAtlas):
         known["normal"] = _normal(atlas.claim.normal, system, change)
@@ -386,14 +398,28 @@ def changed_atlas(atlas: Atlas | PeriodicAtlas, change: Change) -> Atlas | Perio
     return replace(found, pieces=pieces)
 
 
+def in_units_of_amplitude(atlas: BirthAtlas, change: Change) -> Change:
+    """The change with what the coordinates of such a curve become: eps is in units of x_j, and y in those of x/x_j."""
+    unit = change.factor(atlas.claim.amplitude)
+    state = [*atlas.system.state, *(change.beside or ())]
+    along = {name: own_name(f"along {name}") for name in state}
+    names = {along[name]: own_name(f"along {change.name(name)}") for name in state}
+    factors = {along[name]: change.factor(name) / unit for name in state}
+    return replace(
+        change, names={**change.names, **names}, factors={**change.factors, AMPLITUDE: unit, **factors}
+    )  # fmt: skip
+
+
 def _piece(atlas: Atlas | PeriodicAtlas, told: Any, piece: Piece, change: Change) -> Piece:
     if isinstance(atlas, PeriodicAtlas):
         names, after, beside = atlas.coordinates, told.coordinates, change.beside or ()
+        if isinstance(atlas, BirthAtlas):
+            beside = (*beside, *(own_name(f"along {name}") for name in beside))
     else:
         names, after = atlas.system.centre_coordinates, told.system.centre_coordinates
         beside = change.beside[:1] if change.beside is not None else ()
     affine = _affine(names, piece.centre, piece.frame, beside)
-    if isinstance(atlas, PeriodicAtlas) and not isinstance(atlas, EquilibriumAtlas):
+    if isinstance(atlas, PeriodicAtlas) and not isinstance(atlas, EquilibriumAtlas | BirthAtlas):
         affine = _with_pivot(atlas, affine)
     before = {change.name(name): name for name in affine.rows}
     centre, frame = affine.told([before[name] for name in after], change)

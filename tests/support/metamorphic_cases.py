@@ -8,7 +8,16 @@ from fractions import Fraction as Q
 from typing import Any
 
 import mpmath
-from support import breaking_cases, equilibrium_cases, krein_cases, periodic_curves, springs, tori_cases, torus_cases
+from support import (
+    birth_cases,
+    breaking_cases,
+    equilibrium_cases,
+    krein_cases,
+    periodic_curves,
+    springs,
+    tori_cases,
+    torus_cases,
+)
 from support import function_cases as functions
 from support import periodic_bifurcation_cases as bifurcations
 from support import periodic_cases as periodic
@@ -283,6 +292,7 @@ CURVES: Mapping[str, Callable[[], Curve]] = {
     "periodic-arc-tilted": lambda: _free(periodic_curves.tilted_atlas()),
     "periodic-arc-on-level": lambda: _free(periodic_curves.on_level_atlas()),
     "equilibrium-arc": lambda: _free(equilibrium_cases.curve_of_equilibria(), 96, 24, 20, 2),
+    "birth-arc": lambda: _free(birth_cases.slaved_born(), 80, 24, 16, 1),
     "periodic-arc-functions": lambda: _free(functions.faster_atlas(), 80, 30, 20, 2),
     "periodic-arc-functions-levels": lambda: _free(functions.levels_atlas()),
 }

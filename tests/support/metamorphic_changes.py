@@ -15,6 +15,7 @@ from support.metamorphic import Change
 from support.metamorphic_cases import Case, Curve, system_of
 
 from orbitproof import shared, verify
+from orbitproof.shared.claims import BirthCurveClaim
 from orbitproof.shared.formats import Candidate, PeriodicAtlas
 from orbitproof.shared.systems import DescriptionError, ReversibleSystem
 from orbitproof.shared.systems.described_functions import name_of
@@ -72,7 +73,8 @@ def _held(case: Case) -> set[str]:
         claim = case.atlas.claim
         varies = claim.parameter if isinstance(case.atlas, PeriodicAtlas) else None
         covered = (claim.covers.coordinate,) if claim.covers is not None else ()
-        return {*claim.increasing, *covered, *([varies] if varies is not None else [])} | _family(case)
+        turned = (claim.section, claim.amplitude) if isinstance(claim, BirthCurveClaim) else ()
+        return {*turned, *claim.increasing, *covered, *([varies] if varies is not None else [])} | _family(case)
     return {str(getattr(case, "parameter", None))} | _family(case)
 
 

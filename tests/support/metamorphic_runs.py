@@ -10,16 +10,25 @@ from unittest import mock
 
 from support.atlas_runs import go
 from support.forgeries import checked
-from support.metamorphic import Change, changed_atlas, changed_box, changed_claim, changed_section, changed_system
+from support.metamorphic import (
+    Change,
+    changed_atlas,
+    changed_box,
+    changed_claim,
+    changed_section,
+    changed_system,
+    in_units_of_amplitude,
+)
 from support.metamorphic_cases import CASES, Case, Curve, Enclosed, system_of
 from support.metamorphic_changes import changes
 from support.metamorphic_results import Named, differences
 
-from orbitproof.shared.formats import Atlas, Candidate, EquilibriumAtlas, PeriodicAtlas
+from orbitproof.shared.formats import Atlas, BirthAtlas, Candidate, EquilibriumAtlas, PeriodicAtlas
 from orbitproof.shared.systems import description
 from orbitproof.verify import enclose
 from orbitproof.verify.atlas import conclusion_of, make_atlas_certificate
 from orbitproof.verify.atlas.interval_proof import prove_task
+from orbitproof.verify.birth_curve import conclude_births
 from orbitproof.verify.certificate import Certificate, Limits, Recheck, certify, recheck
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.equilibrium_curve import conclude_equilibria
@@ -95,6 +104,8 @@ def _curve(case: Curve) -> Told:
 
 
 def _outcome(case: Curve, results: Any) -> Any:
+    if isinstance(case.atlas, BirthAtlas):
+        return conclude_births(case.atlas, results).outcome
     if isinstance(case.atlas, EquilibriumAtlas):
         return conclude_equilibria(case.atlas, results).outcome
     if isinstance(case.atlas, PeriodicAtlas):
@@ -147,6 +158,8 @@ def objections(before: Told, after: Told, change: Change) -> list[str]:
     """What is wrong with what is said of a case told otherwise."""
     if before.verdict != after.verdict:
         return [f"{before.verdict}, told otherwise {after.verdict}"]
+    if isinstance(before.case, Curve) and isinstance(before.case.atlas, BirthAtlas):
+        change = in_units_of_amplitude(before.case.atlas, change)
     return list(differences(before.results, after.results, change, named(before.case)))
 
 

@@ -10,6 +10,7 @@ from flint import arb
 
 from orbitproof.shared.stored import rules
 from orbitproof.verify.certificate.document import Verdict
+from orbitproof.verify.equilibrium import Spectrum
 from orbitproof.verify.equilibrium_curve import Fold, SidedPart
 from orbitproof.verify.evidence import Hypothesis, Reason
 from orbitproof.verify.lasting import LastingResult
@@ -48,6 +49,8 @@ class StoredConclusion:
     multipliers: tuple[CountedPart, ...] = ()
     folds: tuple[Fold, ...] = ()
     sides: tuple[SidedPart, ...] = ()
+    frequency: arb | None = None
+    eigenvalues: Spectrum | None = None
     complete: Order | None = None
 
 

@@ -15,6 +15,7 @@ from typing import Any, cast
 from flint import acb, arb
 
 from orbitproof.shared.claims import (
+    BIRTH_CURVES,
     BOX_KINDS,
     CLAIMS,
     EQUILIBRIUM_CURVES,
@@ -57,6 +58,7 @@ FURTHER: Mapping[str, str] = {
     SURFACE: "surface",
     **dict.fromkeys(PERIODIC_CURVES, "periodic_curve"),
     **dict.fromkeys(EQUILIBRIUM_CURVES, "equilibrium_curve"),
+    **dict.fromkeys(BIRTH_CURVES, "birth_curve"),
     **{name: name for name in (WEB, INDEX, CATALOGUE)},
 }
 """The others, by the kinds of claims about branches as atlases say them, or what is joined."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, cast
 
-from orbitproof.shared.claims import EQUILIBRIUM_CURVES, EquilibriumAtlas
+from orbitproof.shared.claims import EQUILIBRIUM_CURVES, BirthAtlas, EquilibriumAtlas
 from orbitproof.shared.formats import Piece, atlas_to_json
 from orbitproof.verify.atlas.document import PeriodicCurveStatement
 from orbitproof.verify.atlas.kinds import BranchKind
@@ -26,7 +26,7 @@ from orbitproof.verify.evidence import Proved
 from orbitproof.verify.words.equilibrium_curve import equilibrium_curve_in_full, equilibrium_curve_in_words
 
 
-def _statement(atlas: EquilibriumAtlas, results: Sequence[Any]) -> PeriodicCurveStatement:
+def statement_of(atlas: EquilibriumAtlas | BirthAtlas, results: Sequence[Any]) -> PeriodicCurveStatement:
     """The claim in full, but for the theorem."""
     system = atlas.system
     return PeriodicCurveStatement(
@@ -61,7 +61,7 @@ KIND = BranchKind(
     in_question=lambda atlas: {"claim": to_json(atlas.claim)},
     prove=lambda *asked: prove_equilibrium_piece(*asked).stored,
     more_at_next={"top": 1},
-    statement=_statement,
+    statement=statement_of,
     conclude=lambda atlas, results, *_: told(conclude_equilibria(atlas, results)),
     in_full=equilibrium_curve_in_full,
     time="time",

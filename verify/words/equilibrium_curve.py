@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from orbitproof.shared.claims import EquilibriumAtlas
+from orbitproof.shared.claims import BirthAtlas, EquilibriumAtlas
 from orbitproof.verify.claim import keyed_in_words, names_in_words
 from orbitproof.verify.equilibrium_curve import EquilibriumCurveTheorem, Fold, ProvedEquilibriumCurve, SidedPart, Sides
 from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text
@@ -54,7 +54,7 @@ def equilibrium_curve_in_words(theorem: EquilibriumCurveTheorem, curve: ProvedEq
     return "\n".join(paragraphs)
 
 
-def equilibrium_curve_in_full(atlas: EquilibriumAtlas, statement: str) -> str:
+def equilibrium_curve_in_full(atlas: EquilibriumAtlas | BirthAtlas, statement: str) -> str:
     """The statement so that it stands alone: the system in formulas before it."""
     system, names = atlas.system, names_in_words(atlas.system)
     lines, _ = field_in_lines(system, _TAKEN)

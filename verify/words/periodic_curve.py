@@ -53,7 +53,7 @@ def periodic_curve_in_words(theorem: PeriodicCurveTheorem, curve: ProvedPeriodic
         low, high = exact_text(claim.covers.start), exact_text(claim.covers.end)
         paragraphs.append(f"Along it {name} takes all values from {low} to {high}.")
     if claim.parameter is not None:
-        paragraphs += _turns(names.get(claim.parameter, claim.parameter), curve.turns, bool(claim.increasing))
+        paragraphs += turns_in_words(names.get(claim.parameter, claim.parameter), curve.turns, bool(claim.increasing))
     if curve.period.is_finite():
         paragraphs.append(f"All least periods lie in {range_text(curve.period, 4)}.")
     paragraphs += _multipliers(atlas, names.get(claim.parameter or "", claim.parameter or ""), curve.multipliers)
@@ -99,8 +99,8 @@ def _level(atlas: PeriodicAtlas) -> str:
     return "" if claim.parameter is not None else f" The {integral_in_words(atlas.system)} varies along the curve."
 
 
-def _turns(name: str, turns: Sequence[Turn], embedded: bool) -> Iterator[str]:
-    """`embedded`: whether the curve is known to meet none of its points again."""
+def turns_in_words(name: str, turns: Sequence[Turn], embedded: bool) -> Iterator[str]:
+    """Where the parameter has extrema; `embedded`: whether the curve is known to meet none of its points again."""
     if not turns:
         return
     maxima = sum(turn.is_maximum for turn in turns)

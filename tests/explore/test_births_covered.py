@@ -1,0 +1,106 @@
+"""The curves of orbits that are born at Hopf points, found and proved (section 38)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import arb
+from support import birth_cases
+
+from orbitproof import explore
+from orbitproof.explore.periodic import PeriodicFailure, cover_birth
+from orbitproof.explore.periodic.atlas import CurveControl
+from orbitproof.shared.claims import BirthAtlas
+from orbitproof.shared.formats import define_system, read_atlas, write_atlas
+from orbitproof.shared.systems import AMPLITUDE
+from orbitproof.verify.birth_curve import BirthLimits, ProvedBirthCurve, conclude_births, prove_birth_curve_piece
+from orbitproof.verify.curve import IntervalResult
+from orbitproof.verify.evidence import Proved
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.run.splitting import halves
+
+LIVES: dict[str, tuple[dict[str, Any], dict[str, Any], dict[str, Any], str, tuple[float, float], float]] = {
+    "brusselator": (
+        {"name": "brusselator", "state": "x y", "parameters": "A B",
+         "field": {"x": "A - (B + 1)*x + x**2*y", "y": "B*x - x**2*y"}},
+        {"x": 1.7, "y": 2.3}, {"A": "3/2", "B": 4}, "A", (1.65, 2.5), 3.0**0.5,
+    ),
+    "lorenz": (
+        {"name": "lorenz", "state": "x y z", "parameters": "sigma rho beta",
+         "field": {"x": "sigma*(y - x)", "y": "x*(rho - z) - y", "z": "x*y - beta*z"}},
+        {"x": 7, "y": 7, "z": 19}, {"sigma": 10, "rho": 24, "beta": "8/3"}, "rho", (24.5, 30), 470 / 19,
+    ),
+    "lure": (
+        {"name": "lure", "state": "x y z", "parameters": "alpha beta",
+         "field": {"x": "y", "y": "z", "z": "-alpha*z - beta*y - x + x**2"}},
+        {"x": 0, "y": 0, "z": 0}, {"alpha": "6/5", "beta": 1}, "alpha", (0.99, 1.4), 1.0,
+    ),
+}  # fmt: skip
+"""A system, a start, its parameters, the one that varies and its interval, and the Hopf point."""
+
+
+def results_of(atlas: BirthAtlas, limits: BirthLimits) -> list[IntervalResult]:
+    """All pieces, halved where that is needed."""
+    found, pending = [], [(piece, (-1, 1), 0) for piece in atlas.curve_pieces()]
+    while pending:
+        piece, interval, depth = pending.pop()
+        result = prove_birth_curve_piece(atlas, piece, interval, ORACLE, limits).stored  # type: ignore[arg-type]
+        if result.is_proved or depth > 3:
+            found.append(result)
+        else:
+            pending += [(piece, half, depth + 1) for half in halves(interval)]  # type: ignore[arg-type,misc]
+    return found
+
+
+def proved(atlas: BirthAtlas, limits: BirthLimits) -> ProvedBirthCurve:
+    outcome = conclude_births(atlas, results_of(atlas, limits)).outcome
+    assert isinstance(outcome, Proved), outcome
+    found: ProvedBirthCurve = outcome.results
+    return found
+
+
+def hopf_of(system: Any, start: Any, parameters: Any, name: str, bounds: tuple[float, float]) -> Any:
+    found = explore.find_equilibria(system, start, parameters=parameters, quiet=True)
+    (hopf,) = explore.follow_equilibrium(found[0], name, bounds, quiet=True).hopf
+    return hopf
+
+
+def test_a_curve_of_circles_begins_where_they_are_born(tmp_path: Path) -> None:
+    """Exactly at amplitude 0; it is written and read again."""
+    system, bounds = birth_cases.circles("a", "2"), (-0.5, 0.01)
+    hopf = hopf_of(system, {"x": 0.0, "y": 0.0}, {"a": "-1/10"}, "a", bounds)
+    covered = cover_birth(hopf, bounds, "circles", CurveControl(most=1, widest=0.5))
+    atlas = covered.atlas
+    assert isinstance(atlas, BirthAtlas)
+    piece, place = atlas.curve_pieces()[0], atlas.coordinates.index(AMPLITUDE)
+    assert piece.frame[place][0] * piece.half_width == piece.centre[place]
+    assert not any(piece.frame[place][1:])
+    assert "birth" in covered.ends[0]
+    write_atlas(tmp_path / "a.json", atlas)
+    assert read_atlas(tmp_path / "a.json") == atlas
+
+
+def test_fields_with_functions_are_not_covered() -> None:
+    system = define_system(
+        {"name": "f", "state": "x y", "parameters": "a", "field": {"x": "a*sin(x) - y - x**3", "y": "x + a*y"}}
+    )
+    hopf = hopf_of(system, {"x": 0.0, "y": 0.0}, {"a": "-1/10"}, "a", (-0.5, 0.5))
+    with pytest.raises(PeriodicFailure, match="a field with sin, cos, exp or log"):
+        cover_birth(hopf, (-0.5, 0.5), "f")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LIVES)
+def test_orbits_are_proved_from_their_birth_on(name: str) -> None:
+    described, start, parameters, varies, bounds, value = LIVES[name]
+    hopf = hopf_of(define_system(described), start, parameters, varies, bounds)
+    covered = cover_birth(hopf, bounds, name, CurveControl(most=1))
+    assert isinstance(covered.atlas, BirthAtlas)
+    found = proved(covered.atlas, BirthLimits(precision=96, order=40, width=28, top=2))
+    assert abs(found.ends["start"][varies] - value) < 1e-8
+    assert found.ends["start"][AMPLITUDE] == 0
+    assert found.ends["end"][AMPLITUDE] > arb(0.1)
+    assert found.ends["end"][varies] < found.ends["start"][varies]
+    assert abs(found.frequency - hopf.frequency) < 1e-8

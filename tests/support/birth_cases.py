@@ -1,0 +1,64 @@
+"""Orbits from their birth on, of closed form (section 38)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction as Q
+from typing import Any
+
+from orbitproof.shared.claims import BirthAtlas, BirthCurveClaim, Piece
+from orbitproof.shared.formats import define_system
+from orbitproof.shared.systems import System
+
+TUBE = Q(1, 2**12)
+
+
+def circles(growth: str = "a", w: str = "1") -> System:
+    """Circles about (a, 0), of the square of the radius `growth`, with the period 2 pi/w."""
+    where = {"u": "x - a", "g": f"({growth}) - u**2 - y**2"}
+    field = {"x": f"g*u - ({w})*y", "y": f"({w})*u + g*y"}
+    return define_system({"name": "circles", "state": "x y", "parameters": "a", "where": where, "field": field})
+
+
+SLAVED = define_system(
+    {
+        "name": "slaved", "state": "x y z", "parameters": "a b",
+        "where": {"u": "x - a", "g": "b*a - u**2 - y**2"},
+        "field": {"x": "g*u - y", "y": "u + g*y", "z": "u**2 - z"},
+    }
+)  # fmt: skip
+"""As `circles`, of the square of the radius b a; z follows: at y = 0, u = r it is 3 r^2/5."""
+
+
+def piece(reach: Q, rows: Sequence[Sequence[Q]], **changes: Any) -> Piece:
+    """From eps = 0 to 2 h, h the reach: the coordinates but eps are polynomials of s, in their order."""
+    size = len(rows) + 1
+    columns = [1, 0, *range(2, size)]
+    frame = tuple(tuple(Q(int(columns[j] == i)) for j in range(size)) for i in range(size))
+    centre = tuple(reach if i == 1 else Q(0) for i in range(size))
+    given = Piece("p1", "regular", centre, frame, reach, tuple(map(tuple, rows)), (TUBE,) * (size - 1), "physical")
+    return replace(given, **changes)
+
+
+def squares(reach: Q, factor: Q = Q(1)) -> tuple[Q, ...]:
+    """factor eps^2, by powers of s."""
+    return (factor * reach**2, 2 * factor * reach**2, factor * reach**2)
+
+
+def circles_born(system: System | None = None, reach: Q = Q(1, 8), square: Q = Q(1), **changes: Any) -> BirthAtlas:
+    """a = `square` eps^2 = c_1, c_2 = 0."""
+    claim = BirthCurveClaim("birth-arc", "y", 1, "x", "a")
+    rows = [squares(reach, square), squares(reach, square), (Q(0),)]
+    given: dict[str, Any] = {
+        "id": "circles", "title": "circles from their birth on", "system": circles() if system is None else system,
+        "parameters": {}, "claim": claim, "pieces": (piece(reach, rows),),
+    }  # fmt: skip
+    return BirthAtlas(**{**given, **changes})
+
+
+def slaved_born(reach: Q = Q(1, 8), b: Q = Q(2)) -> BirthAtlas:
+    """a = eps^2/b = c_1, y_z = 3 eps/5."""
+    rows = [squares(reach, 1 / b), squares(reach, 1 / b), (Q(0),), (Q(0),), (Q(3, 5) * reach, Q(3, 5) * reach)]
+    claim = BirthCurveClaim("birth-arc", "y", 1, "x", "a")
+    return BirthAtlas("slaved", "circles, and what follows them", SLAVED, {"b": b}, claim, (piece(reach, rows),))

@@ -1,0 +1,323 @@
+"""Orbits from their birth on: closed forms, the field in units of the amplitude, and claims that are false (38)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction as Q
+from functools import cache
+from itertools import pairwise
+from random import Random
+from typing import Any
+
+import pytest
+from flint import arb, ctx
+from support import birth_cases as cases
+from support import equilibrium_cases
+
+from orbitproof.shared.claims import BirthAtlas
+from orbitproof.shared.formats import define_system
+from orbitproof.shared.systems import AMPLITUDE, Program, System, blown_up, own_name, record
+from orbitproof.verify.birth_curve import (
+    BirthCurveTheorem,
+    BirthLimits,
+    ProvedBirthCurve,
+    conclude_births,
+    prove_birth_curve_piece,
+    proved_curve,
+)
+from orbitproof.verify.curve import IntervalResult
+from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Proved, enclose
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.words.birth_curve import birth_curve_in_words
+
+FAST = BirthLimits(precision=80, order=24, width=16, top=1)
+
+
+def results_of(atlas: BirthAtlas, parts: int = 1) -> list[IntervalResult]:
+    ends = [Q(2 * number, parts) - 1 for number in range(parts + 1)]
+    return [
+        prove_birth_curve_piece(atlas, piece, part, ORACLE, FAST).stored
+        for piece in atlas.curve_pieces()
+        for part in pairwise(ends)
+    ]
+
+
+def proved(atlas: BirthAtlas, parts: int = 1) -> ProvedBirthCurve:
+    outcome = conclude_births(atlas, results_of(atlas, parts)).outcome
+    assert isinstance(outcome, Proved), outcome
+    found: ProvedBirthCurve = outcome.results
+    return found
+
+
+@cache
+def honest(name: str = "circles") -> list[IntervalResult]:
+    return results_of({"circles": cases.circles_born, "slaved": cases.slaved_born}[name]())
+
+
+def reason(atlas: BirthAtlas, results: Sequence[IntervalResult] | None = None) -> str:
+    outcome = conclude_births(atlas, results_of(atlas) if results is None else results).outcome
+    assert isinstance(outcome, NotProved)
+    return outcome.reason.condition
+
+
+def why_not(atlas: BirthAtlas) -> str:
+    (result,) = results_of(atlas)
+    assert result.reason is not None, "proved"
+    return result.reason.condition
+
+
+def in_units(system: System) -> Program:
+    return record(blown_up(system), system.state, (*system.parameters, AMPLITUDE, *map(own_name, system.state)))
+
+
+# The field
+
+
+def exactly(program: Program, arguments: Sequence[Q]) -> list[Q]:
+    def power(base: Q, exponent: Q) -> Q:
+        if exponent.denominator == 1:
+            return base**exponent.numerator
+        root = Q(round(base.numerator**0.5), round(base.denominator**0.5))
+        assert root**exponent.denominator == base
+        return root**exponent.numerator
+
+    return [Q(value) for value in program.evaluate(arguments, lambda value: value, power)]
+
+
+EVERY_OPERATION = define_system(
+    {
+        "name": "f", "state": "x y z", "parameters": "a b",
+        "field": {
+            "x": "a*x - x**2*y/(1 + z**2) + b - (a - 2)*(x - y) + 7",
+            "y": "x*y*z - 1/x**3 + a/(b*z + y) + (x/a)**4",
+            "z": "a*b/(x + y) + (a - x)/b - (2 - z)/(3*x) - a**2/b**3",
+        },
+    }
+)  # fmt: skip
+
+
+def test_the_field_in_units_of_the_amplitude_is_a_quotient_of_differences() -> None:
+    """Exactly, and at amplitude 0 the derivative, as the limit of a polynomial in it."""
+    field, source = in_units(EVERY_OPERATION), Random(38)
+    for _ in range(300):
+        c = [Q(source.randrange(1, 9), source.randrange(1, 5)) for _ in range(3)]
+        y = [Q(source.randrange(-9, 10), 7) for _ in range(3)]
+        known = [Q(source.randrange(1, 9), 3) for _ in range(2)]
+        eps = Q(source.choice((-1, 1)), source.randrange(20, 90))
+
+        def rates(shift: Q, c: Sequence[Q] = c, y: Sequence[Q] = y, known: Sequence[Q] = known) -> list[Q]:
+            point = [origin + shift * along for origin, along in zip(c, y, strict=True)]
+            return exactly(EVERY_OPERATION.program, [*point, *known])
+
+        differences = [(after - before) / eps for after, before in zip(rates(eps), rates(Q(0)), strict=True)]
+        assert exactly(field, [*y, *known, eps, *c]) == differences
+        tiny = Q(1, 10**40)
+        nearly = [(after - before) / (2 * tiny) for after, before in zip(rates(tiny), rates(-tiny), strict=True)]
+        at_rest = exactly(field, [*y, *known, Q(0), *c])
+        assert all(abs(u - v) < Q(1, 10**60) for u, v in zip(at_rest, nearly, strict=True))
+
+
+def test_roots_are_divided_too() -> None:
+    """Of squares and cubes, exactly."""
+    system = define_system(
+        {"name": "r", "state": "x y", "parameters": "a",
+         "field": {"x": "x**(3/2) - y**(-1/2) + a**(1/2)", "y": "(x*y)**(1/2) + y**(-3/2)"}}
+    )  # fmt: skip
+    field = in_units(system)
+    for before, after in (((4, 9), (16, 25)), ((1, 36), (9, 4)), ((25, 4), (4, 4))):
+        eps = Q(1, 3)
+        y = [(Q(v) - u) / eps for u, v in zip(before, after, strict=True)]
+        found = exactly(field, [*y, Q(9), eps, *map(Q, before)])
+        rates = [exactly(system.program, [*map(Q, point), Q(9)]) for point in (after, before)]
+        assert found == [(u - v) / eps for u, v in zip(*rates, strict=True)]
+
+
+def test_a_field_with_functions_is_refused() -> None:
+    with pytest.raises(ValueError, match="not written in such units"):
+        blown_up(equilibrium_cases.PENDULUM)
+
+
+# Curves of closed form
+
+
+@pytest.mark.quick
+def test_circles_from_their_birth_on() -> None:
+    for atlas, end in ((cases.circles_born(), Q(1, 16)), (cases.slaved_born(), Q(1, 32))):
+        outcome = conclude_births(atlas, honest(atlas.id)).outcome
+        assert isinstance(outcome, Proved), outcome
+        found = outcome.results
+        for name, value in (("a", end), ("x", end), ("y", Q(0)), (AMPLITUDE, Q(1, 4))):
+            assert found.ends["end"][name].contains(arb(value.numerator) / value.denominator)
+            assert found.ends["start"][name].contains(0)
+            assert found.ends["end"][name].rad() < 1e-14
+        assert found.ends["start"][AMPLITUDE] == 0
+        assert found.frequency.contains(1)
+        assert found.frequency.rad() < 1e-14
+        assert found.period.overlaps(2 * arb.pi())
+        assert found.turns == ()
+        assert (found.eigenvalues.left, found.eigenvalues.right) == (len(atlas.system.state) - 2, 0)
+    assert found.ends["end"][own_name("along z")].overlaps(arb(3) / 20)
+
+
+def test_the_parameter_may_turn_back() -> None:
+    """a = eps^2 - 16 eps^4: a maximum at eps = 1/sqrt(32)."""
+    reach, powers = Q(1, 8), [Q(0)] * 5
+    for number, (fourth, second) in enumerate(zip((1, 4, 6, 4, 1), (1, 2, 1, 0, 0), strict=True)):
+        powers[number] = second * reach**2 - 16 * fourth * reach**4
+    piece = cases.piece(reach, (powers, powers, (Q(0),)), tube=(Q(1, 2**20),) * 3)
+    atlas = cases.circles_born(cases.circles("a + 16*(u**2 + y**2)**2"), pieces=(piece,))
+    found = proved(atlas, 2)
+    (turn,) = found.turns
+    assert turn.is_maximum
+    s = 8 / arb(32).sqrt() - 1
+    assert enclose(turn.between[0]) < s < enclose(turn.between[1])
+    said = birth_curve_in_words(BirthCurveTheorem(atlas), found)
+    assert "Along it a has at least one extremum: a maximum" in said
+    assert "For every value of a between" not in said
+
+
+def test_what_is_said() -> None:
+    atlas = cases.slaved_born()
+    outcome = conclude_births(atlas, honest("slaved")).outcome
+    assert isinstance(outcome, Proved)
+    said = birth_curve_in_words(outcome.theorem, outcome.results)
+    for part in (
+        "with b = 2",
+        "it is a Hopf point. Of the other eigenvalues 1 has a negative and 0 a positive real part.",
+        "crosses the plane where y is that of the equilibrium exactly once in the direction in which y grows",
+        "it does so where x is greater than that of the equilibrium",
+        "For every value of a between its two ends there is such an orbit on the curve.",
+    ):
+        assert part in said
+    outcome = conclude_births(cases.circles_born(), honest()).outcome
+    assert isinstance(outcome, Proved)
+    assert "other eigenvalues" not in birth_curve_in_words(outcome.theorem, outcome.results)
+
+
+# Claims that are false
+
+
+@pytest.mark.quick
+def test_false_claims_about_a_piece_are_not_proved() -> None:
+    atlas = cases.circles_born()
+    (piece,), zero = atlas.curve_pieces(), (Q(0),)
+    square = cases.squares(Q(1, 8))
+    claim = atlas.claim
+    # The orbits go round the other way, or the section and the amplitude are others.
+    assert why_not(replace(atlas, claim=replace(claim, direction=-1))) == "direction"
+    assert why_not(replace(atlas, claim=replace(claim, section="x", amplitude="y"))) == "direction"
+    # They are on the other side of the Hopf point.
+    minus = cases.squares(Q(1, 8), Q(-1))
+    assert why_not(replace(atlas, pieces=(cases.piece(Q(1, 8), (minus, minus, zero)),))) in ("newton", "slope")
+    # There is no equilibrium.
+    moved = cases.piece(Q(1, 8), (square, cases.squares(Q(1, 8), Q(9, 8)), zero))
+    assert why_not(replace(atlas, pieces=(moved,))) == "newton"
+    # Claims that say nothing.
+    for changes in ({"section": "x"}, {"amplitude": "a"}, {"section": "w"}, {"parameter": "b"}, {"direction": 2}):
+        assert why_not(replace(atlas, claim=replace(claim, **changes))) == "piece"
+    assert why_not(replace(atlas, parameters={"a": Q(0)})) == "piece"
+    for wrong in (replace(piece, tube=piece.tube[:-1]), replace(piece, frame=(piece.frame[0],) * 4)):
+        assert why_not(replace(atlas, pieces=(wrong,))) == "piece"
+    with_functions = replace(atlas, system=equilibrium_cases.PENDULUM, claim=replace(claim, section="v", parameter="k"))
+    assert why_not(with_functions) == "piece"
+
+
+@pytest.mark.parametrize("interval", [(Q(-2), Q(1)), (Q(0), Q(2)), (Q(1), Q(-1))])
+def test_a_piece_is_proved_within_its_interval_only(interval: tuple[Q, Q]) -> None:
+    atlas = cases.circles_born()
+    outcome = prove_birth_curve_piece(atlas, atlas.curve_pieces()[0], interval, ORACLE, FAST).outcome
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.condition == "piece"
+
+
+def test_eigenvalues_that_do_not_cross_the_axis_give_no_curve() -> None:
+    """Their real part is a^2; then it is that of a pair that stays on the axis, of a centre."""
+    zero = (Q(0),)
+    for growth in ("a**2", "0*a + u**2 + y**2"):
+        straight = cases.piece(Q(1, 8), (zero, zero, zero))
+        assert why_not(cases.circles_born(cases.circles(growth), pieces=(straight,))) in ("newton", "slope")
+
+
+@pytest.mark.slow
+def test_no_rotation_is_no_birth() -> None:
+    """A saddle: nothing comes back."""
+    system = define_system({"name": "s", "state": "x y", "parameters": "a", "field": {"x": "a + y - a", "y": "x"}})
+    zero = (Q(0),)
+    outcome = why_not(cases.circles_born(system, pieces=(cases.piece(Q(1, 8), (zero, zero, zero)),)))
+    assert outcome in ("return-map", "steps", "singularity", "flow", "size", "step size", "tube")
+
+
+def four(second: str) -> BirthAtlas:
+    """Circles beside the plane of u and v."""
+    where = {"g": "a - x**2 - y**2"}
+    u, v = second.split(";")
+    field = {"x": "g*x - y", "y": "x + g*y", "u": u, "v": v}
+    system = define_system({"name": "four", "state": "x y u v", "parameters": "a", "where": where, "field": field})
+    zero, square = (Q(0),), cases.squares(Q(1, 8))
+    return cases.circles_born(system, pieces=(cases.piece(Q(1, 8), (square, *[zero] * 6)),))
+
+
+@pytest.mark.parametrize("second", ["2*v;-2*u", "u*0;-v"])
+def test_a_resonance_is_no_regular_birth(second: str) -> None:
+    assert why_not(four(second)) in ("newton", "slope")
+
+
+def test_another_pair_beside_it_is_allowed() -> None:
+    """At 3 i/2."""
+    found = proved(four("3/2*v;-3/2*u"))
+    assert (found.eigenvalues.left, found.eigenvalues.right, found.eigenvalues.undecided) == (0, 0, 2)
+
+
+def pair_of(system: System, start: dict[str, Any]) -> str:
+    atlas = cases.circles_born(system)
+    checklist = Checklist()
+    with ctx.workprec(128):
+        try:
+            proved_curve._check_pair(checklist, atlas, {name: arb(value) for name, value in start.items()})
+        except NotEstablishedError as error:
+            return error.reason.condition
+    return "simple"
+
+
+def test_a_pair_that_is_not_simple_is_noticed() -> None:
+    """With one eigenvector, of which the equations see nothing: x' = -y + u, ..; and a saddle has no such pair."""
+    rest = {"a": 0, AMPLITUDE: 0, "x": 0, "y": 0, "u": 0, "v": 0, own_name("along u"): 0, own_name("along v"): 0}
+    for turn, wanted in (("1", "simple-pair"), ("2", "simple")):
+        field = {"x": "-y + u + a*x", "y": "x + v", "u": f"-{turn}*v", "v": f"{turn}*u"}
+        system = define_system({"name": "j", "state": "x y u v", "parameters": "a", "field": field})
+        assert pair_of(system, rest) == wanted
+    saddle = define_system({"name": "s", "state": "x y", "parameters": "a", "field": {"x": "y + a*x", "y": "x"}})
+    assert pair_of(saddle, {"a": 0, AMPLITUDE: 0, "x": 0, "y": 0}) == "simple-pair"
+
+
+def test_false_claims_about_the_whole_are_not_proved() -> None:
+    atlas = cases.circles_born()
+    (piece,), given = atlas.curve_pieces(), honest()
+    assert reason(atlas, []) == "curve"
+    assert reason(replace(atlas, pieces=()), given) == "pieces"
+    assert reason(replace(atlas, pieces=(piece, piece)), given) == "pieces"
+    assert reason(replace(atlas, claim=replace(atlas.claim, section="x")), given) == "pieces"
+    assert reason(replace(atlas, claim=replace(atlas.claim, kind="birth")), given) == "pieces"  # type: ignore[arg-type]
+    assert reason(replace(atlas, pieces=(replace(piece, tube=piece.tube[1:]),)), given) == "pieces"
+    # The first piece does not begin at the equilibrium, or not straight from it.
+    later = replace(piece, centre=(piece.centre[0], piece.centre[1] + Q(1, 2**40), *piece.centre[2:]))
+    assert reason(replace(atlas, pieces=(later,)), given) == "birth"
+    tilted = (piece.frame[0], (Q(1), Q(0), Q(1, 2**30), Q(0)), *piece.frame[2:])
+    assert reason(replace(atlas, pieces=(replace(piece, frame=tilted),)), given) == "birth"
+    backwards = tuple((-row[0], *row[1:]) for row in piece.frame)
+    assert reason(replace(atlas, pieces=(replace(piece, frame=backwards),)), given) == "birth"
+
+
+def test_the_curve_ends_where_the_amplitude_does_not_grow() -> None:
+    """A second piece that runs back, along the coordinate of the parameter."""
+    atlas = cases.circles_born()
+    first, h = atlas.curve_pieces()[0], Q(1, 16)
+    # eps = 1/4 - 1/32 - h (s + 1)/2 .. along p_0 = h s.
+    middle, slope = Q(1, 4) - Q(1, 32), Q(-1, 4)
+    rows = [[middle**2, 2 * middle * slope * h, (slope * h) ** 2]] * 2 + [[Q(0)]]
+    frame = ((Q(0), Q(1), Q(0), Q(0)), (slope, Q(0), Q(0), Q(0)), (Q(0), Q(0), Q(1), Q(0)), (Q(0), Q(0), Q(0), Q(1)))
+    back = replace(
+        first, id="p2", centre=(Q(0), middle, Q(0), Q(0)), frame=frame, half_width=h, polynomial=tuple(map(tuple, rows))
+    )  # fmt: skip
+    assert reason(replace(atlas, pieces=(first, back))) in ("curve", "amplitude")
