@@ -12,7 +12,7 @@ from orbitproof.explore.periodic.correction import PeriodicFailure, PeriodicProb
 from orbitproof.explore.periodic.equilibria import Equilibrium, equilibria_from_many_starts, equilibrium_near
 from orbitproof.explore.periodic.hopf import place_of
 from orbitproof.shared.printed_tables import aligned
-from orbitproof.shared.systems import System
+from orbitproof.shared.systems import FORCE_AT_START, System
 
 
 @dataclass(frozen=True, repr=False)
@@ -49,6 +49,8 @@ def find_equilibria(
 
     Raises `PeriodicFailure` if there is none.
     """
+    if {*FORCE_AT_START} <= {*system.state}:
+        raise PeriodicFailure(f"{system.name} has a periodic force, and no equilibria: look for periodic orbits")
     problem = PeriodicProblem(system, parameters)
     if start is not None:
         yield FoundEquilibrium(problem, equilibrium_near(problem, start))

@@ -29,6 +29,7 @@ from orbitproof.explore.periodic import (
     equilibria_from_many_starts,
     equilibrium_near,
     families_from,
+    find_equilibria,
     hopf_claim,
 )
 from orbitproof.explore.periodic.equilibria import field_slopes
@@ -279,3 +280,12 @@ def test_equilibria_print_as_a_table_in_python() -> None:
     assert [each.kind for each in curve.special] == ["Hopf"]
     with pytest.raises(ValueError, match="has no such parameter"):
         explore.follow_equilibrium(found[0], "C", (1, 2.5), quiet=True)
+
+
+@pytest.mark.parametrize("start", [None, (0.0, 0.0, 0.0, 0.0)])
+def test_a_forced_system_has_no_equilibria(start: tuple[float, ...] | None) -> None:
+    """Where the two coordinates of the force are 0 there is no force."""
+    field = {"x": "v", "v": "-x - v + cos(t)"}
+    system = define_system({"name": "forced", "state": "x v", "field": field})
+    with pytest.raises(PeriodicFailure, match="periodic force"):
+        next(find_equilibria(system, {}, start, lambda *_: None))

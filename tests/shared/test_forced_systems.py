@@ -127,6 +127,14 @@ def test_a_force_begins_with_its_phase_at_0() -> None:
     assert list(other.values()) == [1, 2, 0, -1]
 
 
+def test_one_coordinate_with_a_force_is_a_system_and_none_without() -> None:
+    system = define_system({"name": "leak", "state": "x", "field": {"x": "cos(2*t) - x*exp(x)"}})
+    assert system.given_state == ("x", "force_cos", "force_sin")
+    for field in ("-x", "sin(x)", "sin(x + sin(x))"):
+        with pytest.raises(InputError, match="two coordinates or more"):
+            define_system({"name": "leak", "state": "x", "field": {"x": field}})
+
+
 def test_a_power_with_a_parameter_is_an_exponential() -> None:
     power = {"x": "v", "v": "1 - x**n*v/(1 + x**n) - 2**(k*n) + x**m"}
     system = define_system({
