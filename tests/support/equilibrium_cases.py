@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction as Q
+from math import pi, tan
 from random import Random
 from typing import Any
 
@@ -271,5 +272,36 @@ def curve_of_equilibria(**changes: Any) -> EquilibriumAtlas:
     claim = EquilibriumCurveClaim("equilibrium-arc", "a", ("x",), Covers("x", Q(-12, 25), Q(12, 25)))
     given: dict[str, Any] = {
         "id": "bend", "title": "a fold", "system": BEND, "parameters": {"b": Q(2)}, "claim": claim, "pieces": pieces,
+    }  # fmt: skip
+    return EquilibriumAtlas(**{**given, **changes})
+
+
+CIRCLE = define_system(
+    {"name": "circle", "state": "x y", "parameters": "a", "field": {"x": "a**2 + x**2 - 1", "y": "-y - y*x**2"}}
+)
+
+
+def circle_of_equilibria(turns: int = 1, **changes: Any) -> EquilibriumAtlas:
+    """a^2 + x^2 = 1, y = 0, in seven pieces for each turn, from a = 1 upwards in x; the first covers its end."""
+    count, zero = 7, Q(0)
+    reach = Q(5, 8)
+    # sqrt(1 - u^2) - 1
+    bend, binomial = [zero] * 17, Q(1)
+    for m in range(1, 9):
+        binomial *= (m - 1 - Q(1, 2)) / m
+        bend[2 * m] = binomial * reach ** (2 * m)
+    pieces = []
+    for number in range(count * turns):
+        angle = 2 * pi * (number % count) / count + 1 / 8
+        half = Q(round(tan(angle / 2) * 2**10), 2**10)
+        c, d = (1 - half**2) / (1 + half**2), 2 * half / (1 + half**2)
+        frame = ((-d, c, zero), (c, d, zero), (zero, zero, Q(1)))
+        polynomial = (tuple(bend), (zero,))
+        tube = (Q(1, 2**6),) * 2
+        pieces.append(Piece(f"p{number}", "regular", (c, d, zero), frame, reach, polynomial, tube, "physical"))
+    claim = EquilibriumCurveClaim("equilibrium-loop", "a")
+    given: dict[str, Any] = {
+        "id": "circle", "title": "a circle", "system": CIRCLE, "parameters": {}, "claim": claim,
+        "pieces": tuple(pieces),
     }  # fmt: skip
     return EquilibriumAtlas(**{**given, **changes})

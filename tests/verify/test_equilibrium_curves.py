@@ -305,3 +305,57 @@ def test_only_a_curve_on_which_a_coordinate_increases_is_said_not_to_meet_itself
         assert "1 has a negative and 1 a positive real part: unstable equilibria" in said
         assert "2 have a negative and 0 a positive real part: stable equilibria" in said
         assert "as the numbers on both sides differ, an equilibrium there has one on the axis" in said
+
+
+@pytest.mark.parametrize("turns", [1, 2])
+def test_a_loop_is_closed_and_has_its_folds(turns: int) -> None:
+    """a^2 + x^2 = 1: what pieces that go round twice list twice is not said to differ."""
+    atlas = cases.circle_of_equilibria(turns)
+    outcome = conclude_equilibria(atlas, results_of(atlas)).outcome
+    assert isinstance(outcome, Proved), outcome
+    found: ProvedEquilibriumCurve = outcome.results
+    assert [fold.is_maximum for fold in found.folds] == [True, False] * turns
+    for fold in found.folds:
+        assert fold.is_regular
+        assert fold.all_values is not None
+        assert fold.all_values.contains(1 if fold.is_maximum else -1)
+    counts = [(part.sides.left, part.sides.right) if part.sides else None for part in found.sides]
+    assert counts == [(2, 0), *[None, (1, 1), None, (2, 0)] * turns]
+    start, end = (found.ends[key] for key in ("start", "end"))
+    assert all(abs(start[name] - end[name]) < 1e-4 for name in atlas.coordinates)
+    assert (start["a"] * start["a"] + start["x"] * start["x"]).contains(1)
+    said = equilibrium_curve_in_words(EquilibriumCurveTheorem(atlas), found)
+    for expected in (
+        "There is a smooth closed curve without self-intersections in the coordinates (a, x, y) through (",
+        "Near it there are no other equilibria but those of the curve.",
+        "Its points may be run through again: what is listed apart below may be the same.",
+        "That a has no other extrema is not said.",
+    ):
+        assert expected in said
+    assert "increase" not in said
+
+
+def test_pieces_that_do_not_close_are_no_loop() -> None:
+    atlas = cases.circle_of_equilibria()
+    pieces, results = atlas.curve_pieces(), {result.piece: result for result in results_of(atlas)}
+    # The same points, s counted the other way.
+    (a, b, _), (c, d, _) = pieces[2].frame[:2]
+    turned = replace(pieces[2], frame=((-a, b, Q(0)), (-c, d, Q(0)), pieces[2].frame[2]))
+    for wrong in (
+        pieces[:-1],
+        pieces[:3] + pieces[4:],
+        (*pieces[:2], turned, *pieces[3:]),
+        (pieces[1], pieces[0], *pieces[2:]),
+        pieces[::-1],
+    ):
+        honest = [results[piece.id] for piece in wrong]
+        assert reason(replace(atlas, pieces=wrong), honest) == "curve"
+    assert reason(replace(atlas, pieces=pieces[:1]), [results["p0"]]) == "pieces"
+    assert reason(replace(atlas, pieces=(*pieces, pieces[0])), list(results.values())) == "pieces"
+    for increasing in ("x", "a"):
+        claim = replace(atlas.claim, increasing=(increasing,))
+        assert reason(replace(atlas, claim=claim), list(results.values())) == f"increasing-{increasing}"
+    arc = replace(atlas, claim=replace(atlas.claim, kind="equilibrium-arc"))
+    outcome = conclude_equilibria(arc, list(results.values())).outcome
+    assert isinstance(outcome, Proved)
+    assert "closed" not in equilibrium_curve_in_words(EquilibriumCurveTheorem(arc), outcome.results)
