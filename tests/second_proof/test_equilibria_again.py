@@ -216,7 +216,7 @@ BAD: dict[str, tuple[str, Callable[[dict[str, Any]], Any]]] = {
     "statement.vector_field": ("ring", lambda s: s.update(vector_field="v0 = x\nv1 = y +\nreturn v1")),
     "statement.functions": ("with sin", lambda s: s["functions"].pop()),
     "statement:": ("with sin", lambda s: s["functions"][0].update(function="tan")),
-    "statement.candidate.parameters": ("ring", lambda s: s["candidate"]["parameters"].pop("a")),
+    "parameters: state and": ("ring", lambda s: s["candidate"]["parameters"].pop("a")),
     "statement.candidate: centre and radii": ("ring", lambda s: s["candidate"]["radii"].pop()),
     "statement.candidate.centre": ("ring", lambda s: s["candidate"].update(centre=[1.0, 2.0, 3.0])),
     "statement.candidate: parameter, kernel": ("hopf", lambda s: s["candidate"]["kernel"][0].pop()),

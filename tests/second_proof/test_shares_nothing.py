@@ -61,12 +61,13 @@ def test_it_stays_small() -> None:
 
 
 OF_ORBITS = {
-    560: ("periodic_statement.py", "legs.py", "newton.py", "periodic.py", "multipliers.py", "claims.py"),
+    570: ("periodic_statement.py", "legs.py", "newton.py", "periodic.py", "multipliers.py", "claims.py"),
     260: ("periodic_bifurcation.py",),
     180: ("periodic_torus.py",),
     540: ("halves.py", "births.py", "full_return.py", "symmetric_orbit.py"),
     70: ("elliptic_tori.py",),
     350: ("equilibria.py", "hopf_points.py"),
+    360: ("equilibrium_curves.py", "equilibrium_curve_statement.py"),
 }
 """Nothing of these is read for a bifurcation of symmetric orbits; with the lines that they may have."""
 LIMIT, LIMIT_ON_LEVEL = 830, 70

@@ -149,3 +149,23 @@ def test_a_power_with_a_parameter_is_an_exponential() -> None:
         assert slopes[1] == pytest.approx(value(power["v"], {"x": x, "v": v, "n": n, "k": k, "m": 3}))
     constant = define_system({"name": "cube", "state": "x v", "where": {"m": "3"}, "field": {"x": "v", "v": "-x**m"}})
     assert not constant.defined
+
+
+def test_rates_are_made_of_parameters_and_numbers_alone() -> None:
+    for force in ("cos(w*t)", "cos(w*t + x)", "sin(2*t*w)"):
+        for rate in ("x", "r*v", "r + x*0", "sin(r)", "1/x"):
+            with pytest.raises(InputError, match=r"a product with the time|cannot be read"):
+                forced(force, {"w": rate})
+
+
+@pytest.mark.parametrize(
+    "power", ["x**(n + 1)", "x**(n - 1)", "(x + v)**(n - k)", "x**n**k", "-x**-n", "x**(2*n)/x**n"]
+)
+def test_exponents_and_bases_stay_together(power: str) -> None:
+    system = define_system({"name": "hill", "state": "x v", "parameters": "n k", "field": {"x": "v", "v": power}})
+    source = random.Random(power)
+    for _ in range(5):
+        x, v, n, k = (source.uniform(0.1, 2) for _ in range(4))
+        state = functions_in_floats(system, [x, v, *[0.0] * len(system.defined)], [n, k])
+        slopes = system.program.evaluate([*state, n, k], float, lambda base, e: base ** float(e))
+        assert slopes[1] == pytest.approx(value(power, {"x": x, "v": v, "n": n, "k": k}))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction as Q
-from math import pi, tan
+from math import cos, pi, sin
 from random import Random
 from typing import Any
 
@@ -293,8 +293,7 @@ def circle_of_equilibria(turns: int = 1, **changes: Any) -> EquilibriumAtlas:
     pieces = []
     for number in range(count * turns):
         angle = 2 * pi * (number % count) / count + 1 / 8
-        half = Q(round(tan(angle / 2) * 2**10), 2**10)
-        c, d = (1 - half**2) / (1 + half**2), 2 * half / (1 + half**2)
+        c, d = (Q(round(value * 2**30), 2**30) for value in (cos(angle), sin(angle)))
         frame = ((-d, c, zero), (c, d, zero), (zero, zero, Q(1)))
         polynomial = (tuple(bend), (zero,))
         tube = (Q(1, 2**6),) * 2

@@ -16,7 +16,7 @@ from orbitproof.shared.formats import Equilibrium, HopfPoint, define_system
 from orbitproof.verify.certificate import Limits, certify
 from orbitproof.verify.equilibrium import proved_hopf
 from orbitproof.verify.equilibrium.enclosures import enclose_equilibrium, enclose_hopf, pairs
-from orbitproof.verify.equilibrium.equations import equations_of
+from orbitproof.verify.equilibrium.equations import derivatives_of, equations_of
 from orbitproof.verify.equilibrium.expansions import expand
 from orbitproof.verify.equilibrium.proved_equilibrium import prove_equilibrium
 from orbitproof.verify.equilibrium.spectrum import Spectrum, spectrum_of
@@ -455,3 +455,43 @@ def test_the_other_eigenvalues_are_those_beside_every_vector_of_the_box() -> Non
     ((found,),) = proved_hopf.beside_pair([[arb(entry) for entry in row] for row in rows], q)
     assert found.contains(5)
     assert found.is_finite()
+
+
+def test_a_speed_or_a_coefficient_that_may_be_0_is_none() -> None:
+    """Of a field without second derivatives, and without third ones."""
+    claim = cases.hopf()
+    with guarded(BITS):
+        known = derivatives_of(enclose_hopf(claim, IntegratorSettings(precision=BITS)))
+        straight = [{places: arb(0) for places in row} for row in known.second]
+        plain = replace(known, second=straight, third=[acb(0)] * 3)
+        vector = [acb(enclose(u), enclose(v)) for u, v in zip(*claim.kernel, strict=True)]
+        at = [proved_hopf._Place(enclose(claim.frequency), vector, each) for each in (known, plain)]
+        left, _ = proved_hopf._check_crossing(Checklist(), claim, at[0])
+        with pytest.raises(NotEstablishedError, match="it may be 0"):
+            proved_hopf._check_crossing(Checklist(), claim, at[1])
+        with pytest.raises(NotEstablishedError, match="it may be 0"):
+            proved_hopf._check_lyapunov(Checklist(), at[1], left)
+
+
+def test_an_undecided_eigenvalue_beside_a_decided_one_is_refused() -> None:
+    field = {"x": "a*x - y - x**3", "y": "x + a*y", "u": "-2*v", "v": "2*u", "w": "-w"}
+    system = define_system({"name": "pairs", "state": "x y u v w", "parameters": "a", "field": field})
+    kernel, small = ((Q(1), *[Q(0)] * 4), (Q(0), Q(-1), *[Q(0)] * 3)), cases.RADIUS
+    claim = HopfPoint(
+        "pairs", system, {"a": Q(0)}, "a", small, (Q(0),) * 5, (small,) * 5, Q(1), small, kernel, small
+    )  # fmt: skip
+    assert reason_of(claim) == "others"
+
+
+@pytest.mark.parametrize(
+    ("c", "other", "stability"),
+    [(Q(-1), Q(-1, 3), "asymptotically stable"), (Q(-1), Q(1, 3), "unstable"), (Q(1), Q(-1, 3), "unstable")],
+)
+def test_orbits_attract_if_the_coefficient_and_all_other_eigenvalues_are_negative(
+    c: Q, other: Q, stability: str
+) -> None:
+    numbers = {"w": Q(2), "d": Q(1, 2), "c": c, "e": Q(1, 3)}
+    bends = [("squares", Q(1)), ("products", Q(1, 2))]
+    claim = cases.in_other_coordinates(((1, 1, 0), (0, 1, -1), (1, 0, 2)), bends, numbers, (other,)).claim
+    text = certify(claim, FAST).to_json()["statement"]["in_full"]
+    assert text.rpartition(". ")[2].startswith(f"They are {stability}")

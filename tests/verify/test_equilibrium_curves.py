@@ -359,3 +359,33 @@ def test_pieces_that_do_not_close_are_no_loop() -> None:
     outcome = conclude_equilibria(arc, list(results.values())).outcome
     assert isinstance(outcome, Proved)
     assert "closed" not in equilibrium_curve_in_words(EquilibriumCurveTheorem(arc), outcome.results)
+
+
+def test_every_parameter_has_its_own_value() -> None:
+    """a = b x^2 + c x."""
+    field = {"x": "a - b*x**2 - c*x", "y": "-c*y"}
+    system = define_system({"name": "two", "state": "x y", "parameters": "b c a", "field": field})
+    for values, holds in (({"b": Q(1, 2), "c": Q(2)}, True), ({"b": Q(2), "c": Q(1, 2)}, False)):
+        atlas = line(system, Q(1, 4), (Q(0), Q(1, 2), Q(1, 32)), (Q(0), Q(0), Q(0)), parameters=values)
+        assert [result.is_proved for result in results_of(atlas)] == [holds]
+
+
+def test_counts_hold_at_all_points_that_the_curve_may_have() -> None:
+    """The farther the curve may be from its polynomials, the longer is the part that is not decided."""
+    atlas = cases.curve_of_equilibria()
+    honest, widest = results_of(atlas), []
+    for deviation in (Q(0), Q(1, 2**20), Q(1, 2**13)):
+        results = [replace(result, deviation=(deviation,) * 2) for result in honest]
+        outcome = conclude_equilibria(atlas, results).outcome
+        assert isinstance(outcome, Proved)
+        widest.append(max(float(part.all_values.rad()) for part in outcome.results.sides if part.sides is None))
+    assert widest[0] < 1e-16 < 1e-7 < widest[1] < 1e-5 < widest[2]
+
+
+def test_a_range_is_covered_whether_a_coordinate_increases_or_not() -> None:
+    atlas = cases.curve_of_equilibria()
+    honest = results_of(atlas)
+    for covers in (Covers("x", Q(-12, 25), Q(3, 4)), Covers("x", Q(-3, 4), Q(12, 25)), Covers("y", Q(0), Q(1))):
+        for increasing in ((), ("x",)):
+            claim = replace(atlas.claim, increasing=increasing, covers=covers)
+            assert reason(replace(atlas, claim=claim), honest) == "covers"

@@ -38,6 +38,7 @@ def agreement(
         left: what is not confirmed besides.
         is_in_box: whether what is in question, usually the point, lies in the box of the candidate; `None`: that is not
             certain.
+        what: this; empty where there is no such box.
     """
     inside, beyond = list[str](), list[str]()
     for name, (mine, entry) in pairs.items():
@@ -49,7 +50,7 @@ def agreement(
         return Comparison("cannot follow", f"the enclosure of the {what} is too wide to tell whether it is in the box")
     if not is_in_box:
         return Comparison("disagrees", f"the {what} is not in the box of the candidate")
-    told = [*parts, f"the {what} in the box of the candidate"]
+    told = [*parts, *([f"the {what} in the box of the candidate"] if what else [])]
     told += [f"inside the stored balls: {', '.join(inside)}"] if inside else []
     open_still = f"Not confirmed: {', '.join([*beyond, *left])}" if beyond or left else "Nothing is left open"
     return Comparison("agrees", f"{'; '.join(told)}. {open_still}")

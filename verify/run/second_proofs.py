@@ -18,7 +18,15 @@ from typing import Any
 from flint import arb
 
 from orbitproof.shared.answers import answered, tell
-from orbitproof.shared.formats import InputError, check_writable, read_document, refused, select_ids, write_text
+from orbitproof.shared.formats import (
+    InputError,
+    check_writable,
+    read_document,
+    refused,
+    select_ids,
+    stated_format,
+    write_text,
+)
 from orbitproof.shared.printed_tables import fitted
 from orbitproof.shared.processes import Answer, Failure, Report, Task
 from orbitproof.shared.systems import shown
@@ -37,7 +45,7 @@ from orbitproof.verify.run import (
 )
 from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, agreement
 from orbitproof.verify.run.second_bifurcation import compare_bifurcation, compare_torus
-from orbitproof.verify.run.second_equilibrium import compare_equilibrium
+from orbitproof.verify.run.second_equilibrium import compare_curve, compare_equilibrium
 from orbitproof.verify.run.second_periodic import compare_periodic, is_in_the_box
 from orbitproof.verify.run.second_symmetric import compare_birth, compare_symmetric
 from orbitproof.verify.second_proof import (
@@ -47,6 +55,7 @@ from orbitproof.verify.second_proof import (
     Outcome,
     Proved,
     ProvedBirth,
+    ProvedCurve,
     ProvedEquilibrium,
     ProvedHopf,
     ProvedPeriodic,
@@ -57,13 +66,13 @@ from orbitproof.verify.second_proof import (
     second_proof,
 )
 
-FORMAT = "orbitproof-second-proofs"
+FORMAT, CURVE = "orbitproof-second-proofs", "atlas-certificate"
 Row = dict[str, Any]
 
 _DESCRIPTION = """\
 Prove certified bifurcations, losses of R, symmetric orbits, their stability and tori, periodic orbits without symmetry
-with their bifurcations, equilibria and Hopf points once more, by code that shares nothing with the first proof, and
-compare the results.
+with their bifurcations, equilibria, their curves and Hopf points once more, by code that shares nothing with the first
+proof, and compare the results.
 """
 
 _EXAMPLES = """\
@@ -105,6 +114,7 @@ COMPARED: tuple[tuple[type[Any] | tuple[type[Any], ...], Callable[[Mapping[str, 
     (ProvedBirth, compare_birth),
     (ProvedSymmetric, compare_symmetric),
     ((ProvedEquilibrium, ProvedHopf), compare_equilibrium),
+    (ProvedCurve, compare_curve),
 )
 """How what is proved of each kind is compared."""
 
@@ -189,6 +199,11 @@ def prove_row(certificate: Mapping[str, Any], _: Report) -> Row:
     if isinstance(result, ProvedHopf):
         row |= {name: getattr(result, name) for name in ("side", "criticality")}
         row |= {name: _text(getattr(result, name)) for name in ("parameter", "frequency", "speed", "lyapunov")}
+    if isinstance(result, ProvedCurve):
+        row |= {"kind": certificate["statement"]["atlas"]["claim"]["kind"], "boxes": result.boxes, "bits": result.bits}
+        row |= {name: _texts(getattr(result, name)) for name in ("start", "end")}
+        row["extrema"] = [[each.is_maximum, _text(each.value)] for each in result.extrema]
+        row["parts"] = [[_text(part.values), part.sides] for part in result.parts]
     if isinstance(result, (ProvedBirth, ProvedSymmetric)):
         row |= {name: getattr(result, name) for name in ("width", "bits", "steps")}
         row |= {name: _texts(getattr(result, name)) for name in ("point", "other_point")}
@@ -265,7 +280,11 @@ def _run(options: argparse.Namespace) -> int:
 def _selected(options: argparse.Namespace) -> dict[str, Row]:
     """The certificates of a file by id, or some of them. Raises `InputError`."""
     path: Path = options.file
-    certificates: dict[str, Row] = {entry["id"]: entry for entry in read_document(path, "certificates")["certificates"]}
+    if stated_format(path, "give the path of a certificates file") == CURVE:
+        certificate = read_document(path, CURVE)
+        certificates: dict[str, Row] = {certificate["id"]: certificate}
+    else:
+        certificates = {entry["id"]: entry for entry in read_document(path, "certificates")["certificates"]}
     chosen = {name: certificates[name] for name in select_ids(certificates, options.only, "certificate")}
     problem = problem_of(chosen, CheckLimits(memory=options.memory))
     if problem:

@@ -4,6 +4,7 @@ from .births import ProvedBirth
 from .claims import Outcome, read_claim, second_proof
 from .elliptic_tori import Torsion
 from .equilibria import ProvedEquilibrium
+from .equilibrium_curves import ProvedCurve
 from .hopf_points import ProvedHopf
 from .jets import CannotFollow
 from .periodic import ProvedPeriodic
@@ -14,7 +15,7 @@ from .statement import BadCertificate, read_statement
 from .symmetric_orbit import ProvedSymmetric
 
 __all__ = [
-    "BadCertificate", "CannotFollow", "NotProved", "Outcome", "Proved", "ProvedBirth", "ProvedEquilibrium",
-    "ProvedHopf", "ProvedPeriodic", "ProvedPeriodicBifurcation", "ProvedSymmetric", "ProvedTorus", "Torsion",
-    "read_claim", "read_statement", "second_proof",
+    "BadCertificate", "CannotFollow", "NotProved", "Outcome", "Proved", "ProvedBirth", "ProvedCurve",
+    "ProvedEquilibrium", "ProvedHopf", "ProvedPeriodic", "ProvedPeriodicBifurcation", "ProvedSymmetric", "ProvedTorus",
+    "Torsion", "read_claim", "read_statement", "second_proof",
 ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""Every kind of claim that has a second proof. README, sections 1, 9, 13 and 17."""
+"""Every kind of claim that has a second proof. README, sections 1, 9, 13, 17 and 18."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from typing import Any
 from . import proof
 from .births import ProvedBirth, prove_birth
 from .equilibria import EquilibriumStatement, ProvedEquilibrium, prove_equilibrium, read_equilibrium
+from .equilibrium_curve_statement import CurveStatement, read_curve
+from .equilibrium_curves import ProvedCurve, prove_curve
 from .halves import SymmetricStatement, read_symmetric
 from .hopf_points import ProvedHopf, prove_hopf
 from .periodic import ProvedPeriodic, prove_periodic
@@ -32,8 +34,12 @@ PROOFS = {
 """By kinds that are named in full."""
 Outcome = (
     Proved | ProvedPeriodic | ProvedPeriodicBifurcation | ProvedTorus | ProvedBirth | ProvedSymmetric
-    | ProvedEquilibrium | ProvedHopf | NotProved
+    | ProvedEquilibrium | ProvedHopf | ProvedCurve | NotProved
 )  # fmt: skip
+
+
+def _is_of_curve(certificate: Mapping[str, Any]) -> bool:
+    return "atlas" in read(certificate, "statement", dict)
 
 
 def _kind(certificate: Mapping[str, Any]) -> str:
@@ -43,8 +49,10 @@ def _kind(certificate: Mapping[str, Any]) -> str:
 
 def read_claim(
     certificate: Mapping[str, Any],
-) -> Statement | PeriodicStatement | BifurcationStatement | SymmetricStatement | EquilibriumStatement:
+) -> Statement | PeriodicStatement | BifurcationStatement | SymmetricStatement | EquilibriumStatement | CurveStatement:
     """The statement of a certificate. Raises `BadCertificate`, and `CannotFollow` if no theorem is about it."""
+    if _is_of_curve(certificate):
+        return read_curve(certificate)
     kind = _kind(certificate)
     if kind == "periodic":
         return read_periodic(certificate)
@@ -60,6 +68,8 @@ def second_proof(certificate: Mapping[str, Any]) -> Outcome:
 
     Raises `BadCertificate` for a certificate that cannot be read; whatever else goes wrong is a `NotProved`.
     """
+    if _is_of_curve(certificate):
+        return prove_curve(certificate)
     kind = _kind(certificate)
     if kind in PROOFS:
         return PROOFS[kind](certificate)

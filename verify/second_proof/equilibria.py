@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -39,6 +39,7 @@ class EquilibriumStatement:
 
     Attributes:
         names: the given coordinates; `functions`: for each other one its name, the function and what it is of.
+        varying: a parameter that varies, of a Hopf point or along a curve.
         claim: of a Hopf point; `None` for an equilibrium.
     """
 
@@ -47,14 +48,15 @@ class EquilibriumStatement:
     field: Program
     functions: tuple[tuple[str, str, Program], ...]
     centre: tuple[Fraction, ...]
-    radii: tuple[Fraction, ...]
+    radii: tuple[Fraction, ...] = ()
+    varying: str | None = None
     claim: HopfClaim | None = None
 
     def rates(self, state: Sequence[Jet], *varied: Jet) -> list[Jet]:
         """Jets of f at the given coordinates, and at the value of what varies. README, 17.2."""
         known: dict[str, Any] = {**self.parameters, **dict(zip(self.names, state, strict=True))}
-        if self.claim is not None:
-            known |= dict(zip([self.claim.parameter], varied, strict=True))
+        if self.varying is not None:
+            known |= dict(zip([self.varying], varied, strict=True))
         # A function of one that comes after it is not finite.
         known |= {name: Jet({(): arb("nan")}, state[0].degree) for name, _, _ in self.functions}
         for name, function, argument in self.functions:
@@ -165,21 +167,27 @@ def bits_for(radii: Sequence[Fraction]) -> int:
     return 2 * KNOWN + 2 * max((1 / radius).__ceil__().bit_length() for radius in radii)
 
 
-def read_equilibrium(certificate: Mapping[str, Any]) -> EquilibriumStatement:
-    """The statement of a certificate of an equilibrium or of a Hopf point. Raises `BadCertificate`."""
-    claim, words = "statement.candidate", read(certificate, "statement", dict)
+def read_field(certificate: Mapping[str, Any], parameters: Mapping[str, Fraction]) -> EquilibriumStatement:
+    """The field of a certificate; centre and radii are empty. Raises `BadCertificate`."""
     field = read(certificate, "statement.vector_field", Program.from_text)
     state = field.inputs[: len(field.outputs)]
     functions = read(certificate, "statement", lambda given: tuple(map(_function, given.get("functions") or ())))
     size = len(state) - len(functions)
-    parameters = read(certificate, f"{claim}.parameters", lambda known: {n: exact(v) for n, v in known.items()})
-    centre, radii = (read(certificate, f"{claim}.{name}", exact) for name in ("centre", "radii"))
     inputs = {*field.inputs, *(name for _, _, argument in functions for name in argument.inputs)}
     if len(set(state)) != len(state) or state[size:] != tuple(name for name, _, _ in functions) or size < 1:
         raise BadCertificate("statement.functions: are not the last coordinates of the state")
     if not {*state, *parameters} >= inputs or {*state} & {*parameters}:
-        raise BadCertificate(f"{claim}.parameters: state and parameters are not the inputs of the programs")
-    varying = None
+        raise BadCertificate("parameters: state and parameters are not the inputs of the programs")
+    return EquilibriumStatement(state[:size], parameters, field, functions, ())
+
+
+def read_equilibrium(certificate: Mapping[str, Any]) -> EquilibriumStatement:
+    """The statement of a certificate of an equilibrium or of a Hopf point. Raises `BadCertificate`."""
+    claim = "statement.candidate"
+    parameters = read(certificate, f"{claim}.parameters", lambda known: {n: exact(v) for n, v in known.items()})
+    statement = read_field(certificate, parameters)
+    centre, radii = (read(certificate, f"{claim}.{name}", exact) for name in ("centre", "radii"))
+    size, varying = len(statement.names), None
     if read(certificate, f"{claim}.kind", str) == HOPF:
         names = "parameter_radius", "frequency", "frequency_radius", "kernel", "kernel_radius"
         numbers = [read(certificate, f"{claim}.{name}", exact) for name in names]
@@ -188,9 +196,10 @@ def read_equilibrium(certificate: Mapping[str, Any]) -> EquilibriumStatement:
         shape = [len(row) for row in varying.kernel]
         if varying.parameter not in parameters or shape != [size, size] or min(widths) <= 0:
             raise BadCertificate(f"{claim}: parameter, kernel or half-widths are not those of a claim")
-    if len(centre) != size or len(radii) != size or min(radii) <= 0 or words.get("vector_field") is None:
+    if len(centre) != size or len(radii) != size or min(radii) <= 0:
         raise BadCertificate(f"{claim}: centre and radii do not have the sizes of the coordinates")
-    return EquilibriumStatement(state[:size], parameters, field, functions, centre, radii, varying)
+    name = None if varying is None else varying.parameter
+    return replace(statement, centre=centre, radii=radii, varying=name, claim=varying)
 
 
 def _function(given: Mapping[str, Any]) -> tuple[str, str, Program]:
