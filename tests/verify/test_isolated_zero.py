@@ -56,8 +56,13 @@ def test_of_two_zeros_in_a_box_neither_is_the_only_one() -> None:
     def matrix_over(where: Sequence[arb]) -> Matrix:
         return [[2 * where[0] - 1]]
 
-    with pytest.raises(NotEstablishedError, match="singular"):
-        found(matrix_over, [arb(7) / 64], Fraction(1))
+    checklist = Checklist()
+    with (
+        pytest.raises(NotEstablishedError, match="singular"),
+        checklist.hypothesis("point", "7.5", "there is one zero", "move the centre") as evidence,
+    ):
+        enclose_zero(evidence, matrix_over, [arb(7) / 64], [Fraction(1)], ["p_0"])
+    assert list(checklist.hypotheses[-1].enclosures) == ["derivative 0, 0"]
     (ball,) = found(matrix_over, [arb(7) / 64], Fraction(1, 4))
     assert ball.contains(arb(1) / 8)
 

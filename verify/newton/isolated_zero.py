@@ -7,10 +7,13 @@ from fractions import Fraction
 
 from flint import arb
 
-from orbitproof.verify.evidence import Evidence, hull, is_inside, is_outside, meet, show, symmetric
+from orbitproof.verify.evidence import Evidence, hull, is_below, is_inside, is_outside, meet, show, symmetric
 from orbitproof.verify.newton.interval_newton import is_regular, newton_image
 
 Matrix = list[list[arb]]
+
+_FINE = arb(2) ** -64
+"""An entry of a derivative that is known so well does not make it singular."""
 
 
 def enclose_zero(
@@ -32,7 +35,14 @@ def enclose_zero(
     """
     sides = [symmetric(radius) for radius in radii]
     matrix = matrix_over(sides)
-    evidence.require(is_regular(matrix), "the derivative may be singular in the box", needs_precision=True)
+    regular = is_regular(matrix)
+    if not regular:
+        # If more bits do not make these narrower, still more would not help either.
+        for row, entries in enumerate(matrix):
+            for column, ball in enumerate(entries):
+                if is_below(_FINE, ball.rad()):
+                    evidence.record(f"derivative {row}, {column}", ball)
+    evidence.require(regular, "the derivative may be singular in the box", needs_precision=True)
     image = newton_image(matrix, residual)
     for place, (name, ball, radius) in enumerate(zip(names, image, radii, strict=True)):
         evidence.record(name, ball)
