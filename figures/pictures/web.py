@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from textwrap import wrap
 from typing import Any
 
@@ -29,6 +30,7 @@ from orbitproof.shared.systems import (
     VERTICAL,
     ReversibleSystem,
     System,
+    shown,
 )
 from orbitproof.verify.atlas import StoredArc, StoredVertex
 from orbitproof.verify.atlas.listed import ListedInterval
@@ -41,7 +43,11 @@ WORDS = {
     "axial": "symmetric under the half turn",
     "vertical": "vertical",
 }
-STYLES: Mapping[str, Any] = {"planar": "solid", "R": (0, (7, 1.5)), "axial": (0, (1.5, 1.2)), "vertical": "dashdot"}
+DASHES: Mapping[str, tuple[float, ...]] = {
+    "planar": (), "R": (7, 1.5), "axial": (1.5, 1.2), "vertical": (6, 1.5, 1, 1.5)
+}  # fmt: skip
+"""Lengths of dashes and gaps, in widths of the line."""
+STYLES: Mapping[str, Any] = {kind: (0, dashes) if dashes else "solid" for kind, dashes in DASHES.items()}
 _WIDTH, _HEIGHT = 7.2, 4.6
 _CHARACTERS = 95
 _NEAR = "(b)  around L1 and L2"
@@ -78,13 +84,19 @@ def drawn_arcs(web: Certificate, curves: Mapping[str, Curve]) -> tuple[DrawnArc,
 
 
 def names_of(ids: Sequence[str]) -> list[str]:
-    """The ids of arcs without the words that all of them have.
+    """What arcs are called: their ids without the words that all of them have, the libration point first.
 
     >>> names_of(["vertical-l1-earth-moon", "l2-halo-earth-moon"]), names_of(["circle"])
-    (['vertical l1', 'l2 halo'], ['circle'])
+    (['L1 vertical', 'L2 halo'], ['circle'])
     """
     shared = set.intersection(*(set(each.split("-")) for each in ids)) if len(ids) > 1 else set()
-    return [" ".join(word for word in each.split("-") if word not in shared) or each for each in ids]
+    words = ([_WRITTEN.get(word, word) for word in each.split("-") if word not in shared | {"family"}] for each in ids)
+    names = [" ".join(sorted(each, key=lambda word: word not in ("L1", "L2", "L3"))) for each in words]
+    are_plain = all(shown(each) == each for each in ids) and "" not in names and len({*names}) == len(ids)
+    return names if are_plain else [shown(each) for each in ids]
+
+
+_WRITTEN = {"l1": "L1", "l2": "L2", "l3": "L3", "lyapunov": "Lyapunov", "dro": "DRO"}
 
 
 def is_around_smaller_primary(arc: StoredArc) -> bool:
@@ -234,8 +246,8 @@ def draw_web(web: Certificate, curves: Mapping[str, Curve]) -> Figure:
     places = [figure.add_subplot(grid[0, number]) for number in range(len(panels))]
     unnamed: Sequence[DrawnArc] = arcs
     # The last panel first: what is large there is named there.
-    for axes, (title, shown) in reversed(list(zip(places, panels, strict=True))):
-        _draw(axes, arcs, shown)
+    for axes, (title, wanted) in reversed(list(zip(places, panels, strict=True))):
+        _draw(axes, arcs, wanted)
         unnamed = _named(axes, unnamed, arcs, everything=axes is places[0])
         axes.set_title(title, color=INK)
     figure.text(0.1, 0.955, "\n".join(wrap(web.claim.title, _CHARACTERS)), color=INK, fontweight="bold", va="center")
@@ -250,6 +262,7 @@ def _named(axes: Axes, wanted: Sequence[DrawnArc], arcs: Sequence[DrawnArc], eve
     """
     limits = np.array([axes.get_xlim(), axes.get_ylim()])
     places = {id(arc): _within(limits, np.concatenate(arc.lines, axis=1).T) for arc in arcs}
+    marks = [_within(limits, np.array([[level, x]])) for arc in arcs for _, level, x in arc.marks]
     taken: list[Array] = []
     left: list[DrawnArc] = []
     for arc in wanted:
@@ -257,15 +270,24 @@ def _named(axes: Axes, wanted: Sequence[DrawnArc], arcs: Sequence[DrawnArc], eve
         if len(inside) < (1 if everything else len(places[id(arc)]) / 2):
             left.append(arc)
             continue
-        others = np.concatenate([*(places[id(each)] for each in arcs if each is not arc), *taken, _FAR])
-        free = [float(np.min(np.linalg.norm(others - place, axis=1))) for place in inside[:: max(1, len(inside) // 60)]]
-        best = inside[:: max(1, len(inside) // 60)][int(np.argmax(free))]
-        taken.append(best + _LETTERS)
+        others = np.concatenate([*(places[id(each)] for each in arcs if each is not arc), *marks, *taken, _FAR])
+        best, above = max(
+            product(inside[:: max(1, len(inside) // 60)], (1, -1)),
+            key=lambda tried: _room(tried[0] + _LETTERS * (1, tried[1]), places[id(arc)], others),
+        )
+        taken.append(best + _LETTERS * (1, above))
         axes.annotate(
-            arc.name, best, (3, 4), xycoords="axes fraction", textcoords="offset points", fontsize=7,
-            color=COLOURS[arc.kind], zorder=6, path_effects=[withStroke(linewidth=2, foreground="white")],
+            arc.name, best, (3, 4 * above), xycoords="axes fraction", textcoords="offset points", fontsize=7,
+            va="bottom" if above > 0 else "top", color=COLOURS[arc.kind], zorder=6,
+            path_effects=[withStroke(linewidth=2, foreground="white")],
         )  # fmt: skip
     return left
+
+
+def _room(letters: Array, own: Array, others: Array) -> tuple[bool, bool, float]:
+    """How good a place these letters have: in the axes, off the line that they name, far from all else."""
+    off, far = (float(np.min(np.linalg.norm(letters[:, None] - points, axis=2))) for points in (own, others))
+    return bool((letters < 1.0).all()), off > _OFF, far
 
 
 def _within(limits: Array, points: Array) -> Array:
@@ -274,8 +296,9 @@ def _within(limits: Array, points: Array) -> Array:
 
 
 _EDGE = 0.04
-_LETTERS = np.array([[0.0, 0.0], [0.08, 0.02], [0.16, 0.02]])
-"""Where a name is, from the place that it belongs to."""
+_LETTERS = np.array([[0.02, 0.035], [0.09, 0.035], [0.17, 0.035]])
+"""Where a name is, from the place that it belongs to, if it stands above that."""
+_OFF = 0.025
 _FAR = np.array([[9.0, 9.0]])
 
 

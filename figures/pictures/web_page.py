@@ -7,7 +7,6 @@ precision.
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from html import escape
@@ -21,12 +20,14 @@ from orbitproof.figures.certified import Curve
 from orbitproof.figures.orbits import Array, OrbitNotClosed, symmetric_orbit
 from orbitproof.figures.pictures.web import (
     COLOURS,
+    DASHES,
     WORDS,
     DrawnArc,
     States,
     drawn_arcs,
     in_the_plane,
     is_around_smaller_primary,
+    names_of,
 )
 from orbitproof.figures.pictures.web_script import PAGE
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, System, shown
@@ -57,7 +58,7 @@ def page_of(web: Certificate, curves: Mapping[str, Curve]) -> str:
             "beside": beside,
         }
         for known, arc, beside, name in zip(
-            web.arcs, drawn, _beside(web), _names([each.id for each in web.arcs]), strict=True
+            web.arcs, drawn, _beside(web), names_of([each.id for each in web.arcs]), strict=True
         )
     ]
     mu = float(next(iter(curves.values())).parameters["mu"])
@@ -100,26 +101,6 @@ def _beside(web: Certificate) -> list[list[int]]:
     return [[number for number, arc in enumerate(web.arcs) if arc.id in names] for names in wanted]
 
 
-def _names(ids: Sequence[str]) -> list[str]:
-    """What arcs are called: their ids without the words that all of them end with, and with blanks between words.
-
-    >>> _names(["lyapunov-l1-earth-moon", "l1-circle-earth-moon"])
-    ['lyapunov L1', 'L1 circle']
-    """
-    if any(shown(each) != each for each in ids):
-        return [shown(each) for each in ids]
-    words = [each.split("-") for each in ids]
-    same = 0
-    while (
-        len(ids) > 1 and all(len(each) > same + 1 for each in words) and len({each[-1 - same] for each in words}) == 1
-    ):
-        same += 1
-    return [
-        " ".join(word.upper() if re.fullmatch(r"l[1-5]", word) else word for word in each[: len(each) - same])
-        for each in words
-    ]
-
-
 def _arc(known: StoredArc, arc: DrawnArc, curve: Curve, name: str) -> dict[str, Any]:
     states = States.of(curve)
     points = np.concatenate([stretch.points for stretch in curve.stretches])
@@ -134,6 +115,7 @@ def _arc(known: StoredArc, arc: DrawnArc, curve: Curve, name: str) -> dict[str, 
         "name": name,
         "words": _SAID.get(arc.kind, WORDS[arc.kind]),
         "colour": COLOURS[arc.kind],
+        "dash": DASHES[arc.kind],
         "level": "not known" if known.level is None else range_text(known.level, 5),
         "period": "not known" if known.period is None else range_text(known.period, 5),
         "list": _list_in_words(known, arc.kind, curve.atlas.system),

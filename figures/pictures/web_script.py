@@ -21,7 +21,7 @@ h1 button { font-size: .8rem; font-weight: normal; }
 main { display: flex; flex-direction: column; }
 @media (max-width: 50rem) { .panels { grid-template-columns: 1fr; order: -1; } }
 .legend span { margin-right: 1rem; white-space: nowrap; }
-.legend i { border-top: 3px solid; display: inline-block; margin-right: .3rem; vertical-align: middle; width: 1.6rem; }
+.legend i { height: 3px; display: inline-block; margin-right: .3rem; vertical-align: middle; width: 1.6rem; }
 canvas { width: 100%; aspect-ratio: 4 / 3; border: 1px solid var(--rule); touch-action: none; }
 button { font: inherit; margin: 0 .4rem .4rem 0; padding: .1rem .5rem; border: 2px solid; border-radius: .4rem; }
 button { background: none; color: inherit; overflow-wrap: anywhere; }
@@ -108,14 +108,14 @@ function drawDiagram() {
   pen.textAlign = "center"; pen.fillText("Jacobi constant", width / 2, height - 5);
   pen.save(); pen.translate(12, height / 2); pen.rotate(-Math.PI / 2); pen.fillText("x where the orbit starts", 0, 0);
   pen.restore(); pen.textAlign = "start";
-  const stroke = (points, colour, thick) => {
-    pen.strokeStyle = colour; pen.lineWidth = thick; pen.beginPath();
+  const stroke = (points, colour, thick, dash = []) => {
+    pen.strokeStyle = colour; pen.lineWidth = thick; pen.setLineDash(dash.map(length => 2 * length)); pen.beginPath();
     points.forEach((p, i) => pen[i ? "lineTo" : "moveTo"](...place(p[0], p[1], width, height)));
-    pen.stroke();
+    pen.stroke(); pen.setLineDash([]);
   };
   data.arcs.forEach((arc, number) => {
     arc.stable.forEach(part => stroke(part, arc.colour + "40", 10));
-    stroke(arc.line, arc.colour, number === chosen ? 4 : 1.6);
+    stroke(arc.line, arc.colour, number === chosen ? 4 : 1.6, arc.dash);
   });
   data.vertices.forEach((vertex, number) => {
     const places = vertex.places.map(([level, x]) => place(level, x, width, height)), noted = number === named();
@@ -249,10 +249,13 @@ data.arcs.forEach((arc, number) => {
   button.textContent = arc.name; button.style.borderColor = arc.colour; button.onclick = () => choose(number);
   byId("arcs").append(button);
 });
-const kinds = new Map(data.arcs.map(arc => [arc.words, arc.colour]));
-byId("legend").replaceChildren(...[...kinds].map(([words, colour]) => {
+const kinds = new Map(data.arcs.map(arc => [arc.words, arc]));
+byId("legend").replaceChildren(...[...kinds].map(([words, { colour, dash }]) => {
   const entry = document.createElement("span"), line = document.createElement("i");
-  line.style.borderColor = colour; entry.append(line, words);
+  let at = 0;
+  const parts = dash.map((length, i) => `${i % 2 ? "transparent" : colour} ${2 * at}px ${2 * (at += length)}px`);
+  line.style.background = dash.length ? `repeating-linear-gradient(90deg, ${parts})` : colour;
+  entry.append(line, words);
   return entry;
 }));
 byId("back").hidden = history.length < 2;

@@ -32,6 +32,7 @@ from orbitproof.figures.pictures.web import (
     _named,
     drawn_arcs,
     in_the_plane,
+    names_of,
 )
 from orbitproof.figures.pictures.web_page import _index_at, _list_in_words
 from orbitproof.shared.claims.web import BRANCHES, PASSES, Meeting, Web, WebArc
@@ -202,10 +203,11 @@ def test_the_index_is_told_of_the_intervals_for_which_it_is_proved() -> None:
 
 def test_arcs_have_names_for_people_that_stay_different() -> None:
     names = ["lyapunov-l1-earth-moon", "l1-circle-earth-moon", "axial-family-l3-earth-moon"]
-    assert web_page._names(names) == ["lyapunov L1", "L1 circle", "axial family L3"]
-    assert web_page._names(["circle"]) == ["circle"]
-    assert web_page._names(["a-moon", "moon"]) == ["a moon", "moon"]
-    assert web_page._names(["two words", "a-b"]) == ['"two words"', "a-b"]
+    assert names_of(names) == ["L1 Lyapunov", "L1 circle", "L3 axial"]
+    assert names_of(["circle"]) == ["circle"]
+    for unclear in (["a-moon", "moon"], ["a-family", "a"], ["a-b", "b-a"]):
+        assert names_of(unclear) == unclear
+    assert names_of(["two words", "a-b"]) == ['"two words"', "a-b"]
 
 
 def test_the_page_has_titles_a_legend_a_dark_form_and_a_way_back() -> None:
