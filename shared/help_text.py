@@ -69,8 +69,8 @@ def filled(text: str, width: int) -> list[str]:
 
     >>> filled("  orbitproof verify candidates.json -o certificates.json", 42)
     ['  orbitproof verify candidates.json \\\\', '      -o certificates.json']
-    >>> filled("  orbitproof explore   find families", 32)
-    ['  orbitproof explore   find', '                       families']
+    >>> filled("  orbitproof explore   find families, write candidates", 40)
+    ['  orbitproof explore   find families,', '                       write candidates']
     """
     if len(text) <= width:
         return [text]
