@@ -67,4 +67,4 @@ def test_the_commands_of_the_document_prove_a_birth(
     said = " ".join(capsys.readouterr().out.split())
     assert "PROVED" in said
     assert "It begins at A_parameter = [1.7320508075" in said
-    assert "it is a Hopf point" in said
+    assert "a speed that is not 0, as Hopf's theorem takes it" in said

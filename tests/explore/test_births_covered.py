@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction as Q
 from pathlib import Path
 from typing import Any
 
@@ -25,12 +26,12 @@ LIVES: dict[str, tuple[dict[str, Any], dict[str, Any], dict[str, Any], str, tupl
     "brusselator": (
         {"name": "brusselator", "state": "x y", "parameters": "A B",
          "field": {"x": "A - (B + 1)*x + x**2*y", "y": "B*x - x**2*y"}},
-        {"x": 1.7, "y": 2.3}, {"A": "3/2", "B": 4}, "A", (1.65, 2.5), 3.0**0.5,
+        {"x": 1.75, "y": 2.3}, {"A": "7/4", "B": 4}, "A", (1.65, 2.5), 3.0**0.5,
     ),
     "lorenz": (
         {"name": "lorenz", "state": "x y z", "parameters": "sigma rho beta",
          "field": {"x": "sigma*(y - x)", "y": "x*(rho - z) - y", "z": "x*y - beta*z"}},
-        {"x": 7, "y": 7, "z": 19}, {"sigma": 10, "rho": 24, "beta": "8/3"}, "rho", (24.5, 30), 470 / 19,
+        {"x": 8, "y": 8, "z": 25}, {"sigma": 10, "rho": 26, "beta": "8/3"}, "rho", (24.5, 30), 470 / 19,
     ),
     "lure": (
         {"name": "lure", "state": "x y z", "parameters": "alpha beta",
@@ -43,14 +44,14 @@ LIVES: dict[str, tuple[dict[str, Any], dict[str, Any], dict[str, Any], str, tupl
 
 def results_of(atlas: BirthAtlas, limits: BirthLimits) -> list[IntervalResult]:
     """All pieces, halved where that is needed."""
-    found, pending = [], [(piece, (-1, 1), 0) for piece in atlas.curve_pieces()]
+    found, pending = [], [(piece, (Q(-1), Q(1)), 0) for piece in atlas.curve_pieces()]
     while pending:
         piece, interval, depth = pending.pop()
-        result = prove_birth_curve_piece(atlas, piece, interval, ORACLE, limits).stored  # type: ignore[arg-type]
+        result = prove_birth_curve_piece(atlas, piece, interval, ORACLE, limits).stored
         if result.is_proved or depth > 3:
             found.append(result)
         else:
-            pending += [(piece, half, depth + 1) for half in halves(interval)]  # type: ignore[arg-type,misc]
+            pending += [(piece, half, depth + 1) for half in halves(interval)]
     return found
 
 

@@ -184,7 +184,7 @@ def test_what_is_said() -> None:
     said = birth_curve_in_words(outcome.theorem, outcome.results)
     for part in (
         "with b = 2",
-        "it is a Hopf point. Of the other eigenvalues 1 has a negative and 0 a positive real part.",
+        "speed that is not 0, as Hopf's theorem takes it. Of the other eigenvalues 1 has a negative and 0 a positive",
         "crosses the plane where y is that of the equilibrium exactly once in the direction in which y grows",
         "it does so where x is greater than that of the equilibrium",
         "For every value of a between its two ends there is such an orbit on the curve.",
@@ -306,18 +306,21 @@ def test_false_claims_about_the_whole_are_not_proved() -> None:
     tilted = (piece.frame[0], (Q(1), Q(0), Q(1, 2**30), Q(0)), *piece.frame[2:])
     assert reason(replace(atlas, pieces=(replace(piece, frame=tilted),)), given) == "birth"
     backwards = tuple((-row[0], *row[1:]) for row in piece.frame)
-    assert reason(replace(atlas, pieces=(replace(piece, frame=backwards),)), given) == "birth"
+    behind = (piece.centre[0], -piece.centre[1], *piece.centre[2:])
+    assert reason(replace(atlas, pieces=(replace(piece, frame=backwards, centre=behind),)), given) == "birth"
 
 
 def test_the_curve_ends_where_the_amplitude_does_not_grow() -> None:
-    """A second piece that runs back, along the coordinate of the parameter."""
+    """Results as of a second piece along a = c_1 on which eps falls; near a = 81/1600 it is 9/40, as on the first."""
     atlas = cases.circles_born()
-    first, h = atlas.curve_pieces()[0], Q(1, 16)
-    # eps = 1/4 - 1/32 - h (s + 1)/2 .. along p_0 = h s.
-    middle, slope = Q(1, 4) - Q(1, 32), Q(-1, 4)
-    rows = [[middle**2, 2 * middle * slope * h, (slope * h) ** 2]] * 2 + [[Q(0)]]
-    frame = ((Q(0), Q(1), Q(0), Q(0)), (slope, Q(0), Q(0), Q(0)), (Q(0), Q(0), Q(1), Q(0)), (Q(0), Q(0), Q(0), Q(1)))
-    back = replace(
-        first, id="p2", centre=(Q(0), middle, Q(0), Q(0)), frame=frame, half_width=h, polynomial=tuple(map(tuple, rows))
-    )  # fmt: skip
-    assert reason(replace(atlas, pieces=(first, back))) in ("curve", "amplitude")
+    first, middle, zero, one = atlas.curve_pieces()[0], Q(81, 1600), Q(0), Q(1)
+    frame = ((one, zero, zero, zero), (zero, one, zero, zero), (one, zero, one, zero), (zero, zero, zero, one))
+    for slope, wanted in ((Q(-1, 100), "amplitude"), (Q(1, 100), "")):
+        second = replace(
+            first, id="p2", centre=(middle, Q(9, 40), middle, zero), frame=frame, half_width=Q(1, 50),
+            polynomial=((zero, slope), (zero,), (zero,)), tube=(Q(1, 16),) * 3,
+        )  # fmt: skip
+        (result,) = honest()
+        results = [result, replace(result, piece="p2")]
+        outcome = conclude_births(replace(atlas, pieces=(first, second)), results).outcome
+        assert ("" if isinstance(outcome, Proved) else outcome.reason.condition) == wanted

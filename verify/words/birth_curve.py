@@ -33,14 +33,15 @@ def birth_curve_in_words(theorem: BirthCurveTheorem, curve: ProvedBirthCurve) ->
         f"{_point([first[name] for name in system.state])}. There the derivative of the vector field has the simple "
         f"eigenvalues i omega and -i omega, omega in {interval_text(omega, _DIGITS)}, and no other eigenvalue is a "
         f"multiple of i omega, 0 included. While {varying} changes, the real part of this pair changes with a speed "
-        f"that is not 0: it is a Hopf point.{_others(curve, len(system.state))}",
+        f"that is not 0, as Hopf's theorem takes it.{_others(curve, len(system.state))}",
         f"At every other point of the curve the orbit is periodic. In its least period it crosses the plane where "
         f"{section} is that of the equilibrium exactly once in the direction in which {section} "
         f"{'grows' if claim.direction > 0 else 'falls'}, and it does so where {amplitude} is greater than that of the "
         f"equilibrium. The difference, the amplitude, increases strictly along the curve, from 0 to "
         f"{decimal_interval(last[AMPLITUDE], _DIGITS)}. As it tends to 0 the orbits shrink to the equilibrium at which "
-        f"the curve begins, and their least periods tend to 2 pi/omega. Near the curve there are no other such orbits "
-        "but those of its continuation next to its ends.",
+        f"the curve begins, and their least periods tend to 2 pi/omega. In the coordinates of the atlas, {varying}, "
+        "the amplitude, the equilibrium, and the point of the orbit less the equilibrium in units of the amplitude, "
+        "there are no other such orbits near the curve but those of its continuation next to its ends.",
         f"The curve ends at {varying} = {decimal_interval(last[claim.parameter], _DIGITS)} with the equilibrium "
         f"{_point([last[name] for name in system.state])} and the orbit through {_point(_crossing(theorem, last))}.",
     ]
