@@ -157,7 +157,7 @@ def _with(schema: Callable[[Definitions], Schema], said: Rules | ToldBy | Unread
 
 
 def _union(kinds: tuple[Any, ...]) -> Form:
-    """Of a type and nothing; of dataclasses that say in their ``kind`` which of them it is, or have other fields."""
+    """A type or nothing; one of dataclasses that say in their ``kind`` which of them it is, or have other fields."""
     others = tuple(kind for kind in kinds if kind is not NoneType)
     if len(others) < len(kinds):
         inner = form_of(_one_of(others))

@@ -143,7 +143,7 @@ def parser() -> Parser:
 
 
 def _examples(command: str) -> str:
-    """Those of one command."""
+    """The examples that call one command."""
     lines = _EXAMPLES.splitlines(keepends=True)
     return lines[0] + "".join(line for line in lines if f" {command} " in line)
 

@@ -3,7 +3,10 @@ from .growing_digits import Linearised as Linearised
 from .growing_digits import Solution as Solution
 from .growing_digits import bits_of as bits_of
 from .growing_digits import newton_with_digits as newton_with_digits
+from .newton import ALONG as ALONG
+from .newton import AT_REST as AT_REST
 from .newton import BREAKING as BREAKING
+from .newton import CLOSING as CLOSING
 from .newton import SEGMENTS as SEGMENTS
 from .newton import SHOOTING as SHOOTING
 from .newton import NewtonRule as NewtonRule

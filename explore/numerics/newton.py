@@ -52,5 +52,14 @@ SHOOTING = NewtonRule(tolerance=1e-12, accepted=1e-10, steps=8)
 SEGMENTS = NewtonRule(tolerance=1e-13, accepted=1e-9, steps=12)
 """For several half returns at once, relative to each unknown: the rounding of all of them adds up."""
 
+ALONG = NewtonRule(tolerance=1e-10, accepted=1e-7, steps=10)
+"""For an orbit without symmetry on its curve, relative to the scales of the curve."""
+
+AT_REST = NewtonRule(tolerance=1e-11, accepted=1e-8, steps=10)
+"""For equilibria on their curve, of which nothing is integrated."""
+
+CLOSING = NewtonRule(tolerance=1e-13, accepted=1e-9, steps=40)
+"""For an orbit without symmetry from a guess that may be far away; relative to the size of the orbit."""
+
 BREAKING = NewtonRule(tolerance=1e-13, accepted=1e-9, steps=10)
 """For an orbit together with its symmetry breaking: the second derivatives are known to fewer digits."""

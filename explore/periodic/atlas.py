@@ -17,12 +17,13 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from orbitproof.explore.numerics import ALONG
 from orbitproof.explore.periodic.correction import PeriodicFailure
 from orbitproof.explore.periodic.equilibrium_search import FoundEquilibrium
 from orbitproof.explore.periodic.flow import Matrix, Vector
 from orbitproof.explore.periodic.rest_curve import RestCurve
 from orbitproof.explore.periodic.search import FoundOrbit
-from orbitproof.explore.periodic.section_curve import CONVERGED, CurvePoint, NewtonCurve, SectionCurve
+from orbitproof.explore.periodic.section_curve import CurvePoint, NewtonCurve, SectionCurve
 from orbitproof.shared.claims import EquilibriumAtlas, EquilibriumCurveClaim
 from orbitproof.shared.formats import Covers, PeriodicAtlas, PeriodicCurveClaim, Piece
 
@@ -345,7 +346,7 @@ def chart_about(curve: NewtonCurve, centre: CurvePoint, half_width: float) -> Ch
     series = np.atleast_2d(chebyshev.chebfit(nodes, across, _NODES - 1).T)
     tail = float(np.abs(series[:, _DEGREE:]).max())
     # A step that has converged is far longer than what is left.
-    left = error if error > CONVERGED else 0.0
+    left = error if error > ALONG.tolerance else 0.0
     if tail > max(_SMALL, 20 * left):
         raise PeriodicFailure("the piece is too wide")
     ends = tuple(_at(curve, centre, centre, frame, sign * half_width, across, nodes, periods) for sign in (-1.0, 1.0))

@@ -14,6 +14,7 @@ from functools import cache
 import numpy as np
 
 from orbitproof.explore.flow import FlowFailure
+from orbitproof.explore.numerics import CLOSING
 from orbitproof.explore.periodic.flow import (
     SAMPLES,
     Arc,
@@ -28,8 +29,6 @@ from orbitproof.explore.periodic.flow import (
 from orbitproof.explore.periodic.section import AffineSection
 from orbitproof.shared.systems import Program, System, with_slope
 
-_MOST_STEPS = 40
-_TOLERANCE = 1e-9
 _STALLED, _STALLED_TOLERANCE = 4, 1e-7
 """Steps below this that have not become shorter for so many in a row are rounding, as for orbits near a double one."""
 _LONGEST = 0.2
@@ -156,7 +155,7 @@ def correct(
         normal, offset = _phase(problem, x, section)
         if level is None:
             level = problem.level(x, values)
-        for _ in range(_MOST_STEPS):
+        for _ in range(CLOSING.steps):
             arc = arc_of(system, x, time, values)
             size = float(np.max(np.ptp(arc.samples, axis=0))) or 1.0
             matrix = np.vstack([
@@ -176,14 +175,14 @@ def correct(
             x, time = x + taken[:-1], time + float(taken[-1])
             if not start / 3 < time < 3 * start:
                 raise PeriodicFailure("Newton's method leaves the neighbourhood of the guess")
-            if length < _TOLERANCE and (length > 0.25 * before or length < 1e-13):
+            if CLOSING.judge(length, before)[0]:
                 break
             stalled = stalled + 1 if length > 0.75 * shortest else 0
             if stalled >= _STALLED and length < _STALLED_TOLERANCE:
                 break
             before, shortest = length, min(shortest, length)
         else:
-            raise PeriodicFailure(f"Newton's method did not converge in {_MOST_STEPS} steps (last step {length:.1e})")
+            raise PeriodicFailure(f"Newton's method did not converge in {CLOSING.steps} steps (last step {length:.1e})")
         if size < _EQUILIBRIUM * max(1.0, float(np.max(np.abs(x)))):
             raise PeriodicFailure("Newton's method found an equilibrium")
         for least in (*_shorter_periods(problem, arc, x, time, size), time):

@@ -15,7 +15,7 @@ import numpy as np
 from orbitproof.explore import numerics
 from orbitproof.explore.flow import FlowFailure
 from orbitproof.explore.names import told_apart
-from orbitproof.explore.numerics import NoStep, walked
+from orbitproof.explore.numerics import AT_REST, NoStep, walked
 from orbitproof.explore.periodic.correction import PeriodicFailure, PeriodicProblem
 from orbitproof.explore.periodic.detection import BRANCH, FOLD, UnresolvedError, followed_one_by_one
 from orbitproof.explore.periodic.equilibria import Equilibrium, equilibrium_at
@@ -24,8 +24,6 @@ from orbitproof.explore.periodic.flow import Matrix, Vector, velocity_at
 from orbitproof.explore.periodic.hopf import Hopf, hopf_as_json, hopf_described, hopf_near, place_of
 from orbitproof.explore.refinement import RefinementFailure
 
-_NEWTON_STEPS = 8
-_TOLERANCE, _STALLED = 1e-11, 1e-8
 _RESOLUTION = 1e-9
 _PATIENCE = 1e-4
 """Steps are not made shorter than this for the sake of eigenvalues."""
@@ -135,7 +133,7 @@ class _Equations:
         predicted = start + length * before.tangent * self.scale
         z, last = predicted.copy(), np.inf
         try:
-            for _ in range(_NEWTON_STEPS):
+            for _ in range(AT_REST.steps):
                 here = self.at(z)
                 residual = velocity_at(self.problem.system, here.point, here.values)
                 bordered = np.vstack([self.derivative(here), before.tangent])
@@ -145,7 +143,7 @@ class _Equations:
                 size = float(np.max(np.abs(step)))
                 if not np.isfinite(size) or size > 10 * abs(length) + 1e-3:
                     break
-                if size < _TOLERANCE or (size < _STALLED and size > last / 4):
+                if AT_REST.judge(size, last)[0]:
                     return self.member(self.at(z), before.tangent)
                 last = size
         except (FlowFailure, np.linalg.LinAlgError) as failure:

@@ -12,13 +12,10 @@ from functools import cached_property
 import numpy as np
 
 from orbitproof.explore.flow import FlowFailure
+from orbitproof.explore.numerics import ALONG
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, multipliers
 from orbitproof.explore.periodic.flow import Matrix, Vector, arc_of
 from orbitproof.explore.periodic.symmetries import Symmetry, keeps_volume
-
-_NEWTON_STEPS = 8
-_TOLERANCE = 1e-10
-_STALLED = 1e-7
 
 
 @dataclass(frozen=True)
@@ -135,7 +132,7 @@ class FamilyEquations:
         phase, predicted = self.phase(before.orbit), start + length * before.tangent * self.scale
         z, last = predicted.copy(), np.inf
         try:
-            for _ in range(_NEWTON_STEPS):
+            for _ in range(ALONG.steps):
                 residual, matrix, orbit = self.equations(z, phase)
                 here = before.tangent @ ((z - predicted) / self.scale)
                 bordered = np.vstack([matrix, before.tangent])
@@ -144,8 +141,7 @@ class FamilyEquations:
                 size = float(np.max(np.abs(step)))
                 if not np.isfinite(size) or size > 10 * abs(length) + 1e-3 or not z[len(phase[0])] > 0:
                     break
-                # A step that is hardly shorter than the one before is rounding.
-                if size < _TOLERANCE or (size < _STALLED and size > last / 4):
+                if ALONG.judge(size, last)[0]:
                     # The tangent lies in the plane across the flow at the new point, from where the next step goes on.
                     residual, matrix, orbit = self.equations(z, self.phase(orbit))
                     return self.member(z, replace(orbit, error=size), matrix, before.tangent)

@@ -26,7 +26,7 @@ Matrix = NDArray[np.float64]
 _COMPLEX = {"sin": cmath.sin, "cos": cmath.cos, "exp": cmath.exp, "log": cmath.log}
 _STEP, _ROUNDING = 1e-30, 1e-9
 _MOST_STEPS = 32_000
-"""Of the explicit method, which takes short ones in stiff fields: some twenty for each time of the fastest decay."""
+"""Steps of the explicit method, which are short in stiff fields: some twenty for each time of the fastest decay."""
 SAMPLES = 2048
 """States at equal times that an integration keeps, both ends included."""
 

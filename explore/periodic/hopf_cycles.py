@@ -21,7 +21,7 @@ from orbitproof.explore.periodic.symmetries import Symmetry, linear_symmetries
 _FIRST = 2e-3
 """The first orbit is so far from the Hopf point, in units of the interval of the parameter, by the normal form."""
 _LARGEST, _SMALLEST = 0.05, 1e-4
-"""Its size is between these, relative to that of the equilibrium."""
+"""The size of the first orbit is between these, relative to that of the equilibrium."""
 _FROM_MIDDLE = 0.5
 """In the scale of the first orbit, how far its point is from the equilibrium."""
 

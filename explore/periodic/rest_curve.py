@@ -7,13 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from orbitproof.explore.flow import FlowFailure
+from orbitproof.explore.numerics import AT_REST
 from orbitproof.explore.periodic.correction import PeriodicFailure, PeriodicProblem
 from orbitproof.explore.periodic.equilibria import field_slopes
 from orbitproof.explore.periodic.flow import Matrix, Vector, velocity_at
-from orbitproof.explore.periodic.section_curve import CONVERGED, CurvePoint, NewtonCurve
-
-_NEWTON_STEPS = 10
-_RELIABLE = 1e-8
+from orbitproof.explore.periodic.section_curve import CurvePoint, NewtonCurve
 
 
 @dataclass(frozen=True)
@@ -50,7 +48,7 @@ class RestCurve(NewtonCurve):
         """The equilibrium at which along . (place - origin)/scales is `length`. Raises `PeriodicFailure`."""
         place, last = guess.copy(), np.inf
         try:
-            for _ in range(_NEWTON_STEPS):
+            for _ in range(AT_REST.steps):
                 residual, matrix = self.linearised(place)
                 here = along @ ((place - origin) / self.scales) - length
                 step = -np.linalg.lstsq(np.vstack([matrix, along]), np.append(residual, here), rcond=None)[0]
@@ -58,7 +56,7 @@ class RestCurve(NewtonCurve):
                 if not size < 1.0:
                     break
                 place = place + step * self.scales
-                if size < CONVERGED or (size < _RELIABLE and size > last / 4):
+                if AT_REST.judge(size, last)[0]:
                     tangent = np.linalg.svd(matrix)[2][-1]
                     return CurvePoint(place, period, tangent if tangent @ along >= 0 else -tangent, size)
                 last = size

@@ -7,13 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from orbitproof.explore.flow import FlowFailure
+from orbitproof.explore.numerics import ALONG
 from orbitproof.explore.periodic.correction import PeriodicFailure, PeriodicProblem
 from orbitproof.explore.periodic.flow import Arc, Matrix, Vector, arc_of
 from orbitproof.explore.periodic.section import AffineSection
-
-_NEWTON_STEPS, CONVERGED = 10, 1e-10
-_RELIABLE = 1e-7
-"""Newton's method need not reach `CONVERGED`, where float64 does not allow it."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +48,7 @@ class NewtonCurve:
         """The orbit at which along . (place - origin)/scales is `length`. Raises `PeriodicFailure`."""
         place, time, last = guess.copy(), period, np.inf
         try:
-            for _ in range(_NEWTON_STEPS):
+            for _ in range(ALONG.steps):
                 residual, matrix = self.linearised(place, time)
                 here = along @ ((place - origin) / self.scales) - length
                 rows = np.vstack([matrix, np.append(along, 0.0)])
@@ -60,7 +57,7 @@ class NewtonCurve:
                 if not size < 1.0:
                     break
                 place, time = place + step[:-1] * self.scales, time * float(np.exp(step[-1]))
-                if size < CONVERGED or (size < _RELIABLE and size > last / 4):
+                if ALONG.judge(size, last)[0]:
                     tangent = np.linalg.svd(matrix)[2][-1][:-1]
                     tangent = tangent / np.linalg.norm(tangent)
                     return CurvePoint(place, time, tangent if tangent @ along >= 0 else -tangent, size)

@@ -36,7 +36,7 @@ class AroundPoint(WithoutSymmetry):
 
     @property
     def half_widths(self) -> Vector:
-        """Those of the box, and then of all else that varies."""
+        """Half-widths of the box, and then of all else that varies."""
         return self.radii
 
     def check_box(self) -> None:
@@ -141,7 +141,7 @@ class HopfPoint(AroundPoint):
 
     @property
     def half_widths(self) -> Vector:
-        """Those of the box, then of parameter, frequency and eigenvector."""
+        """Half-widths of the box, then of parameter, frequency and eigenvector."""
         return (*self.radii, self.parameter_radius, self.frequency_radius, self.kernel_radius)
 
     def __repr__(self) -> str:

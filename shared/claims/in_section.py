@@ -74,5 +74,5 @@ class BoxInSection(WithoutSymmetry):
 
     @property
     def half_widths(self) -> Vector:
-        """Those of the box, and then of what varies, if anything does."""
+        """Half-widths of the box, and then of what varies, if anything does."""
         return self.radii

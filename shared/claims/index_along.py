@@ -21,5 +21,5 @@ class IndexAlong:
 
     @property
     def id(self) -> str:
-        """That of the curve, which the certificate has too."""
+        """The id of the curve, which the certificate has too."""
         return self.curve

@@ -72,7 +72,7 @@ class PeriodicBifurcation(BoxInSection):
 
     @property
     def half_widths(self) -> Vector:
-        """Those of the box, then that of what varies."""
+        """Half-widths of the box, then that of what varies."""
         return (*self.radii, self.parameter_radius)
 
     @property

@@ -170,7 +170,7 @@ OneKind = TypeVar("OneKind", bound=AnyPiece)
 
 
 def pieces_of(kind: type[OneKind], pieces: Sequence[AnyPiece]) -> tuple[OneKind, ...]:
-    """Those of one kind, in their order."""
+    """The pieces of one kind, in their order."""
     return tuple(piece for piece in pieces if isinstance(piece, kind))
 
 

@@ -162,7 +162,7 @@ def _unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 _MOST_BYTES = 2**28
-"""Of a file: a hundred times as many as any of ours has."""
+"""Bytes of a file: a hundred times as many as any of ours has."""
 
 
 def _text_of(path: Path, remedy: str) -> str:

@@ -93,7 +93,7 @@ class _Check:
         raise InputError(f"{self._source}.{name}: {why}; {remedy}")
 
     def form(self) -> None:
-        """Its id, and the length of its numbers."""
+        """The id of the piece, and how many numbers its lists have."""
         if not fits(PIECE, self._piece.id):
             self.refuse("id", f"{self._piece.id!r} is no id of a piece", PIECE_IN_WORDS)
         for each in fields(self._piece):

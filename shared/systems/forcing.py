@@ -122,7 +122,7 @@ def _has_time(text: Any) -> bool:
 
 
 def _nodes(text: Any) -> Iterator[ast.AST]:
-    """Of a formula; of what is none, or a program as text, there are none."""
+    """The syntax nodes of a formula; none of what is no formula, or a program as text."""
     if not isinstance(text, str) or not text.isascii() or len(text) > LONGEST or "#" in text:
         return
     try:

@@ -11,15 +11,15 @@ import re
 END = r"(?![\s\S])"
 
 IDENTIFIER = r"^[A-Za-z_][A-Za-z0-9_]{0,59}" + END
-"""Of a coordinate, a parameter, a symmetry."""
+"""The name of a coordinate, a parameter, a symmetry."""
 
 ID = r"^(?=[^\n]{1,100}" + END + r")(?![^\n]*\. )[A-Za-z0-9][A-Za-z0-9._+=/()'-]*( [A-Za-z0-9._+=/()'-]+){0,4}" + END
-"""Of a claim, an atlas: at most five words; `titles.shown` says where it ends."""
+"""The id of a claim, an atlas: at most five words; `titles.shown` says where it ends."""
 
 ID_IN_WORDS = "use letters, digits and . _ + = / ( ) ' -, at most five words and 100 characters"
 
 PIECE = r"^[A-Za-z0-9][A-Za-z0-9._+=/()'-]{0,99}" + END
-"""Of a piece of an atlas: one word."""
+"""The id of a piece of an atlas: one word."""
 
 PIECE_IN_WORDS = "use one word of letters, digits and . _ + = / ( ) ' -"
 

@@ -15,7 +15,7 @@ from fractions import Fraction
 from typing import Any, Literal
 
 LARGEST_EXPONENT = 100
-"""Of a power, its numerator and its denominator: a power is evaluated as that many products."""
+"""Largest numerator and denominator of an exponent: a power is evaluated as that many products."""
 
 Operation = Literal["input", "constant", "add", "sub", "mul", "div", "pow"]
 SYMBOLS: Mapping[Operation, str] = {"add": "+", "sub": "-", "mul": "*", "div": "/"}

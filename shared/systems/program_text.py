@@ -8,7 +8,7 @@ from fractions import Fraction
 from orbitproof.shared.systems.program import SYMBOLS, Instruction, Program, allowed_exponent
 
 _MOST_LINES = 10_000
-"""Of a program that is read."""
+"""Lines that a program which is read may have."""
 
 
 def program_from_text(text: str) -> Program:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from orbitproof.shared.systems.names import END
 
 SYSTEM = r"^[A-Za-z][A-Za-z0-9_-]{0,59}" + END
-"""Of a system, a short one."""
+"""The short name of a system."""
 
 TITLE = (
     r"^(?=[^\n]{1,200}" + END + r")(?![^\n]*[.,] +[A-Z])"

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from orbitproof.verify.lasting import LastingResult
 
 Result = IntervalResult
-"""Of a branch of some kind it is of a type of its own: `BranchKind.result`."""
+"""What is known of an interval of a piece; each kind of branch has a type of its own: `BranchKind.result`."""
 
 Settings = Mapping[str, int]
 """Settings of the integrator by name, as they stand in a result's `Computation`."""

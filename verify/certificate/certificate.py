@@ -206,7 +206,7 @@ class Certificate:
 
     @property
     def digest(self) -> str:
-        """Its own, that closes the document; empty if it has none."""
+        """The digest that closes the document; empty if it has none."""
         return str(self.document.get("digest", ""))
 
     @property

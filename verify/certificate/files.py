@@ -24,7 +24,7 @@ from orbitproof.verify.certificate.kinds import kind_named, name_of
 ROWS = "certificates"
 """The format of files of rows."""
 SCHEMAS = ("atlas-certificate", "web-certificate", "index-certificate", "catalogue-certificate")
-"""Those of files that hold one certificate."""
+"""The formats of files that hold one certificate."""
 
 
 def read_certificates(path: Path) -> dict[str, Certificate]:

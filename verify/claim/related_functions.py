@@ -45,7 +45,7 @@ class Functions:
 
 
 def functions_of(system: System) -> Functions:
-    """Those of a system that has some."""
+    """The functions in the field of a system that has some."""
     kinds = [each.function for each in system.defined]
     return Functions(len(system.given_state), tuple(zip(kinds, system.argument_programs, strict=True)))
 

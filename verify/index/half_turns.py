@@ -35,7 +35,7 @@ class HalfTurns:
 
 
 def determinant(rows: Vectors) -> acb:
-    """Of a square matrix of at most three rows."""
+    """The determinant of a square matrix of at most three rows."""
     if not rows:
         return acb(1)
     result = acb(0)

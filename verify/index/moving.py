@@ -25,7 +25,7 @@ class Moving:
     errors: tuple[arb, ...]
 
     def over(self, theta: arb) -> tuple[arb, ...]:
-        """Its coordinates over a ball of times."""
+        """The coordinates of the vector over a ball of times."""
         return tuple(
             _over(known, theta) + error * arb(0, 1) for known, error in zip(self.known, self.errors, strict=True)
         )

@@ -77,7 +77,7 @@ def checks_of_parts(
     workplace: Workplace,
     known: Known,
 ) -> Iterator[Recheck]:
-    """Those of what one certificate rests on."""
+    """The checks of what one certificate rests on."""
     names = {entry: f"index of {entry.id}" if entry.key[0] == "index" else entry.id for entry in parts}
     display = Display(dict.fromkeys(names.values(), 1.0), workplace.quiet)
     quiet = replace(workplace, quiet=True) if len(parts) > 1 else workplace

@@ -244,7 +244,7 @@ def _checked_apart(
 def recheck_task(argument: tuple[Certificate, bool], report: Report) -> Recheck:
     """What one process does."""
     # A proof needs nothing of it.
-    from orbitproof.verify.certificate import recheck
+    from orbitproof.verify.certificate.rechecking import recheck
 
     return recheck(*argument, partial(_labelled, report))
 

@@ -19,7 +19,7 @@ class Field(Protocol):
 
     @property
     def section(self) -> int:
-        """Its place among the coordinates."""
+        """The place of the section coordinate in the state."""
 
     def velocity(self, state: Sequence[Any]) -> list[Any]:
         """The field on jets, or on numbers."""

@@ -67,7 +67,7 @@ def krein_found(candidate: Candidate, found: KreinResults) -> Iterator[str]:
 
 
 _LETTERS = ("K", "a", "b", "d", "mu", "y", "z")
-"""Of the normal form, unless a coordinate or a parameter is called so."""
+"""Letters of the normal form, unless a coordinate or a parameter is called so."""
 
 _TYPES = {
     "subcritical": (

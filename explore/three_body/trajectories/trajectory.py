@@ -100,7 +100,7 @@ class Trajectory:
 
     @property
     def first_integral(self) -> float | None:
-        """Its value on the orbit; `None` for a system without one."""
+        """The value of the first integral on the orbit; `None` for a system without one."""
         values = self._levels(self.start[None, :])
         return None if values is None else float(values[0])
 
