@@ -144,10 +144,11 @@ def test_each_kind_is_proved_where_no_other_has_been_loaded(tmp_path: Path) -> N
 def test_each_field_that_is_changed_is_noticed(name: str, number: int) -> None:
     """Without an integration, but for what nothing beside it follows from: another box, an enclosure."""
     document = proved(name).to_json()
-    found = enclosed_again(document)
+    found, well_formed = enclosed_again(document), 0
     for change in of_each_field(document, number):
         try:
             certificate = Certificate.from_json(forged(document, change.apply))
+            well_formed += 1
             if noticed(recheck(certificate)) or change.field in FREE:
                 continue
             if change.field.startswith("enclosures."):
@@ -156,6 +157,7 @@ def test_each_field_that_is_changed_is_noticed(name: str, number: int) -> None:
                 assert noticed(recheck(certificate, True)), change
         except InputError:
             continue
+    assert well_formed > number // 4
 
 
 @pytest.mark.parametrize("name", ROWS)
@@ -251,13 +253,15 @@ def enclosed_again(document: Mapping[str, Any]) -> Any:
 
 @pytest.mark.parametrize("name", ROWS)
 def test_each_part_that_is_missing_is_noticed(name: str) -> None:
-    document = proved(name).to_json()
+    document, well_formed = proved(name).to_json(), 0
     for place in parts(document):
         try:
             certificate = Certificate.from_json(forged(document, without(place)))
         except InputError:
             continue
+        well_formed += 1
         assert noticed(recheck(certificate)) or "symmetries" in place, place
+    assert well_formed > 3
 
 
 def parts(value: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
