@@ -152,10 +152,10 @@ def test_what_is_not_finite_has_no_sign() -> None:
     assert {sign_ for row in cells.signs for sign_ in row} == {0}
 
 
+@pytest.mark.parametrize("found", ["symmetric"], indirect=True)
 def test_another_integration_confirms_the_bounds(found: tuple[str, dict[str, Any]]) -> None:
     name, entry = found
-    if name == "symmetric":
-        assert list(unconfirmed_of(entry, halo_functions(name, HALO_INTERVALS[name], PieceLimits(72, 24, 12)))) == []
+    assert list(unconfirmed_of(entry, halo_functions(name, HALO_INTERVALS[name], PieceLimits(72, 24, 12)))) == []
 
 
 def test_an_integration_confirms_itself_and_one_that_rounds_another_way(found: tuple[str, dict[str, Any]]) -> None:
