@@ -58,12 +58,6 @@ def from_json(kind: type[T], entry: Json, place: str) -> T:
     return value
 
 
-def has_fields(kind: type, entry: Mapping[str, Json]) -> bool:
-    """Whether an object has all fields of a dataclass that have to be there, and no others than it may have."""
-    needed, known = _keys(kind)
-    return needed <= entry.keys() <= known
-
-
 def schema_of(kind: Any) -> tuple[Schema, Definitions]:
     """The JSON schema of a type, and the definitions that it refers to."""
     definitions: Definitions = {}
@@ -157,7 +151,7 @@ def _with(schema: Callable[[Definitions], Schema], said: Rules | ToldBy | Unread
 
 
 def _union(kinds: tuple[Any, ...]) -> Form:
-    """A type or nothing; one of dataclasses that say in their ``kind`` which of them it is, or have other fields."""
+    """A type or nothing; one of dataclasses that say which of them it is, in their ``kind`` or by a ``stored_key``."""
     others = tuple(kind for kind in kinds if kind is not NoneType)
     if len(others) < len(kinds):
         inner = form_of(_one_of(others))
@@ -168,12 +162,19 @@ def _union(kinds: tuple[Any, ...]) -> Form:
         )
     forms = [form_of(kind) for kind in others]
     by_kind = {name: form for kind, form in zip(others, forms, strict=True) for name in kinds_said(kind)}
-    if not by_kind:
+    keyed = {kind.stored_key: form for kind, form in zip(others, forms, strict=True) if hasattr(kind, "stored_key")}
+    if keyed:
+        ((key, told),) = keyed.items()
+        (other,) = (form for form in forms if form is not told)
         return Form(
             to_json,
-            lambda entry, place: _by_fields(others, entry, place).decode(entry, place),
-            lambda definitions: {"anyOf": [form.schema(definitions) for form in forms]},
-        )
+            lambda entry, place: (told if key in entry else other).decode(entry, place),
+            lambda definitions: {
+                "if": {"required": [key]}, "then": told.schema(definitions), "else": other.schema(definitions)
+            },
+        )  # fmt: skip
+    if not by_kind:
+        return Form(to_json, _refuse, lambda definitions: {"anyOf": [form.schema(definitions) for form in forms]})
     return Form(
         to_json,
         lambda entry, place: by_kind[entry["kind"]].decode(entry, place),
@@ -185,12 +186,8 @@ def _alternatives(schema: Schema) -> list[Schema]:
     return schema["anyOf"] if schema.keys() == {"anyOf"} else [schema]
 
 
-def _by_fields(kinds: tuple[Any, ...], entry: Mapping[str, Json], place: str) -> Form:
-    """The form of the one of these types that has the fields of an object."""
-    for kind in kinds:
-        if has_fields(kind, entry):
-            return form_of(kind)
-    raise InputError(f"{place}: lacks fields, or has others; write the file again")
+def _refuse(entry: Json, place: str) -> Any:
+    raise TypeError(f"{place}: nothing says which of several types it is of")
 
 
 def _one_of(kinds: tuple[Any, ...]) -> Any:
@@ -295,21 +292,6 @@ def kinds_said(kind: Any) -> tuple[str, ...]:
     return (constant["kind"],) if constant else get_args(get_type_hints(kind).get("kind"))
 
 
-@cache
-def _keys(kind: Any) -> tuple[frozenset[str], frozenset[str]]:
-    """Those that the object of a dataclass has, and those that it may have."""
-    needed = frozenset(_constant(kind))
-    known = needed
-    for each in _stored_fields(kind):
-        if each.flat:
-            inner = _keys(each.kind)
-            needed, known = needed | inner[0], known | inner[1]
-            continue
-        known |= {each.key, *(each.beside or ())[:1]}
-        needed |= {each.key} if each.default is MISSING else set()
-    return needed, known
-
-
 def _entries(kind: type, value: Any) -> Iterator[tuple[str, Json]]:
     yield from _constant(kind).items()
     for each in _stored_fields(kind):
@@ -348,7 +330,9 @@ def _record_schema(kind: type, definitions: Definitions) -> Schema:
         properties[each.key] = found | ({"description": words[each.name]} if each.name in words else {})
         properties |= {each.beside[0]: {"const": each.beside[1]}} if each.beside else {}
         required += [each.key] if each.default is MISSING else []
-    closed = {"type": "object", "additionalProperties": False, **getattr(kind, "stored_rules", {})}
+    more = getattr(kind, "stored_rules", {})
+    more = more(definitions) if callable(more) else more
+    closed = {"type": "object", "additionalProperties": False, **more}
     name = re.sub(r"(?<!^)(?=[A-Z])", "_", kind.__name__).lower()
     return _named(name, {**closed, "required": required, "properties": properties}, definitions)
 

@@ -325,7 +325,7 @@ def test_results_of_another_kind_are_not_read(point: Certificate) -> None:
     other = chapter._conclude(candidate, 128, enclosures)
     assert isinstance(other, Proved)
     entry = point.to_json()
-    with pytest.raises(InputError, match="results: are not those of such a claim"):
+    with pytest.raises(InputError, match="results: "):
         Certificate.from_json({**entry, "results": results_to_json(other.results)})
     with pytest.raises(InputError, match="results"):
         Certificate.from_json({**entry, "results": {**entry["results"], "period": entry["results"]["parameter"]}})

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from flint import arb, ctx
 
-from orbitproof.shared.claims.fields import Id, PieceId, Title, Vector
+from orbitproof.shared.claims.fields import PieceId, Title, Vector
 from orbitproof.shared.formats import FIELDS, CatalogueRows, InputError
 from orbitproof.shared.stored import Rational, rules
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, TITLE, ReversibleSystem, fits, shown
@@ -17,7 +17,7 @@ from orbitproof.verify.atlas.its_curve import curve_given, names_its_curve
 from orbitproof.verify.atlas.kinds import symmetric_curve
 from orbitproof.verify.atlas.results import on_curve
 from orbitproof.verify.certificate import Certificate, Examination, Finding, Given, digest, in_all_data, sealed
-from orbitproof.verify.certificate.document import Digest, RestsOn, Software, Verdict
+from orbitproof.verify.certificate.document import Document, RestsOn
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.evidence import Proved, enclose, is_below, software
@@ -91,27 +91,18 @@ class CatalogueStatement:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CatalogueDocument:
+class CatalogueDocument(Document):
     """Rows of a catalogue, certified by a proved curve.
 
     Attributes:
-        id: that of the curve.
         verdict: "proved" if the curve certifies every row.
         rests_on: the certificate of the curve.
         rows: in the order of the catalogue.
-        software: names and versions of what made this certificate, with a digest of the sources.
-        digest: SHA-256 of the certificate without this key, as JSON with sorted keys and no spaces.
     """
 
-    id: Id
-    verdict: Verdict
     statement: CatalogueStatement
     rests_on: RestsOn
     rows: Annotated[tuple[CertifiedRow, ...], rules(minItems=1, maxItems=1000000)]
-    software: Software
-    digest: Digest
-
-    stored_rules: ClassVar[Mapping[str, Any]] = {}
 
 
 def _rows_of(certificate: Certificate) -> tuple[CertifiedRow, ...]:

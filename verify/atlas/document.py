@@ -7,18 +7,22 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Annotated, Any, ClassVar
 
-from orbitproof.shared.claims.fields import Id
-from orbitproof.shared.stored import Unread, rules, stored
+from orbitproof.shared.claims import CLAIMS, EQUILIBRIUM_CURVES, PERIODIC_CURVES, SURFACE
+from orbitproof.shared.stored import Rules, ToldBy, Unread, rules, stored
 from orbitproof.verify.certificate.document import (
-    Digest,
-    Software,
+    Document,
     Stated,
     StatedFunction,
     StatedWithSymmetry,
-    Verdict,
     by_verdict,
 )
 from orbitproof.verify.evidence import Reason
+
+
+def _kinds(*names: str) -> Rules:
+    """That an atlas claims one of these."""
+    claim = {"type": "object", "required": ["kind"], "properties": {"kind": {"enum": names}}}
+    return rules(required=("claim",), properties={"claim": claim})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +34,7 @@ class BranchStatement(StatedWithSymmetry):
         stiffness_across: g, if the results are about variations w out of the plane of motion, which obey w'' = -g w.
     """
 
-    claim: Mapping[str, Any] = stored("atlas")
+    claim: Annotated[Mapping[str, Any], _kinds(*CLAIMS, SURFACE)] = stored("atlas")
     derived_parameters: Mapping[str, str] = stored(default_factory=dict)
     stiffness_across: str | None = None
 
@@ -43,7 +47,7 @@ class PeriodicCurveStatement(Stated):
         functions: as in `StatedWithSymmetry`.
     """
 
-    claim: Mapping[str, Any] = stored("atlas")
+    claim: Annotated[Mapping[str, Any], _kinds(*PERIODIC_CURVES, *EQUILIBRIUM_CURVES)] = stored("atlas")
     functions: Annotated[tuple[StatedFunction, ...], rules(minItems=1, maxItems=20)] | None = None
 
 
@@ -66,12 +70,10 @@ class Total:
 
 
 @dataclass(frozen=True, kw_only=True)
-class BranchDocument:
+class BranchDocument(Document):
     """What was claimed of a curve or surface, what is proved on each interval of each piece, and what follows.
 
     Attributes:
-        id: of the atlas.
-        reason: why the claim is not proved. Failure to verify is not a proof that the claim is false.
         statement: the claim in full, and the system it is about.
         results: what was found on intervals of pieces, in order along the curve.
         conclusion: what the results give together: hypotheses, how the pieces are glued, ends, bifurcations, the list
@@ -79,22 +81,16 @@ class BranchDocument:
         rests_on: the certificates of the bifurcations that were asked about, whole, each with its digest; see
             certificates.schema.json.
         computation: proved intervals, and the time that all tried intervals took together on one core.
-        software: names and versions of what made this certificate, with a digest of the sources.
-        digest: SHA-256 of the certificate without this key, as JSON with sorted keys and no spaces.
     """
 
-    id: Id
-    verdict: Verdict
     reason: Annotated[Any, Unread(Reason | None)]
-    statement: BranchStatement | PeriodicCurveStatement
+    statement: Annotated[BranchStatement | PeriodicCurveStatement, ToldBy(("atlas", "claim", "kind"))]
     results: Annotated[Any, Unread(any_results)]
     conclusion: Annotated[Any, Unread(any_conclusion)]
     rests_on: Annotated[
         tuple[Annotated[Mapping[str, Any], rules(required=("id", "digest"))], ...], rules(maxItems=10000)
     ]
     computation: Total
-    software: Software
-    digest: Digest
 
     stored_rules: ClassVar = by_verdict(
         {"conclusion": {"type": "object", "properties": {"verdict": {"const": "proved"}}}}, {}

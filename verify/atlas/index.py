@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Annotated, Any, ClassVar, cast
+from typing import Annotated, Any, cast
 
 from flint import arb
 
-from orbitproof.shared.claims.fields import Id, PieceId, Title
+from orbitproof.shared.claims.fields import PieceId, Title
 from orbitproof.shared.formats import Atlas, InputError
 from orbitproof.shared.stored import rules
 from orbitproof.shared.systems import shown
@@ -35,7 +35,7 @@ from orbitproof.verify.certificate import (
     sealed,
     unknown_reason,
 )
-from orbitproof.verify.certificate.document import Digest, RestsOn, Software, Verdict
+from orbitproof.verify.certificate.document import Document, RestsOn
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve import ProvedCurve, conclude, vertical_point
 from orbitproof.verify.evidence import Hypothesis, IntegrationFailure, Outcome, Proved, Reason, software, spared
@@ -100,31 +100,21 @@ class IndexStatement:
 
 
 @dataclass(frozen=True, kw_only=True)
-class IndexDocument:
+class IndexDocument(Document):
     """The Conley-Zehnder index of the orbits of a proved curve.
 
     Attributes:
-        id: that of the curve.
-        reason: why it is not proved. Failure to verify is not a proof that the claim is false.
         rests_on: the certificate of the curve.
         orbits: in order along the curve.
         small: the index of small orbits of a curve that reaches a libration point; of planar ones in the plane, across.
-        software: names and versions of what made this certificate, with a digest of the sources.
-        digest: SHA-256 of the certificate without this key, as JSON with sorted keys and no spaces.
     """
 
-    id: Id
-    verdict: Verdict
     reason: Reason | None
     statement: IndexStatement
     rests_on: RestsOn
     hypotheses: tuple[Hypothesis, ...]
     orbits: Annotated[tuple[IndexedOrbit, ...], rules(maxItems=100000)] = ()
     small: Annotated[tuple[int, ...], rules(maxItems=2)] = ()
-    software: Software
-    digest: Digest
-
-    stored_rules: ClassVar[Mapping[str, Any]] = {}
 
 
 def _counted_orbits(certificate: Certificate) -> tuple[IndexedOrbit, ...]:

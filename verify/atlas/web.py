@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, ClassVar, cast
+from typing import Annotated, Any, cast
 
 from flint import arb
 
@@ -32,7 +32,7 @@ from orbitproof.verify.certificate import (
     sealed,
     unknown_reason,
 )
-from orbitproof.verify.certificate.document import Digest, Software, Verdict
+from orbitproof.verify.certificate.document import Digest, Document
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.evidence import Hypothesis, Proved, Reason, software
@@ -146,22 +146,16 @@ class WebStatement:
 
 
 @dataclass(frozen=True, kw_only=True)
-class WebDocument:
+class WebDocument(Document):
     """A graph of proved curves of periodic orbits.
 
     Attributes:
-        id: that of the claim.
-        reason: why it is not proved. Failure to verify is not a proof that the claim is false.
         rests_on: the certificates of arcs, vertices and indices.
         arcs, vertices: what is proved of them; nothing if the claim is not proved.
         switches: where one arc branches off from another, and no other points that the same symmetry fixes are near.
         parts: the ids of arcs that hang together.
-        software: names and versions of what made this certificate, with a digest of the sources.
-        digest: SHA-256 of the certificate without this key, as JSON with sorted keys and no spaces.
     """
 
-    id: Id
-    verdict: Verdict
     reason: Reason | None
     statement: WebStatement
     rests_on: Annotated[tuple[RestsOn, ...], rules(minItems=1, maxItems=30000)]
@@ -170,10 +164,6 @@ class WebDocument:
     vertices: tuple[StoredVertex, ...] = ()
     switches: tuple[StoredSwitch, ...] = ()
     parts: tuple[tuple[Id, ...], ...] = ()
-    software: Software
-    digest: Digest
-
-    stored_rules: ClassVar[Mapping[str, Any]] = {}
 
 
 SAID: Mapping[str, Callable[[Certificate], Any]] = {

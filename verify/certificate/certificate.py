@@ -312,7 +312,8 @@ class Certificate:
 def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
     """What the certificate of a row says, from its JSON, which fits the schema. Raises `InputError`."""
     stored = from_json(Entry, entry, source)
-    candidate, kind = stored.statement.claim, box_kind(stored.statement.claim["kind"])
+    candidate = stored.statement["candidate"]
+    kind = box_kind(candidate["kind"])
     results = None if stored.results is None else results_from_json(kind, stored.results, source)
     found = {
         **_NOTHING,
@@ -361,7 +362,7 @@ def certified(
         reason = outcome.reason
     certificate = Entry(
         id=candidate.id,
-        statement=claim,
+        statement=to_json(claim),
         verdict="proved" if reason is None else "not proved",
         reason=reason,
         hypotheses=outcome.hypotheses,

@@ -39,6 +39,23 @@ def by_verdict(proved: Mapping[str, Any], not_proved: Mapping[str, Any]) -> dict
 
 
 @dataclass(frozen=True, kw_only=True)
+class Document:
+    """What the certificate of a theorem of any kind says.
+
+    Attributes:
+        id: of the claim, or of the curve that it is about.
+        reason: why the claim is not proved. Failure to verify is not a proof that it is false.
+        software: names and versions of what made this certificate, with a digest of the sources.
+        digest: SHA-256 of the certificate without this key, as JSON with sorted keys and no spaces.
+    """
+
+    id: Id
+    verdict: Verdict
+    software: Software
+    digest: Digest
+
+
+@dataclass(frozen=True, kw_only=True)
 class Names:
     """What a theorem calls a system, its first integral, and the body that distances are from."""
 

@@ -12,3 +12,5 @@ class NotKnown:
     """What stands where something is not known, which is not needed for what is proved: why it is not."""
 
     reason: Reason
+
+    stored_key = "reason"
