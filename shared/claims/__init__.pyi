@@ -28,6 +28,10 @@ from .candidate import STABLE_ORBIT as STABLE_ORBIT
 from .candidate import Candidate as Candidate
 from .candidate import Equation as Equation
 from .candidate import OfKind as OfKind
+from .curve_claims import ATLASES_WITHOUT_REVERSOR as ATLASES_WITHOUT_REVERSOR
+from .curve_claims import CLAIMS_WITHOUT_REVERSOR as CLAIMS_WITHOUT_REVERSOR
+from .curve_claims import CurveClaim as CurveClaim
+from .curve_claims import StoredAtlas as StoredAtlas
 from .equilibria import EQUILIBRIUM as EQUILIBRIUM
 from .equilibria import HOPF as HOPF
 from .equilibria import AroundPoint as AroundPoint
@@ -35,7 +39,6 @@ from .equilibria import Equilibrium as Equilibrium
 from .equilibria import HopfPoint as HopfPoint
 from .equilibrium_curve import EquilibriumAtlas as EquilibriumAtlas
 from .equilibrium_curve import EquilibriumCurveClaim as EquilibriumCurveClaim
-from .equilibrium_curve import StoredAtlas as StoredAtlas
 from .fields import CLAIMS as CLAIMS
 from .fields import EQUILIBRIUM_CURVES as EQUILIBRIUM_CURVES
 from .fields import PERIODIC_CURVES as PERIODIC_CURVES

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from orbitproof.shared.claims.atlas import Atlas, Claim, Covers, Names
-from orbitproof.shared.claims.birth_curve import BirthCurveClaim
+from orbitproof.shared.claims.atlas import Covers, Names
 from orbitproof.shared.claims.fields import Identifier
-from orbitproof.shared.claims.periodic_curve import PeriodicAtlas, PeriodicCurveClaim
+from orbitproof.shared.claims.periodic_curve import PeriodicAtlas
 from orbitproof.shared.systems import System
 
 
@@ -57,10 +56,3 @@ class EquilibriumAtlas(PeriodicAtlas):
     """A claim about a curve of equilibria: fields as of a curve of periodic orbits without symmetry, all at rest."""
 
     claim: EquilibriumCurveClaim  # type: ignore[assignment]
-
-
-@dataclass(frozen=True, repr=False)
-class StoredAtlas(Atlas):
-    """An atlas of any kind, for the schema."""
-
-    claim: Claim | PeriodicCurveClaim | EquilibriumCurveClaim | BirthCurveClaim  # type: ignore[assignment]

@@ -12,9 +12,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from orbitproof.shared.claims import (
-    BIRTH_CURVES,
-    EQUILIBRIUM_CURVES,
-    PERIODIC_CURVES,
+    ATLASES_WITHOUT_REVERSOR,
     SURFACE,
     AnyAtlas,
     AnyPiece,
@@ -72,7 +70,7 @@ def atlas_from_json(
     for name, pattern, wanted in (("id", ID, ID_IN_WORDS), ("title", LINE, "give one line of text")):
         if not fits(pattern, entry[name]):
             refuse(name, f"{entry[name]!r} is no {name}", wanted)
-    if entry["claim"]["kind"] in (*PERIODIC_CURVES, *EQUILIBRIUM_CURVES, *BIRTH_CURVES):
+    if entry["claim"]["kind"] in ATLASES_WITHOUT_REVERSOR:
         return periodic_atlas_from_json(entry, source, systems)
     surface = entry["claim"]["kind"] == SURFACE
     if surface == ("parameters" in entry):

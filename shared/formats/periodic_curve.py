@@ -7,12 +7,10 @@ from fractions import Fraction
 from typing import Any, NoReturn
 
 from orbitproof.shared.claims import (
-    BIRTH_CURVES,
-    EQUILIBRIUM_CURVES,
-    BirthAtlas,
+    ATLASES_WITHOUT_REVERSOR,
+    CLAIMS_WITHOUT_REVERSOR,
     BirthCurveClaim,
-    EquilibriumAtlas,
-    EquilibriumCurveClaim,
+    CurveClaim,
     PeriodicAtlas,
     PeriodicCurveClaim,
     Piece,
@@ -23,9 +21,6 @@ from orbitproof.shared.formats.candidates import find_system
 from orbitproof.shared.formats.pieces import check_length, periodic_piece_from_json
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import DescriptionError, ReversibleSystem, System, described_plainly
-
-CurveClaim = PeriodicCurveClaim | EquilibriumCurveClaim | BirthCurveClaim
-"""What may be claimed of a curve that uses no symmetry."""
 
 
 def system_without_symmetry(
@@ -84,21 +79,14 @@ def atlas_without_symmetry(
 ) -> PeriodicAtlas:
     """An atlas of the kind of its claim."""
     more = {} if provenance is None else {"provenance": provenance}
-    made: Any = _ATLASES[type(claim)]
+    made: Any = ATLASES_WITHOUT_REVERSOR[claim.kind]
     atlas: PeriodicAtlas = made(name, title, system, parameters, claim, pieces, **more)
     return atlas
 
 
-_ATLASES = {PeriodicCurveClaim: PeriodicAtlas, EquilibriumCurveClaim: EquilibriumAtlas, BirthCurveClaim: BirthAtlas}
-_CLAIMS = {
-    **dict.fromkeys(EQUILIBRIUM_CURVES, EquilibriumCurveClaim),
-    **dict.fromkeys(BIRTH_CURVES, BirthCurveClaim),
-}
-
-
 def curve_claim_from_json(entry: Mapping[str, Any], source: str) -> CurveClaim:
     """What is claimed of a curve, as far as it needs no system."""
-    claim: CurveClaim = from_json(_CLAIMS.get(entry["kind"], PeriodicCurveClaim), entry, source)
+    claim: CurveClaim = from_json(CLAIMS_WITHOUT_REVERSOR[entry["kind"]], entry, source)
     return claim
 
 

@@ -9,10 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from orbitproof.shared.claims import ATLASES_WITHOUT_REVERSOR
 from orbitproof.shared.formats import (
-    BIRTH_CURVES,
-    EQUILIBRIUM_CURVES,
-    PERIODIC_CURVES,
     AnyAtlas,
     ArgumentError,
     Atlas,
@@ -101,7 +99,7 @@ def atlas_of(document: Mapping[str, Any]) -> AnyAtlas:
     """The claim of a certificate. Raises `InputError`, `ValueError` or `CannotBeCheckedError` if there is none."""
     stated, where = document["statement"]["atlas"], "statement.atlas"
     validate_document(stated, "atlas", where)
-    if stated["claim"]["kind"] in (*PERIODIC_CURVES, *EQUILIBRIUM_CURVES, *BIRTH_CURVES):
+    if stated["claim"]["kind"] in ATLASES_WITHOUT_REVERSOR:
         return atlas_from_json(stated, where)
     return atlas_from_json(stated, where, systems_with(BRANCH_SYSTEMS, document["statement"], stated))
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Annotated, Any, ClassVar
 
-from orbitproof.shared.claims import CLAIMS, EQUILIBRIUM_CURVES, PERIODIC_CURVES, SURFACE
+from orbitproof.shared.claims import ATLASES_WITHOUT_REVERSOR, CLAIMS, SURFACE
 from orbitproof.shared.stored import Rules, ToldBy, Unread, rules, stored
 from orbitproof.verify.certificate.document import (
     Document,
@@ -47,7 +47,7 @@ class PeriodicCurveStatement(Stated):
         functions: as in `StatedWithSymmetry`.
     """
 
-    claim: Annotated[Mapping[str, Any], _kinds(*PERIODIC_CURVES, *EQUILIBRIUM_CURVES)] = stored("atlas")
+    claim: Annotated[Mapping[str, Any], _kinds(*ATLASES_WITHOUT_REVERSOR)] = stored("atlas")
     functions: Annotated[tuple[StatedFunction, ...], rules(minItems=1, maxItems=20)] | None = None
 
 

@@ -14,15 +14,13 @@ from typing import Any, cast
 from flint import acb, arb
 
 from orbitproof.shared.claims import (
-    BIRTH_CURVES,
+    ATLASES_WITHOUT_REVERSOR,
     BOX_KINDS,
     CLAIMS,
-    EQUILIBRIUM_CURVES,
     KINDS,
     KINDS_WITHOUT_REVERSOR,
     PERIODIC,
     PERIODIC_BIFURCATIONS,
-    PERIODIC_CURVES,
     PERIODIC_TORUS,
     SURFACE,
     BoxClaim,
@@ -54,9 +52,8 @@ WEB, INDEX, CATALOGUE = "web", "index", "catalogue"
 FURTHER: Mapping[str, str] = {
     **dict.fromkeys(CLAIMS, "curve"),
     SURFACE: "surface",
-    **dict.fromkeys(PERIODIC_CURVES, "periodic_curve"),
-    **dict.fromkeys(EQUILIBRIUM_CURVES, "equilibrium_curve"),
-    **dict.fromkeys(BIRTH_CURVES, "birth_curve"),
+    # Called as the module of the claim.
+    **{name: atlas.__module__.rpartition(".")[2] for name, atlas in ATLASES_WITHOUT_REVERSOR.items()},
     **{name: name for name in (WEB, INDEX, CATALOGUE)},
 }
 """The others, by the kinds of claims about branches as atlases say them, or what is joined."""
