@@ -16,7 +16,6 @@ from flint import fmpz, fmpz_poly
 
 from orbitproof.verify.algebra import (
     Arithmetic,
-    Factors,
     Floats,
     Grading,
     Points,
@@ -203,6 +202,7 @@ class _PointsRecurrence(TaylorRecurrence[Points]):
     ) -> None:
         super().__init__(program, [np.zeros(shape, complex) for _ in program.nodes])
         self.factors, self.grades, self.step, self.forcing = grading.factors, grading.grades, step, forcing
+        self.inner = [(position, i, j) for position, pairs in enumerate(grading.factors) for i, j in pairs if i and j]
         self._inverses: dict[int, Points] = {}
 
     def constant(self, index: int, value: Fraction) -> Points:
@@ -214,7 +214,7 @@ class _PointsRecurrence(TaylorRecurrence[Points]):
         return np.asarray(coefficient * float(factor))
 
     def product(self, index: int, n: int, left: Sequence[Points], right: Sequence[Points]) -> Points:
-        return _product(self.factors, np.asarray(left[: n + 1]), np.asarray(right[n::-1]))
+        return _product(self.inner, np.asarray(left[: n + 1]), np.asarray(right[n::-1]))
 
     def power(self, index: int, n: int, base: Sequence[Points], exponent: Fraction) -> Points:
         if n == 0:
@@ -222,8 +222,8 @@ class _PointsRecurrence(TaylorRecurrence[Points]):
             return graded_power(base[0], exponent, self.factors, self.grades)
         p, q = exponent.numerator, exponent.denominator
         weights = (((p + q) * np.arange(1, n + 1) - q * n) / (q * n)).astype(complex)[:, None, None]
-        mixed = _product(self.factors, weights * base[1 : n + 1], self.coefs[index][n - 1 :: -1][:n])
-        return _product(self.factors, mixed[None], self._inverses[index][None])
+        mixed = _product(self.inner, weights * base[1 : n + 1], self.coefs[index][n - 1 :: -1][:n])
+        return _product(self.inner, mixed[None], self._inverses[index][None])
 
     def integral(self, component: int, n: int, slope: Points) -> Points:
         result = np.asarray(slope * (self.step / (n + 1)))
@@ -232,12 +232,16 @@ class _PointsRecurrence(TaylorRecurrence[Points]):
         return result
 
 
-def _product(factors: Factors, left: Points, right: Points) -> Points:
-    """The sum over the first axis of products of graded elements, shape (monomials, points)."""
+def _product(inner: Sequence[tuple[int, int, int]], left: Points, right: Points) -> Points:
+    """The sum over the first axis of products of graded elements, shape (monomials, points).
+
+    Args:
+        inner: each place with two other monomials than the constant whose product is there.
+    """
     # Most products are those with the constant.
     result: Points = np.einsum("np,nmp->mp", left[:, 0], right)
-    result[1:] += np.einsum("nmp,np->mp", left[:, 1:], right[:, 0])
-    inner = [(position, i, j) for position, pairs in enumerate(factors) for i, j in pairs if i and j]
+    if len(result) > 1:
+        result[1:] += np.einsum("nmp,np->mp", left[:, 1:], right[:, 0])
     if inner:
         # By symmetries, half of the monomials are often zero.
         some_left, some_right = np.any(left, axis=(0, 2)), np.any(right, axis=(0, 2))
