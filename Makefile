@@ -253,9 +253,9 @@ PYTEST = PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n 3 --dist worksteal
 
 # Lint has a core to itself only while the tests begin, and is read after them.
 test: $(VENV)/dev.stamp
-	@said=$$(mktemp) && trap 'rm -f "$$said"' EXIT && trap 'exit 130' INT TERM; \
+	@said=$$(mktemp) && trap 'rm -f "$$said"' EXIT && trap 'kill $$lint $$tests 2>/dev/null; wait; exit 130' INT TERM; \
 	$(MAKE) --no-print-directory lint >"$$said" 2>&1 & lint=$$!; \
-	$(PYTEST); tests=$$?; wait $$lint; lint=$$?; cat "$$said"; [ $$tests -eq 0 ] && [ $$lint -eq 0 ]
+	$(PYTEST) & tests=$$!; wait $$tests; tested=$$?; wait $$lint; linted=$$?; cat "$$said"; [ $$tested -eq 0 ] && [ $$linted -eq 0 ]
 
 check: $(VENV)/dev.stamp
 	@$(BIN)/python tests/check.py

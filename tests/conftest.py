@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import gc
 import multiprocessing
+import signal
 import sys
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, ExitStack, chdir, nullcontext
@@ -58,11 +59,21 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Costs are written by the process that runs the test."""
+    """Costs are written by the process that runs the test; signals reach that which hands tests out."""
     if config.getoption("costs"):
         costs = quick.Costs(Path(config.getoption("costs")))
         config.pluginmanager.register(costs)
         functools.cache = costs.cache
+    if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
+        for each in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(each, _interrupted)
+
+
+def _interrupted(*_: object) -> None:
+    """Ended from outside (`make test`): once is enough, and those that run the tests are ended too."""
+    for each in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(each, signal.SIG_IGN)
+    raise KeyboardInterrupt
 
 
 @pytest.hookimpl(tryfirst=True)
