@@ -493,5 +493,22 @@ def test_orbits_attract_if_the_coefficient_and_all_other_eigenvalues_are_negativ
     numbers = {"w": Q(2), "d": Q(1, 2), "c": c, "e": Q(1, 3)}
     bends = [("squares", Q(1)), ("products", Q(1, 2))]
     claim = cases.in_other_coordinates(((1, 1, 0), (0, 1, -1), (1, 0, 2)), bends, numbers, (other,)).claim
-    text = certify(claim, FAST).to_json()["statement"]["in_full"]
+    found = certify(claim, FAST)
+    text, side = found.to_json()["statement"]["in_full"], "above" if c < 0 else "below"
     assert text.rpartition(". ")[2].startswith(f"They are {stability}")
+    assert (
+        f"are there for values of a {side} that of the point, not for values {'below' if c < 0 else 'above'} it" in text
+    )
+    assert found.side == side
+
+
+def test_parameter_and_frequency_lie_each_in_an_interval_of_its_own() -> None:
+    claim, off, narrow = cases.hopf(), Q(1, 2**80), Q(1, 2**90)
+    moved = {**claim.parameters, "a": off}
+    assert reason_of(replace(claim, frequency=claim.frequency + off, frequency_radius=narrow)) == "imaginary-pair"
+    assert reason_of(replace(claim, parameters=moved, parameter_radius=narrow)) == "imaginary-pair"
+    for true in (
+        replace(claim, frequency=claim.frequency + off, parameter_radius=narrow),
+        replace(claim, parameters=moved, frequency_radius=narrow),
+    ):
+        assert certify(true, FAST).reason is None

@@ -82,6 +82,8 @@ def test_a_curve_goes_through_a_fold_which_is_regular() -> None:
         assert [(each.left, each.right) if each else None for each in counts] == [(1, 1), None, (2, 0)]
         assert found.sides[1].all_values.contains(0)
         assert found.sides[0].values[0].contains(0.25)
+        assert [part.pieces for part in found.sides] == [("p1", "p1"), ("p1", "p1"), ("p1", "p2")]
+        assert (found.sides[0].between[0], found.sides[2].between[1]) == (-1, 1)
 
 
 def test_tangents_are_known_up_to_the_bounds_of_the_slopes() -> None:
@@ -389,3 +391,46 @@ def test_a_range_is_covered_whether_a_coordinate_increases_or_not() -> None:
         for increasing in ((), ("x",)):
             claim = replace(atlas.claim, increasing=increasing, covers=covers)
             assert reason(replace(atlas, claim=claim), honest) == "covers"
+
+
+def test_a_fold_where_pieces_meet_is_an_extremum_between_them() -> None:
+    """a = x^2, one piece up to 0 and one from -1/4: at 0 the direction is not certain on either."""
+    system = define_system({"name": "u", "state": "x y", "parameters": "a", "field": {"x": "a - x**2", "y": "-y"}})
+    whole = line(system, Q(1, 4), (Q(0),), (Q(0),) * 3)
+    (piece,) = whole.curve_pieces()
+    pieces = tuple(
+        replace(
+            piece, id=name, centre=(middle**2, middle, Q(0)), half_width=reach,
+            polynomial=((Q(0), 2 * middle * reach, reach**2), (Q(0),)),
+        )
+        for name, middle, reach in (("p", Q(-1, 4), Q(1, 4)), ("q", Q(1, 8), Q(3, 8)))
+    )  # fmt: skip
+    found = proved(replace(whole, pieces=pieces))
+    (fold,) = found.folds
+    assert (fold.is_maximum, fold.is_regular, fold.pieces, fold.all_values) == (False, False, ("p", "q"), None)
+    assert all(0 < value < 0.01 for value in fold.values)
+    said = equilibrium_curve_in_words(EquilibriumCurveTheorem(replace(whole, pieces=pieces)), found)
+    assert "Along it a has a minimum between a point with a in" in said
+
+
+def test_slopes_are_within_those_of_the_polynomial_and_the_bound() -> None:
+    """The polynomial is off by c s, the curve's own slope by c."""
+    atlas = cases.curve_of_equilibria()
+    first, last = atlas.curve_pieces()
+    ((constant, linear, square), other) = first.polynomial
+    off = first.tube[0] / 200
+    bent = replace(atlas, pieces=(replace(first, polynomial=((constant, linear + off, square), other)), last))
+    outcome = prove_equilibrium_piece(bent, bent.curve_pieces()[0], (Q(0), Q(1, 4)), FAST).outcome
+    assert isinstance(outcome, Proved)
+    assert off <= outcome.results.slope_deviation[0] < 64 * off
+    assert off / 4 <= outcome.results.deviation[0] < off / 2
+
+
+def test_a_curve_of_a_field_with_functions() -> None:
+    """a = log(1 + x)."""
+    system = define_system(
+        {"name": "e", "state": "x y", "parameters": "a", "field": {"x": "exp(a) - 1 - x", "y": "-exp(x)*y"}}
+    )
+    found = proved(line(system, Q(1, 16), (Q(0), Q(1, 16), -Q(1, 512), Q(1, 12288)), (Q(0),) * 3))
+    assert found.ends["end"]["a"].overlaps((arb(17) / 16).log())
+    assert [(part.sides.left, part.sides.right) for part in found.sides if part.sides] == [(2, 0)]
