@@ -98,7 +98,9 @@ def families_to_give(system: str, name: str) -> str:
     names = (*FAMILY_NAMES.get(system, ()), *(WITHOUT_SYMMETRY if system == "cr3bp" else ()))
     close = get_close_matches(name.casefold(), [*(known.casefold() for known in names), *_ALIASES], 3, 0.5)
     close = [_ALIASES.get(each, each).casefold() for each in close]
-    return ", ".join(sorted(names, key=lambda known: known.casefold() not in close))
+    given = ", ".join(sorted(names, key=lambda known: known.casefold() not in close))
+    sides = (f"; and branch {side} for {side}ern orbits" for side in BRANCHES if name.casefold().startswith(side))
+    return given + "".join(sides)
 
 
 def system_with(names: Sequence[str]) -> str | None:
