@@ -212,7 +212,10 @@ def _counted(known: _Known, interval: Interval | None) -> CountedOrbit | str:
         for place in tuple(starts):
             piece, s, start = place
             try:
-                return CountedOrbit(piece, s, spared(followed(start, bits, ORACLE), _SPARE))
+                turns = spared(followed(start, bits, ORACLE), _SPARE)
+                if all(each.are_known for each in turns):
+                    return CountedOrbit(piece, s, turns)
+                why = f"{shown(piece)}, s = {float(s):.6g}: the orbit ends too close to a whole half turn"
             except IntegrationFailure as failure:
                 why = f"{shown(piece)}, s = {float(s):.6g}: {failure.reason.message}"
                 if not failure.reason.needs_precision:

@@ -33,6 +33,12 @@ class HalfTurns:
         """The Conley-Zehnder index."""
         return self.fixed + self.negated + self.planes
 
+    @property
+    def are_known(self) -> bool:
+        """Whether both angles lie certainly between their whole half turns and n more (Lemma 35.3)."""
+        numbers = (self.fixed, self.negated)
+        return all(follow_from(number, self.planes, angle) for number, angle in zip(numbers, self.angles, strict=True))
+
 
 def determinant(rows: Vectors) -> acb:
     """The determinant of a square matrix of at most three rows."""
@@ -99,6 +105,11 @@ def half_turns(angle: arb, end: acb, across: arb, planes: int) -> tuple[int, arb
 def excludes_zero_of(value: acb) -> bool:
     """Whether a complex number is certainly not 0."""
     return excludes_zero(value.real) or excludes_zero(value.imag)
+
+
+def follow_from(number: int, planes: int, angle: arb) -> bool:
+    """Whether so many whole half turns certainly follow from a sum of n angles in half turns (section 35.3)."""
+    return is_positive(angle - number) and is_positive(number + planes - angle)
 
 
 def real_parts(rows: Vectors) -> Vectors:

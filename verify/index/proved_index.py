@@ -30,7 +30,7 @@ from orbitproof.verify.index.along_curve import (
     start_at,
     stretch_of,
 )
-from orbitproof.verify.index.half_turns import HalfTurns
+from orbitproof.verify.index.half_turns import HalfTurns, follow_from
 from orbitproof.verify.index.libration_value import index_of_small_orbits, reaches_rest
 from orbitproof.verify.stability import Bound, Kind, ProvedList, Segment
 
@@ -158,7 +158,7 @@ def _check_counts(
                     ("fixes", "negates"), (turns.fixed, turns.negated), turns.angles, strict=True
                 ):
                     between = evidence.record(f"{where}{block}: angle of what R {name}", angle)
-                    inside = is_positive(between - number_of) and is_positive(number_of + turns.planes - between)
+                    inside = follow_from(number_of, turns.planes, between)
                     evidence.require(inside, f"{where}: {counted(number_of, 'half turn')} are not those of the angle")
 
 
