@@ -594,6 +594,21 @@ def test_orbits_stand_in_their_intervals() -> None:
     assert nothing.reason.condition == "curve"
 
 
+def test_an_orbit_whose_half_turns_do_not_follow_gives_way_to_another(monkeypatch: pytest.MonkeyPatch) -> None:
+    curve, found, (orbit, _) = counted(PLANAR)
+    known = of_indices._Known(case(PLANAR)[0], curve, found)
+    turns = orbit.turns[0]
+    vague = replace(turns, angles=(turns.angles[0], arb(turns.negated + turns.planes, 1e-9)))
+    answers = iter([(vague, orbit.turns[1]), orbit.turns])
+    monkeypatch.setattr(of_indices, "followed", lambda *_: next(answers))
+    chosen = of_indices._counted(known, known.intervals[0])
+    assert isinstance(chosen, CountedOrbit)
+    assert (chosen.piece, chosen.s) != (orbit.piece, orbit.s)
+    assert refusal(PLANAR, (replace(orbit, turns=(vague, orbit.turns[1])), counted(PLANAR)[2][1])) == "counts"
+    monkeypatch.setattr(of_indices, "followed", lambda *_: (vague, orbit.turns[1]))
+    assert "too close to a whole half turn" in str(of_indices._counted(known, known.intervals[0]))
+
+
 def test_what_the_list_leaves_open_ends_an_interval() -> None:
     curve, found, _ = counted(RETROGRADE)
     assert len(intervals_of(curve, found)) == 2
