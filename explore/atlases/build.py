@@ -19,7 +19,7 @@ import numpy as np
 
 from orbitproof.explore.atlases.complex_flow import Coordinates
 from orbitproof.explore.atlases.cover import CoverControl, Coverer, CoverFailure
-from orbitproof.explore.atlases.curve import Curve, CurvePoint
+from orbitproof.explore.atlases.curve import Curve, FamilyPoint
 from orbitproof.explore.atlases.expansion import Expansion
 from orbitproof.explore.engines import Progress
 from orbitproof.explore.families import Family, in_fixed_space, tangency
@@ -219,7 +219,7 @@ def _symmetric(coverer: Coverer, symmetry: str, index: int) -> Expansion:
     direction = np.zeros(size)
     direction[odd[0]] = np.sign(tangent[odd[0]])
     across = np.eye(size)[:, [i for i in range(size) if i != odd[0]]]
-    point = CurvePoint(family.arclengths[index], orbit.unknowns[:-1], direction, orbit.half_period)
+    point = FamilyPoint(family.arclengths[index], orbit.unknowns[:-1], direction, orbit.half_period)
     return coverer.symmetric(point, direction, across)
 
 

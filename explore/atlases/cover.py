@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from orbitproof.explore.atlases.complex_flow import Coordinates, HalfReturns
-from orbitproof.explore.atlases.curve import Curve, CurvePoint, coordinate_time
+from orbitproof.explore.atlases.curve import Curve, FamilyPoint, coordinate_time
 from orbitproof.explore.atlases.expansion import Chart, Expansion, ExpansionFailure, expand
 from orbitproof.explore.engines import Progress
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
@@ -157,7 +157,7 @@ class Coverer:
         """The best half-width of a piece there, by what the coefficients of an expansion say."""
         return expansion.best_half_width(self.control.degree, self.control.decay)
 
-    def symmetric(self, point: CurvePoint, direction: Vector, across: Matrix) -> Expansion:
+    def symmetric(self, point: FamilyPoint, direction: Vector, across: Matrix) -> Expansion:
         """The piece about a point where the curve meets Fix(S), along `direction`. Raises `CoverFailure`."""
         scale = self.curve.scale(point.point)
         chart = Chart(point.point, np.column_stack([direction, across]), 0.02 * scale, scale)
@@ -259,7 +259,7 @@ class Coverer:
         names = self.curve.family.problem.system.centre_coordinates
         return ", ".join(f"{name} = {value:.8g}" for name, value in zip(names, point, strict=True))
 
-    def _chart(self, left: Vector, here: CurvePoint, width: float) -> tuple[CurvePoint, Chart]:
+    def _chart(self, left: Vector, here: FamilyPoint, width: float) -> tuple[FamilyPoint, Chart]:
         """The chart whose left end, s = -1, is `left`, about `width` wide."""
         curve = self.curve
         limit = curve.family.arclengths[-1]

@@ -19,7 +19,7 @@ RESOLVED = LANES // 4
 
 
 @dataclass(frozen=True)
-class CurvePoint:
+class FamilyPoint:
     """A point of a family.
 
     Attributes:
@@ -47,7 +47,7 @@ class Curve:
     family: Family
     graph: bool
 
-    def at(self, place: float) -> CurvePoint:
+    def at(self, place: float) -> FamilyPoint:
         """The point at an arclength of the family. Raises `CorrectionFailure`."""
         family, problem = self.family, self.family.problem
         orbit = family.orbit_at(place)
@@ -57,7 +57,7 @@ class Curve:
         except FlowFailure as error:
             raise CorrectionFailure(str(error)) from None
         tangent = problem.tangent(jacobian, family.tangents[nearest]) * problem.scales
-        return CurvePoint(place, orbit.unknowns[:-1], tangent[:-1], orbit.half_period)
+        return FamilyPoint(place, orbit.unknowns[:-1], tangent[:-1], orbit.half_period)
 
     def frame(self, tangent: Vector) -> Matrix:
         """A frame whose column 0 is along the curve: orthonormal, or for a graph the identity."""

@@ -20,7 +20,7 @@ import numpy as np
 from orbitproof.explore.flow import Matrix, Vector
 from orbitproof.explore.numerics import fraction, mpf, working_context
 from orbitproof.explore.refinement import (
-    Frame,
+    Directions,
     IntegrationFailure,
     JetBasis,
     RefinementFailure,
@@ -143,7 +143,7 @@ def branch_point(candidate: Candidate) -> BranchPoint:
         times = [0.0, *(crossing.time for crossing in islice(crossings, candidate.crossings))]
         order, slope = LEADING_POWERS.get(candidate.kind, 2), 0.0
         if order == 1:
-            slope = _slope(candidate, exact, Frame(context.matrix(frame), kernel), context)
+            slope = _slope(candidate, exact, Directions(context.matrix(frame), kernel), context)
         level = level_at(system, parameters, centre, context)
     except (IntegrationFailure, RefinementFailure) as failure:
         raise NoBranch(str(failure)) from None
@@ -165,7 +165,7 @@ def branch_point(candidate: Candidate) -> BranchPoint:
     )
 
 
-def _slope(candidate: Candidate, centre: Sequence[Fraction], frame: Frame, context: mpmath.MPContext) -> float:
+def _slope(candidate: Candidate, centre: Sequence[Fraction], frame: Directions, context: mpmath.MPContext) -> float:
     """p_0'(p_1) of a touch-and-go branch: what the search noted beside the claim, otherwise from series."""
     noted = candidate.provenance.get("branch_slope")
     if isinstance(noted, float) and isfinite(noted) and candidate.level_sign is None:

@@ -18,7 +18,7 @@ from orbitproof.shared.help_text import add_command
 from orbitproof.shared.printed_tables import wrapped
 
 if TYPE_CHECKING:
-    from orbitproof.explore.three_body.trajectories import Samples
+    from orbitproof.explore.three_body.trajectories import SampledOrbit
 
 _EXAMPLES = """\
 examples:
@@ -170,7 +170,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _as_json(samples: Samples, lines: list[str]) -> dict[str, Any]:
+def _as_json(samples: SampledOrbit, lines: list[str]) -> dict[str, Any]:
     """What was written, for programs; times and lengths in the units of the file."""
     trajectory = samples.trajectory
     return {

@@ -59,7 +59,7 @@ class CurveControl:
 
 
 @dataclass(frozen=True)
-class Chart:
+class PieceInFloats:
     """A piece in float64.
 
     Attributes:
@@ -201,7 +201,7 @@ def cover_equilibria(
 class _Walk:
     """All pieces of a curve in float64, and why it ends, as `CoveredCurve` says."""
 
-    charts: list[Chart]
+    charts: list[PieceInFloats]
     ends: tuple[str, ...]
     reaches: bool
     is_closed: bool
@@ -250,7 +250,7 @@ def _change(curve: NewtonCurve, start: Vector, period: float) -> float:
     return max(float(np.abs(each[1:]).max() / (abs(each[0]) or 1.0)) for each in tangents)
 
 
-def _first_chart(curve: NewtonCurve, point: CurvePoint) -> Chart:
+def _first_chart(curve: NewtonCurve, point: CurvePoint) -> PieceInFloats:
     width = _FIRST
     while True:
         try:
@@ -272,7 +272,7 @@ class Trace:
     curve: NewtonCurve
     bounds: tuple[float, float]
     control: CurveControl
-    first: Chart
+    first: PieceInFloats
     progress: Callable[[str], None] | None
 
     def value(self, point: CurvePoint) -> float:
@@ -282,9 +282,9 @@ class Trace:
         x, values = self.curve.state(point.place)
         return self.curve.problem.level(x, values) or 0.0
 
-    def pieces(self, start: CurvePoint) -> tuple[list[Chart], str | None]:
+    def pieces(self, start: CurvePoint) -> tuple[list[PieceInFloats], str | None]:
         """Pieces from an end of the first one on, and why they end; `None` if they come back to the first."""
-        found: list[Chart] = []
+        found: list[PieceInFloats] = []
         end, width, low_high = start, min(self.first.half_width * _WIDER, self.control.widest), self.bounds
         while low_high[0] <= self.value(end) <= low_high[1]:
             if len(found) == self.control.most:
@@ -308,7 +308,7 @@ class Trace:
                 return found, None
         return found, "beyond what was asked for"
 
-    def _next(self, end: CurvePoint, width: float) -> Chart:
+    def _next(self, end: CurvePoint, width: float) -> PieceInFloats:
         """The piece that begins at the end of another one. Raises `PeriodicFailure`."""
         step = (1 - _OVERLAP) * width
         guess = end.place + step * end.tangent * self.curve.scales
@@ -328,7 +328,7 @@ class Trace:
         )
 
 
-def chart_about(curve: NewtonCurve, centre: CurvePoint, half_width: float) -> Chart:
+def chart_about(curve: NewtonCurve, centre: CurvePoint, half_width: float) -> PieceInFloats:
     """The piece about an orbit. Raises `PeriodicFailure` if it is too wide."""
     frame = _frame(centre.tangent)
     nodes = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
@@ -353,7 +353,7 @@ def chart_about(curve: NewtonCurve, centre: CurvePoint, half_width: float) -> Ch
     noise = max(tail, left, _TINY)
     large = np.flatnonzero(np.abs(series).max(axis=0) > noise)
     kept = series[:, : min(_DEGREE, int(large[-1]) if len(large) else 0) + 1]
-    return Chart(centre, half_width, kept, frame, (ends[0], ends[1]), noise)
+    return PieceInFloats(centre, half_width, kept, frame, (ends[0], ends[1]), noise)
 
 
 def _at(
@@ -388,7 +388,7 @@ def _frame(tangent: Vector) -> Matrix:
     return np.column_stack(columns)
 
 
-def _turned(chart: Chart) -> Chart:
+def _turned(chart: PieceInFloats) -> PieceInFloats:
     """A piece run through backwards."""
     signs = np.where(np.arange(chart.series.shape[1]) % 2, -1.0, 1.0)
     frame = chart.frame.copy()
@@ -396,7 +396,7 @@ def _turned(chart: Chart) -> Chart:
     return replace(chart, series=chart.series * signs, frame=frame, ends=(chart.ends[1], chart.ends[0]))
 
 
-def piece_of(curve: NewtonCurve, name: str, chart: Chart, control: CurveControl) -> Piece:
+def piece_of(curve: NewtonCurve, name: str, chart: PieceInFloats, control: CurveControl) -> Piece:
     centre = tuple(Fraction(float(value)) for value in chart.centre.place)
     frame = tuple(
         tuple(Fraction(float(entry)) for entry in row) for row in chart.frame * curve.scales[:, None]

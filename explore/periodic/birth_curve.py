@@ -11,7 +11,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from orbitproof.explore.flow import FlowFailure
-from orbitproof.explore.periodic.atlas import Chart, CoveredCurve, CurveControl, Trace, chart_about, piece_of
+from orbitproof.explore.periodic.atlas import CoveredCurve, CurveControl, PieceInFloats, Trace, chart_about, piece_of
 from orbitproof.explore.periodic.correction import PeriodicFailure, PeriodicProblem
 from orbitproof.explore.periodic.equilibria import field_slopes
 from orbitproof.explore.periodic.flow import Matrix, Vector, arc_of, velocity_at
@@ -135,7 +135,7 @@ def cover_birth(
     return CoveredCurve(BirthAtlas(identity, title, system, parameters, claim, pieces, {}), ends, reaches)
 
 
-def _first(curve: BirthCurve, start: Vector, period: float) -> Chart:
+def _first(curve: BirthCurve, start: Vector, period: float) -> PieceInFloats:
     """The piece that begins at the equilibrium. Raises `PeriodicFailure` if none is narrow enough."""
     along = np.zeros(len(start))
     along[1] = 1.0

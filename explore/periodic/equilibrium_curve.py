@@ -53,7 +53,7 @@ class EquilibriumControl(numerics.StepControl):
 
 
 @dataclass(frozen=True)
-class CurvePoint:
+class RestPoint:
     """An equilibrium on a curve, the value of the parameter, and the tangent of the curve in units of its scale."""
 
     equilibrium: Equilibrium
@@ -84,7 +84,7 @@ class EquilibriumCurve:
 
     problem: PeriodicProblem
     name: str
-    members: tuple[CurvePoint, ...]
+    members: tuple[RestPoint, ...]
     special: tuple[SpecialPoint | Hopf, ...]
     reason: str
     interrupted: bool = False
@@ -121,13 +121,13 @@ class _Equations:
         n = len(here.point)
         return np.column_stack([here.matrix, here.slopes[:, n + self.place]]) * self.scale
 
-    def member(self, here: Equilibrium, along: Vector | None) -> CurvePoint:
+    def member(self, here: Equilibrium, along: Vector | None) -> RestPoint:
         """With the tangent in the direction of `along`, by default that in which the parameter grows."""
         tangent = np.linalg.svd(self.derivative(here))[2][-1]
         towards = tangent[-1] if along is None else tangent @ along
-        return CurvePoint(here, float(here.values[self.place]), -tangent if towards < 0 else tangent)
+        return RestPoint(here, float(here.values[self.place]), -tangent if towards < 0 else tangent)
 
-    def corrected(self, before: CurvePoint, length: float) -> CurvePoint:
+    def corrected(self, before: RestPoint, length: float) -> RestPoint:
         """The equilibrium so far along the curve. Raises `PeriodicFailure`."""
         start = np.append(before.equilibrium.point, before.value)
         predicted = start + length * before.tangent * self.scale
@@ -150,7 +150,7 @@ class _Equations:
             raise PeriodicFailure(str(failure)) from None
         raise PeriodicFailure("Newton's method does not converge")
 
-    def rescaled(self, now: CurvePoint) -> tuple[_Equations, CurvePoint]:
+    def rescaled(self, now: RestPoint) -> tuple[_Equations, RestPoint]:
         """In units of the size of a point that is larger than the first ones."""
         scale = self.scale.copy()
         scale[:-1] = np.max(np.abs(now.equilibrium.point))
@@ -209,7 +209,7 @@ def continue_equilibrium(
 class _Trace:
     """A curve one way: its points without the first, what is on it, why it ends."""
 
-    members: list[CurvePoint]
+    members: list[RestPoint]
     special: list[SpecialPoint | Hopf]
     reason: str = ""
     interrupted: bool = False
@@ -217,7 +217,7 @@ class _Trace:
 
 def _follow(
     equations: _Equations,
-    start: CurvePoint,
+    start: RestPoint,
     bounds: tuple[float, float],
     control: EquilibriumControl,
     trace: _Trace,
@@ -227,7 +227,7 @@ def _follow(
     low, high = bounds
     units, last = equations, start
 
-    def advance(length: float) -> tuple[CurvePoint, float]:
+    def advance(length: float) -> tuple[RestPoint, float]:
         now = units.corrected(last, length)
         angle = float(np.arccos(np.clip(now.tangent @ last.tangent, -1, 1)))
         if angle > control.turning:
@@ -254,7 +254,7 @@ def _follow(
 
 
 def _between(
-    equations: _Equations, before: CurvePoint, now: CurvePoint, length: float, patient: bool
+    equations: _Equations, before: RestPoint, now: RestPoint, length: float, patient: bool
 ) -> list[SpecialPoint | Hopf]:
     """What lies on a step. Raises `UnresolvedError` where a shorter one is needed to tell, and is possible."""
     old, new = before.equilibrium.eigenvalues, now.equilibrium.eigenvalues
@@ -278,17 +278,17 @@ def _between(
     return found
 
 
-def _crossing_test(equations: _Equations) -> Callable[[CurvePoint], float]:
+def _crossing_test(equations: _Equations) -> Callable[[RestPoint], float]:
     """A function with a sign change where two curves cross, and not at a fold."""
 
-    def test(member: CurvePoint) -> float:
+    def test(member: RestPoint) -> float:
         sign, _ = np.linalg.slogdet(np.vstack([equations.derivative(member.equilibrium), member.tangent]))
         return float(sign)
 
     return test
 
 
-def _hopf_test(member: CurvePoint) -> float:
+def _hopf_test(member: RestPoint) -> float:
     """The product of all sums of two eigenvalues, in units of the largest: it changes sign where a pair crosses."""
     found = member.equilibrium.eigenvalues
     size = float(np.max(np.abs(found))) or 1.0
@@ -299,8 +299,8 @@ def _hopf_test(member: CurvePoint) -> float:
 
 
 def _located(
-    equations: _Equations, before: CurvePoint, now: CurvePoint, length: float, test: Callable[[CurvePoint], float]
-) -> CurvePoint:
+    equations: _Equations, before: RestPoint, now: RestPoint, length: float, test: Callable[[RestPoint], float]
+) -> RestPoint:
     """The point on a step at which a test changes its sign; an end of the step if it cannot be reached."""
     # Only now: scipy takes a moment to load.
     from scipy.optimize import brentq
@@ -318,7 +318,7 @@ def _located(
         return min(known.values(), key=lambda each: abs(test(each)))
 
 
-def _fold(equations: _Equations, there: CurvePoint) -> SpecialPoint:
+def _fold(equations: _Equations, there: RestPoint) -> SpecialPoint:
     """A fold to all digits of float64, as it was located where that fails; a branch point where two curves cross."""
     sizes = np.linalg.svd(equations.derivative(there.equilibrium))[1]
     if sizes[-1] < _CROSSING * sizes[0]:
@@ -333,7 +333,7 @@ def _fold(equations: _Equations, there: CurvePoint) -> SpecialPoint:
     return SpecialPoint(FOLD, np.array(list(map(float, found.unknowns[:n]))), float(found.unknowns[n]))
 
 
-def _hopf(equations: _Equations, there: CurvePoint) -> Hopf | None:
+def _hopf(equations: _Equations, there: RestPoint) -> Hopf | None:
     """The Hopf point near an equilibrium; `None` where two real eigenvalues have sum 0, or none is found."""
     eigenvalues, vectors = np.linalg.eig(there.equilibrium.matrix)
     sums = {(i, j): abs(eigenvalues[i] + eigenvalues[j]) for i, j in combinations(range(len(eigenvalues)), 2)}

@@ -1,6 +1,6 @@
 from .crossing import Crossing as Crossing
 from .crossing import section_crossings as section_crossings
-from .frames import Frame as Frame
+from .frames import Directions as Directions
 from .frames import RefinementFailure as RefinementFailure
 from .half_return import linear_iterates as linear_iterates
 from .half_return import section_jets as section_jets

@@ -33,7 +33,7 @@ class Parity:
 
 
 @dataclass(frozen=True)
-class Frame:
+class Directions:
     """Directions at a point of Fix(R), as mpmath matrices.
 
     Attributes:
@@ -73,7 +73,7 @@ def bifurcation_frame(
     tangential: bool,
     parity: Parity | None,
     context: mpmath.MPContext,
-) -> Frame:
+) -> Directions:
     """The frame from D pi_q P and D pi_q P^k, both n x (1 + n), at or near a bifurcation point.
 
     `level_gradient` is the gradient of the bifurcation parameter: that of the first integral, or
@@ -143,7 +143,7 @@ def turning(derivative: Any, level_gradient: Sequence[Any], context: mpmath.MPCo
 
 def fold_frame(
     system: ReversibleSystem, derivative: Any, level_gradient: Sequence[Any], context: mpmath.MPContext
-) -> Frame:
+) -> Directions:
     """The frame at or near a fold: p_1 along the curve, p_0 across the levels of the parameter, p_2 across both.
 
     Arguments as for `turning`. q_1 does not change to first order along the level. Raises `RefinementFailure`.
@@ -167,7 +167,7 @@ def _assemble(
     rows: list[list[Any]],
     support: Sequence[int],
     context: mpmath.MPContext,
-) -> Frame:
+) -> Directions:
     """Complete p_0, p_1 by directions across, with coordinates in `support` only."""
     size = len(tangent)
     fixed = [tangent, kernel]
@@ -181,7 +181,7 @@ def _assemble(
     outside = [_unit(context, i, size) for i in range(size) if i not in support and kernel[i] == 0]
     across = _complement(context, fixed + outside, size)
     columns = context.matrix([tangent, kernel, *across]).T
-    return Frame(columns, context.matrix(rows))
+    return Directions(columns, context.matrix(rows))
 
 
 def _rows(matrix: Any) -> list[list[Any]]:

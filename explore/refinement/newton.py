@@ -25,7 +25,7 @@ from orbitproof.explore.numerics import (
     working_context,
 )
 from orbitproof.explore.refinement.crossing import shorter_coordinates
-from orbitproof.explore.refinement.frames import Frame, Parity, RefinementFailure, parity_of
+from orbitproof.explore.refinement.frames import Directions, Parity, RefinementFailure, parity_of
 from orbitproof.explore.refinement.half_return import LinearIterates
 from orbitproof.explore.refinement.reduction import (
     BranchGeometry,
@@ -332,7 +332,7 @@ def _part(report: Callable[[str, float], None], done: float) -> Callable[[str, f
     return lambda message, fraction: report(message, done + fraction / 2)
 
 
-def _geometry(problem: Resonance, point: Sequence[Fraction], frame: Frame, context: Any) -> BranchGeometry:
+def _geometry(problem: Resonance, point: Sequence[Fraction], frame: Directions, context: Any) -> BranchGeometry:
     about = problem.system, problem.parameters, point, frame
     if problem.is_fold:
         return fold_geometry(*about, context, problem.regularisation, problem.crossings)
@@ -351,7 +351,7 @@ def _exact_rows(matrix: Any) -> tuple[tuple[Fraction, ...], ...]:
     return tuple(tuple(fraction(matrix[i, j]) for j in range(matrix.cols)) for i in range(matrix.rows))
 
 
-def _checked_iterates(problem: Resonance, frame: Frame, iterates: LinearIterates) -> tuple[float, ...]:
+def _checked_iterates(problem: Resonance, frame: Directions, iterates: LinearIterates) -> tuple[float, ...]:
     """Margins of D_(p1,p2) pi_q P^i for i < k, and a simple kernel for i = k."""
     margins = []
     for i, matrix in enumerate(iterates.matrices, start=1):

@@ -16,7 +16,7 @@ import mpmath
 
 from orbitproof.explore.numerics import mpf
 from orbitproof.explore.refinement.crossing import level_jet, section_crossings
-from orbitproof.explore.refinement.frames import Frame, RefinementFailure
+from orbitproof.explore.refinement.frames import Directions, RefinementFailure
 from orbitproof.explore.refinement.half_return import section_jets, start_jets
 from orbitproof.explore.refinement.jets import Jet, JetBasis
 from orbitproof.shared.systems import Regularisation, ReversibleSystem
@@ -65,7 +65,7 @@ def branch_geometry(
     system: ReversibleSystem,
     parameters: Mapping[str, Fraction],
     centre: Sequence[Fraction],
-    frame: Frame,
+    frame: Directions,
     k: int,
     tangential: bool,
     context: mpmath.MPContext,
@@ -152,7 +152,7 @@ def fold_geometry(
     system: ReversibleSystem,
     parameters: Mapping[str, Fraction],
     centre: Sequence[Fraction],
-    frame: Frame,
+    frame: Directions,
     context: mpmath.MPContext,
     regularisation: Regularisation | None = None,
     every: int = 1,

@@ -25,7 +25,7 @@ import numpy as np
 from orbitproof.explore.numerics import mpf, working_context
 from orbitproof.explore.refinement.crossing import level_jet
 from orbitproof.explore.refinement.frames import (
-    Frame,
+    Directions,
     Parity,
     RefinementFailure,
     bifurcation_frame,
@@ -81,7 +81,7 @@ class Resonance:
 
     def frame(
         self, point: Sequence[Fraction], iterates: LinearIterates, context: mpmath.MPContext, tangential: bool
-    ) -> Frame:
+    ) -> Directions:
         """The frame at a point, from the derivatives there."""
         gradient = self.level(point, context, 1).coefficients[1:]
         first, last = iterates.matrices[0], iterates.matrices[-1]
@@ -121,7 +121,7 @@ class LinearisedResonance:
 
     half: HalfReturn
     iterates: LinearIterates
-    frame: Frame
+    frame: Directions
     left: list[Any]
     right: list[Any]
     g: Any
@@ -151,7 +151,7 @@ def linearise(problem: Resonance, point: Sequence[Fraction], bits: int) -> Linea
     return LinearisedResonance(half, iterates, frame, left, right, g, context)
 
 
-def _schur_vectors(frame: Frame, matrix: Any, context: mpmath.MPContext) -> tuple[list[Any], list[Any]]:
+def _schur_vectors(frame: Directions, matrix: Any, context: mpmath.MPContext) -> tuple[list[Any], list[Any]]:
     """Vectors with left * matrix * right = M_11 - M_12 M_22^-1 M_21, M the matrix in the frame's coordinates.
 
     Its derivative is left * d(matrix) * right.

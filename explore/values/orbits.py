@@ -25,7 +25,7 @@ from orbitproof.explore.three_body.plots import draw_orbits
 from orbitproof.explore.three_body.trajectories import (
     Choice,
     Frame,
-    Samples,
+    SampledOrbit,
     SourceOrbit,
     Trajectory,
     Units,
@@ -144,7 +144,7 @@ class Orbit:
         periods: float = 1.0,
         count: int | None = None,
         error: float | None = None,
-    ) -> Samples:
+    ) -> SampledOrbit:
         """The orbit at times as dense as interpolation of degree 7 needs: `times`, `states`, and the `error` it has.
 
         Arguments:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Protocol
 
 from flint import arb
 
@@ -15,6 +15,19 @@ from orbitproof.verify.evidence import Evidence, all_finite, enclose, exact_inte
 
 _TRIALS = 32
 """Places along a piece where the next one is looked for, from its end backwards."""
+
+
+class ClaimedCurve(Protocol):
+    """What a claim says of how its pieces lie together, as `Claim` and the claims of other curves do."""
+
+    @property
+    def goes_round(self) -> bool: ...
+
+    @property
+    def is_closed(self) -> bool: ...
+
+    @property
+    def is_of_symmetric_curve(self) -> bool: ...
 
 
 @dataclass(frozen=True)
@@ -72,7 +85,7 @@ class Chain:
         return first.tube.point(first.run, first.enters), last.tube.point(last.run, last.leaves)
 
 
-def follow(evidence: Evidence, claim: Any, tubes: Sequence[Tube]) -> Chain | None:
+def follow(evidence: Evidence, claim: ClaimedCurve, tubes: Sequence[Tube]) -> Chain | None:
     """The curve through the tubes in order, as it is claimed; `None`, with the reason in `evidence`, if there is none.
 
     An arc begins at s = -1 of the first piece and ends at s = 1 of the last; a symmetric arc begins at s = 0; a

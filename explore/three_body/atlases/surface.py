@@ -26,8 +26,8 @@ from orbitproof.explore.numerics import NewtonRule
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.explore.three_body.masses import (
     HALO,
-    Chart,
     CurveRecord,
+    MassChart,
     PointRecord,
     chart_of,
     correct_at,
@@ -69,7 +69,7 @@ class Births:
     family: str = HALO
 
     @property
-    def chart(self) -> Chart:
+    def chart(self) -> MassChart:
         """In which its curve of symmetry-breaking points is regular."""
         return chart_of(self.libration, self.family)
 
@@ -205,7 +205,7 @@ def _place(births: Births, curve: Sequence[PointRecord], parameter: float) -> tu
     return (*point.scaled, point.half_period)
 
 
-def _guess(chart: Chart, curve: Sequence[PointRecord], mu: float) -> Vector:
+def _guess(chart: MassChart, curve: Sequence[PointRecord], mu: float) -> Vector:
     """The chart's unknowns at a mass by interpolation; below the curve's smallest mass those of its last point."""
 
     def unknowns(point: PointRecord) -> Vector:

@@ -1,7 +1,7 @@
 from .charts import AXIAL as AXIAL
 from .charts import FAMILIES as FAMILIES
 from .charts import HALO as HALO
-from .charts import Chart as Chart
+from .charts import MassChart as MassChart
 from .curve import chart_of as chart_of
 from .curve import correct_at as correct_at
 from .curve import extremum_between as extremum_between

@@ -53,7 +53,7 @@ LOG_MU = 3
 
 
 @dataclass(frozen=True)
-class Chart:
+class MassChart:
     """Coordinates for the symmetry-breaking curve of a libration point.
 
     The unknowns are u = (a, v, s, log mu): position and velocity of the start on Fix(R), and time.
@@ -117,7 +117,7 @@ class Evaluation:
     second: Vector
 
 
-def evaluate(chart: Chart, unknowns: Vector) -> Evaluation:
+def evaluate(chart: MassChart, unknowns: Vector) -> Evaluation:
     """The equations of symmetry breaking with their derivatives; raises `FlowFailure` near a singularity."""
     residual, jacobian, level, gradient, second, ok = _equations_of(chart)(unknowns)
     result = Evaluation(
@@ -129,7 +129,7 @@ def evaluate(chart: Chart, unknowns: Vector) -> Evaluation:
 
 
 @cache
-def _equations_of(of: Chart) -> Callable[[Vector], Any]:
+def _equations_of(of: MassChart) -> Callable[[Vector], Any]:
     configure_jax()
     chart: Any = _NEAR_SMALLER[of.family] if of.smaller else _AroundLarger
 

@@ -21,7 +21,7 @@ from orbitproof.explore.flow import FlowFailure, Vector
 from orbitproof.explore.numerics import BREAKING, NoStep, predict, walked
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.explore.three_body.families import trace_family
-from orbitproof.explore.three_body.masses.charts import HALO, LOG_MU, UNKNOWNS, Chart, Evaluation, evaluate
+from orbitproof.explore.three_body.masses.charts import HALO, LOG_MU, UNKNOWNS, Evaluation, MassChart, evaluate
 from orbitproof.explore.three_body.masses.file import CurveRecord, PointRecord
 from orbitproof.explore.three_body.seeds import LIBRATION_POINTS
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL
@@ -43,11 +43,11 @@ def extremum_brackets(points: Sequence[PointRecord]) -> list[tuple[PointRecord, 
     return [(a, b) for a, b in pairwise(points) if a.jacobi_derivative * b.jacobi_derivative < 0]
 
 
-def chart_of(libration: str, family: str = HALO) -> Chart:
+def chart_of(libration: str, family: str = HALO) -> MassChart:
     """The chart in which the curve of births of a family is regular; raises `ValueError` for an unknown point."""
     if libration not in LIBRATION_POINTS:
         raise ValueError(f"unknown libration point {libration!r}")
-    return Chart(libration != "L3", family)
+    return MassChart(libration != "L3", family)
 
 
 def first_breaking(libration: str, mu: Fraction, family: str = HALO) -> PointRecord:
@@ -62,7 +62,7 @@ def first_breaking(libration: str, mu: Fraction, family: str = HALO) -> PointRec
     return correct_at(chart, chart.unknowns(float(x), float(vy), origin.half_period, float(mu)))
 
 
-def correct_at(chart: Chart, guess: Vector) -> PointRecord:
+def correct_at(chart: MassChart, guess: Vector) -> PointRecord:
     """The symmetry-breaking point at the mass of `guess`, shape (4,); raises `CorrectionFailure`."""
     return _point(chart, _correct(chart, guess, np.eye(UNKNOWNS)[LOG_MU]))
 
@@ -164,7 +164,7 @@ def trace_curve(
     return ended("failed", f"{max_points} points")
 
 
-def _unknowns(chart: Chart, point: PointRecord) -> Vector:
+def _unknowns(chart: MassChart, point: PointRecord) -> Vector:
     """The chart's unknowns; the time is good as a first guess only where the chart has it divided by mu."""
     time = chart.unknowns(point.x, point.vy, point.half_period, point.mu)[2]
     return np.array([*point.scaled, time, log(point.mu)])
@@ -174,7 +174,7 @@ def _turned(points: Sequence[PointRecord]) -> bool:
     return points[-1].mu > points[-2].mu
 
 
-def _correct(chart: Chart, guess: Vector, normal: Vector) -> _Node:
+def _correct(chart: MassChart, guess: Vector, normal: Vector) -> _Node:
     """Newton's method in the hyperplane through `guess` across `normal`."""
     unknowns, last = guess.copy(), np.inf
     for iteration in range(BREAKING.steps):
@@ -194,7 +194,7 @@ def _correct(chart: Chart, guess: Vector, normal: Vector) -> _Node:
     raise CorrectionFailure("Newton's method does not converge to a symmetry breaking")
 
 
-def _evaluate(chart: Chart, unknowns: Vector) -> Evaluation:
+def _evaluate(chart: MassChart, unknowns: Vector) -> Evaluation:
     # Beyond these the equations of the chart have further solutions that are no orbits; see its text.
     if not np.all(np.isfinite(unknowns)) or abs(chart.half_period(unknowns) - np.pi) > 0.45 * np.pi * (
         1 + 2 * chart.smaller
@@ -217,7 +217,7 @@ def _predict(nodes: Sequence[_Node], distance: float) -> Vector:
     return predict([node.unknowns for node in backwards], [node.tangent for node in backwards], last.tangent, distance)
 
 
-def _next(chart: Chart, nodes: Sequence[_Node], size: float) -> _Node:
+def _next(chart: MassChart, nodes: Sequence[_Node], size: float) -> _Node:
     tangent = nodes[-1].tangent
     node = _correct(chart, _predict(nodes, size), tangent)
     if float(node.tangent @ tangent) < 0.98:
@@ -225,7 +225,7 @@ def _next(chart: Chart, nodes: Sequence[_Node], size: float) -> _Node:
     return node
 
 
-def _point(chart: Chart, node: _Node) -> PointRecord:
+def _point(chart: MassChart, node: _Node) -> PointRecord:
     mu = exp(float(node.unknowns[LOG_MU]))
     place = node.unknowns[:2]
     x, vy = chart.point(place, mu)

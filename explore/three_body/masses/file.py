@@ -29,7 +29,7 @@ class PointRecord:
         mu: mass parameter.
         x, vy: where the orbit crosses the axis first, nondimensional; (x, 0, vy) is a point of Fix(R).
         second: x and vy half a period later.
-        scaled: x and vy in the coordinates of `masses.charts.Chart`: for L1 and L2 x - 1 + mu and vy in units
+        scaled: x and vy in the coordinates of `masses.charts.MassChart`: for L1 and L2 x - 1 + mu and vy in units
             of mu^(1/3), which keep the digits that x loses; for L3 x + mu and vy.
         half_period: nondimensional.
         jacobi_constant, jacobi_derivative: C and dC/dmu along the curve.

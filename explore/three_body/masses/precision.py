@@ -18,7 +18,7 @@ import mpmath
 from orbitproof.explore.engines import Progress
 from orbitproof.explore.numerics import GrowingDigits, Linearised, fraction, newton_with_digits
 from orbitproof.explore.refinement import IntegrationFailure
-from orbitproof.explore.three_body.masses.charts import Chart
+from orbitproof.explore.three_body.masses.charts import MassChart
 from orbitproof.explore.three_body.masses.expansion import MU, VARIABLES, VY, Expansion, Settings, X, dot, expand
 
 FIRST_BITS = 128
@@ -66,7 +66,7 @@ def bits_for(mu: Fraction, digits: int) -> int:
 
 
 def precise_breaking(
-    chart: Chart,
+    chart: MassChart,
     mu: Fraction,
     guess: tuple[float, float],
     *,
@@ -93,7 +93,7 @@ def precise_breaking(
 
 
 def precise_extremum(
-    chart: Chart,
+    chart: MassChart,
     mu: float,
     guess: tuple[float, float],
     *,

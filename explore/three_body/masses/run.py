@@ -10,7 +10,7 @@ from pathlib import Path
 from orbitproof.explore.engines import Job, Lost, Progress, Reporter, run_all
 from orbitproof.explore.families import FamilyFailure
 from orbitproof.explore.orbits import CorrectionFailure
-from orbitproof.explore.three_body.masses.charts import Chart
+from orbitproof.explore.three_body.masses.charts import MassChart
 from orbitproof.explore.three_body.masses.curve import (
     chart_of,
     extremum_between,
@@ -276,7 +276,7 @@ def _with(curve: CurveRecord, task: _Task, point: PrecisePoint, near: PointRecor
     return replace(curve, precise=tuple(sorted([*kept, record], key=lambda row: -row.mu)))
 
 
-def _float64_error(chart: Chart, point: PrecisePoint, near: PointRecord) -> float:
+def _float64_error(chart: MassChart, point: PrecisePoint, near: PointRecord) -> float:
     unit = chart.unit(float(point.mu))
     place = (float(point.x - chart.origin_exact(point.mu)) / unit, float(point.vy) / unit)
     return max(abs(a - b) for a, b in zip(place, near.scaled, strict=True))

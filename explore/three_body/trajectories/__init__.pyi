@@ -16,7 +16,7 @@ from .interpolation import TooFine as TooFine
 from .interpolation import largest_error as largest_error
 from .interpolation import times_by_error as times_by_error
 from .readers import find_orbit as find_orbit
-from .sampling import Samples as Samples
+from .sampling import SampledOrbit as SampledOrbit
 from .sampling import sample as sample
 from .source import Choice as Choice
 from .source import Legs as Legs

@@ -9,7 +9,7 @@ import numpy as np
 
 from orbitproof.explore.names import told_apart
 from orbitproof.explore.three_body.trajectories.interpolation import DEGREE
-from orbitproof.explore.three_body.trajectories.sampling import Samples
+from orbitproof.explore.three_body.trajectories.sampling import SampledOrbit
 from orbitproof.explore.three_body.trajectories.trajectory import Trajectory
 from orbitproof.shared.formats import write_text
 from orbitproof.shared.numbers import format_rational
@@ -18,7 +18,7 @@ from orbitproof.shared.systems import THREE_BODY, ReversibleSystem
 NUMERICAL = "computed in double precision; nothing about these states is proved"
 
 
-def write_csv(path: Path, samples: Samples) -> None:
+def write_csv(path: Path, samples: SampledOrbit) -> None:
     """Write the file, whole or not at all. Raises `InputError`."""
     write_table(path, description(samples), _columns(samples), np.column_stack([samples.times, samples.states]))
 
@@ -34,7 +34,7 @@ def write_table(path: Path, head: Sequence[str], columns: Sequence[str], rows: n
 IN_KM = ("t (s)", "x (km)", "y (km)", "z (km)", "vx (km/s)", "vy (km/s)", "vz (km/s)")
 
 
-def description(samples: Samples) -> list[str]:
+def description(samples: SampledOrbit) -> list[str]:
     """What a trajectory is, as lines of text that stand in every file of it."""
     trajectory, units = samples.trajectory, samples.units
     lines = about(trajectory)
@@ -89,7 +89,7 @@ def complex_text(value: complex) -> str:
     return f"{value.real:.10g}" if value.imag == 0 else f"{value.real:.10g}{value.imag:+.10g}i"
 
 
-def _columns(samples: Samples) -> Sequence[str]:
+def _columns(samples: SampledOrbit) -> Sequence[str]:
     names = samples.trajectory.source.system.state
     if samples.trajectory.source.system not in THREE_BODY:
         return (*told_apart("t", names), *names)

@@ -12,7 +12,7 @@ import numpy as np
 from orbitproof.explore.flow import Matrix, Vector
 from orbitproof.explore.three_body.trajectories.csv_file import BODIES, description
 from orbitproof.explore.three_body.trajectories.interpolation import DEGREE, WINDOW, largest_error
-from orbitproof.explore.three_body.trajectories.sampling import Samples
+from orbitproof.explore.three_body.trajectories.sampling import SampledOrbit
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import THREE_BODY
 
@@ -78,7 +78,7 @@ def seconds_of(epoch: np.datetime64) -> float:
     return float((epoch - J2000) / np.timedelta64(1, "ns")) * 1e-9
 
 
-def ephemeris_of(samples: Samples, epoch: np.datetime64, option: str = "--oem") -> Ephemeris:
+def ephemeris_of(samples: SampledOrbit, epoch: np.datetime64, option: str = "--oem") -> Ephemeris:
     """A sampled orbit of the restricted three-body problem with dates, which that problem does not know: labels.
 
     Raises `InputError`, about `option`, where there is no length in km.

@@ -28,7 +28,7 @@ _TICK = 9
 
 
 @dataclass(frozen=True)
-class Samples:
+class SampledOrbit:
     """An orbit at N times, in the units of a file.
 
     Attributes:
@@ -61,7 +61,7 @@ def sample(
     periods: float = 1.0,
     count: int | None = None,
     error: float | None = None,
-) -> Samples:
+) -> SampledOrbit:
     """The states of an orbit over some periods, both ends included.
 
     Arguments:
@@ -90,7 +90,7 @@ def sample(
         times = np.round(times, _TICK)
     states = states_at(times)
     found = largest_error(states_at, times, states) if in_space and len(times) >= WINDOW else None
-    return Samples(trajectory, frame, units, times, states, found)
+    return SampledOrbit(trajectory, frame, units, times, states, found)
 
 
 def _states_at(trajectory: Trajectory, frame: Frame, units: Units | None, times: Vector) -> Matrix:
