@@ -234,15 +234,15 @@ def _of_families(options: argparse.Namespace, system: ReversibleSystem | None) -
     if options.output is None:
         raise InputError("--output: missing; give the candidates file to write")
 
-    # Only now: JAX takes a moment to load.
     from orbitproof.explore.engines import Reporter
     from orbitproof.explore.families import FamilyFailure
-    from orbitproof.explore.search import tasks_of_family
-    from orbitproof.explore.three_body.families import branch_of
 
     try:
         with Reporter(options.quiet) as report:
             title, family = _family(options, system, report)
+            from orbitproof.explore.search import tasks_of_family
+            from orbitproof.explore.three_body.families import branch_of
+
             equation = equation_of(options, family.problem.system)
             assert equation is not None
             tasks = tasks_of_family(family, equation, options.id or title, options.digits)
@@ -259,11 +259,10 @@ def _of_families(options: argparse.Namespace, system: ReversibleSystem | None) -
 
 def _family(options: argparse.Namespace, system: ReversibleSystem | None, report: Reporter) -> tuple[str, Family]:
     """The family that is meant, traced or read, and what it is called. Raises `FamilyFailure`, `InputError`."""
-    from orbitproof.explore.families import Limits, family_of
-    from orbitproof.explore.records import read_families
-    from orbitproof.explore.three_body.families import trace_reaching
-
     if system is None:
+        from orbitproof.explore.families import family_of
+        from orbitproof.explore.records import read_families
+
         records = read_families(options.from_family)
         record = _record(options, records)
         return _full_name(record), family_of(record)
@@ -273,6 +272,10 @@ def _family(options: argparse.Namespace, system: ReversibleSystem | None, report
         raise InputError(f"--branch: {options.family[0]} has no northern and southern orbits; leave it out")
     label = label_of(system, None if options.mass is None else options.mass[0], options.parameter)
     report.stage(f"tracing {label} {options.family[0]}")
+    # Only now: JAX takes a moment to load.
+    from orbitproof.explore.families import Limits
+    from orbitproof.explore.three_body.families import trace_reaching
+
     place = None if equation is None or equation.coordinate is None else (equation.coordinate, float(equation.value))
     named = (system, options.family[0], parameters)
     family, branch = trace_reaching(*named, Limits(), options.branch, place, progress=report.update)

@@ -19,9 +19,9 @@ from .detection import detect as detect
 from .detection import folds as folds
 from .detection import kind_of as kind_of
 from .detection import symmetry_breakings as symmetry_breakings
+from .failures import FamilyFailure as FamilyFailure
 from .falkner_skan import trace_falkner_skan as trace_falkner_skan
 from .first_orbits import first_family as first_family
-from .following import FamilyFailure as FamilyFailure
 from .following import Following as Following
 from .following import continue_both_ways as continue_both_ways
 from .following import continue_family as continue_family

@@ -21,16 +21,13 @@ from orbitproof.explore.families.continuation import (
     trace,
 )
 from orbitproof.explore.families.detection import symmetry_breaking_near
+from orbitproof.explore.families.failures import FamilyFailure
 from orbitproof.explore.families.limits import Limits
 from orbitproof.explore.families.step_control import CONTROL, StepControl
 from orbitproof.explore.flow import FlowFailure, Matrix
 from orbitproof.explore.numerics import bracketed_zero
 from orbitproof.explore.orbits import CorrectionFailure, ShootingProblem, SymmetricOrbit
 from orbitproof.shared.systems import ReversibleSystem
-
-
-class FamilyFailure(Exception):
-    """The family's first orbit could not be found; one line says why."""
 
 
 @dataclass(frozen=True)
