@@ -233,10 +233,11 @@ class _Curve:
                     break
                 except (CannotFollow, ZeroDivisionError):
                     length = (length / 2).mid()
-            if not dot(ahead if before is None else before.slopes, box.slopes) > 0:
+            if not dot(ahead if before is None else self.velocity(before, point), self.velocity(box, point)) > 0:
                 raise CannotFollow("the curve is not shown to go on")
             here, last, first = box.placed(point), box.place(end), first or box
-            if last is not None and (not is_closed or (number > 1 and last > 0 and dot(first.slopes, box.slopes) > 0)):
+            is_end = last is not None and (not is_closed or (number > 1 and last > 0))
+            if is_end and (not is_closed or dot(self.velocity(first, end), self.velocity(box, end)) > 0):
                 if not last > here:
                     raise CannotFollow("the end is not shown to lie ahead")
                 yield box, point, end
@@ -270,11 +271,18 @@ class _Curve:
             low, high = (middle, high) if sign == before else (low, middle)
         return Extremum(before > 0, self.part(box, low, high)[0])
 
-    def direction(self, box: Box, zero: Sequence[arb]) -> int:
-        """The sign of the derivative of what varies at a zero of a box. Raises `CannotFollow` if it is not certain."""
+    def velocity(self, box: Box, zero: Sequence[arb]) -> Vector:
+        """The derivative of the curve by tau at a zero of a box."""
         rows = self.jets(zero, [*(_units(self.size)[k] for k in box.kept), box.tangent], 1)
         turn = solved(_slopes(rows, self.size - 1), [-row[self.size - 1,] for row in rows])
-        slope = box.tangent[0] + dict(zip(box.kept, turn, strict=True)).get(0, arb(0))
+        slopes = list(box.tangent)
+        for k, x in zip(box.kept, turn, strict=True):
+            slopes[k] = slopes[k] + x
+        return slopes
+
+    def direction(self, box: Box, zero: Sequence[arb]) -> int:
+        """The sign of the derivative of what varies at a zero of a box. Raises `CannotFollow` if it is not certain."""
+        slope = self.velocity(box, zero)[0]
         if slope.contains(0):
             raise CannotFollow("a direction is not certain")
         return 1 if slope > 0 else -1
