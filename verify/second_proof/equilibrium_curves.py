@@ -236,8 +236,7 @@ class _Curve:
             if not dot(ahead if before is None else self.velocity(before, point), self.velocity(box, point)) > 0:
                 raise CannotFollow("the curve is not shown to go on")
             here, last, first = box.placed(point), box.place(end), first or box
-            is_end = last is not None and (not is_closed or (number > 1 and last > 0))
-            if is_end and (not is_closed or dot(self.velocity(first, end), self.velocity(box, end)) > 0):
+            if last is not None and (not is_closed or (number > 1 and last > 0 and self.is_round(first, box, end))):
                 if not last > here:
                     raise CannotFollow("the end is not shown to lie ahead")
                 yield box, point, end
@@ -279,6 +278,10 @@ class _Curve:
         for k, x in zip(box.kept, turn, strict=True):
             slopes[k] = slopes[k] + x
         return slopes
+
+    def is_round(self, first: Box, box: Box, start: Vector) -> bool:
+        """Whether two boxes have one direction at a zero of both."""
+        return bool(dot(self.velocity(first, start), self.velocity(box, start)) > 0)
 
     def direction(self, box: Box, zero: Sequence[arb]) -> int:
         """The sign of the derivative of what varies at a zero of a box. Raises `CannotFollow` if it is not certain."""
