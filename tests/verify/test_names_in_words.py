@@ -30,8 +30,8 @@ from orbitproof.verify.words.formulas import setting
 from orbitproof.verify.words.krein import krein_found, krein_in_words
 
 HOSTILE = {
-    "falkner-skan": {"x": "P", "y": "H", "z": "s", "beta": "R"},
-    "cr3bp": {"x": "H", "y": "Fix", "z": "T", "vx": "k", "vy": "P", "vz": "R", "mu": "s", "S": "X"},
+    "falkner-skan": {"x": "P", "y": "H", "z": "s", "beta": "pi"},
+    "cr3bp": {"x": "H", "y": "Fix", "z": "T", "vx": "k", "vy": "i", "vz": "R", "mu": "s", "S": "X"},
 }
 """Names that theorems use for something else."""
 
@@ -97,7 +97,7 @@ def test_a_theorem_about_an_orbit_does_so_too() -> None:
     assert not isinstance(theorem, Reason)
     assert not isinstance(hostile, Reason)
     assert back(theorem_in_words(hostile), FALKNER_SKAN) == theorem_in_words(theorem)
-    assert "R_parameter = 400" in theorem_in_words(hostile)
+    assert "pi_parameter = 400" in theorem_in_words(hostile)
 
 
 def atlas_of(atlas: Atlas) -> Atlas:
@@ -122,7 +122,7 @@ def test_a_theorem_about_a_curve_and_its_list_do_so_too() -> None:
         texts[-1].append("\n".join(setting(each.system, each.parameters, None)))
     plain, hostile = texts
     assert [back(text, FALKNER_SKAN) for text in hostile] == plain
-    assert any("R_parameter increases strictly" in text for text in hostile)
+    assert any("pi_parameter increases strictly" in text for text in hostile)
 
 
 def test_a_list_has_another_letter_for_points_where_a_coordinate_has_its_own() -> None:

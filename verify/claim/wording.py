@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from orbitproof.shared.formats import Atlas, Candidate
 
 _KINDS = ("coordinate", "parameter", "symmetry")
-_SYMBOL = re.compile(rf"(A|Fix|H|P|Q|R|Sigma|T|X|j|k|omega|s|[pPRs]_[0-9]+)(_({'|'.join(_KINDS)}))*")
+_SYMBOL = re.compile(rf"(A|Fix|H|P|Q|R|Sigma|T|X|i|j|k|omega|pi|s|[pPRs]_[0-9]+)(_({'|'.join(_KINDS)}))*")
 """What theorems call something; and what is made of such a name, so that no two names become the same."""
 
 Value = TypeVar("Value")
