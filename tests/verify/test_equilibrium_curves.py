@@ -380,8 +380,13 @@ def test_counts_hold_at_all_points_that_the_curve_may_have() -> None:
         results = [replace(result, deviation=(deviation,) * 2) for result in honest]
         outcome = conclude_equilibria(atlas, results).outcome
         assert isinstance(outcome, Proved)
-        widest.append(max(float(part.all_values.rad()) for part in outcome.results.sides if part.sides is None))
-    assert widest[0] < 1e-16 < 1e-7 < widest[1] < 1e-5 < widest[2]
+        found = outcome.results.sides
+        widest.append(max(float(part.between[1] - part.between[0]) for part in found if part.sides is None))
+    assert 10 * widest[0] < widest[1] < widest[2] / 10
+    theorem = EquilibriumCurveTheorem(atlas)
+    for last, differ in ((found[2].sides, True), (found[0].sides, False)):
+        curve = replace(outcome.results, sides=(*found[:2], replace(found[2], sides=last)))
+        assert ("has one on the axis" in equilibrium_curve_in_words(theorem, curve)) is differ
 
 
 def test_a_range_is_covered_whether_a_coordinate_increases_or_not() -> None:
