@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Any, Literal
 
 from orbitproof.shared.claims.fields import Identifier
-from orbitproof.shared.claims.periodic_curve import PeriodicAtlas
+from orbitproof.shared.claims.periodic_curve import PeriodicAtlas, Refusal
 from orbitproof.shared.systems import AMPLITUDE, System, own_name
 
 BIRTH_CURVES = ("birth-arc",)
@@ -36,9 +36,20 @@ class BirthCurveClaim:
     parameter: Identifier
 
     symmetry = level = covers = None
-    increasing = ()
+    increasing = numbers = ()
     uses_integral = is_of_symmetric_curve = is_closed = goes_round = False
     crossings = 1
+
+    def refusal(self, system: System) -> Refusal | None:
+        """What the claim cannot say of a system."""
+        if system.defined:
+            return "kind", "a field with sin, cos, exp or log has no such claim", "give a field in plain arithmetic"
+        for field, named in (("section", self.section), ("amplitude", self.amplitude)):
+            if named not in system.state:
+                return field, f"{system.name} has no coordinate {named!r}", f"choose one of: {', '.join(system.state)}"
+        if self.section == self.amplitude:
+            return "amplitude", "is the coordinate of the section", "choose another one"
+        return None
 
     def across(self, system: System) -> tuple[str, ...]:
         """The coordinates of y that are unknown, as those of the state are called: on the plane, without that of 1."""

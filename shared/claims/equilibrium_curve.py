@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from orbitproof.shared.claims.atlas import Covers, Names
 from orbitproof.shared.claims.fields import Identifier
-from orbitproof.shared.claims.periodic_curve import PeriodicAtlas
+from orbitproof.shared.claims.periodic_curve import PeriodicAtlas, Refusal
 from orbitproof.shared.systems import System
 
 
@@ -28,8 +28,13 @@ class EquilibriumCurveClaim:
     covers: Covers | None = None
 
     symmetry = level = None
+    numbers = ()
     uses_integral = is_of_symmetric_curve = False
     crossings = 1
+
+    def refusal(self, system: System) -> Refusal | None:
+        """What the claim cannot say of a system: nothing but what is asked of every curve."""
+        return None
 
     @property
     def is_closed(self) -> bool:

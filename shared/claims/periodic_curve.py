@@ -14,6 +14,9 @@ from orbitproof.shared.stored import Rational, stored
 from orbitproof.shared.systems import System
 from orbitproof.shared.wording import counted
 
+Refusal = tuple[str, str, str]
+"""The field of a claim that is malformed, what is wrong, and what to do."""
+
 
 @dataclass(frozen=True)
 class PeriodicCurveClaim:
@@ -62,6 +65,29 @@ class PeriodicCurveClaim:
     def uses_integral(self) -> bool:
         """Whether an equation is replaced because a first integral is constant along orbits."""
         return self.parameter is None or self.level is not None
+
+    @property
+    def numbers(self) -> tuple[tuple[str, Fraction], ...]:
+        """All exact numbers with the field that each stands in."""
+        normal = tuple((f"normal[{i}]", value) for i, value in enumerate(self.normal))
+        return (("offset", self.offset), *normal, *(() if self.level is None else (("level", self.level),)))
+
+    def refusal(self, system: System) -> Refusal | None:
+        """What the claim cannot say of a system."""
+        size, names = len(system.given_state), ", ".join(system.given_state)
+        if len(self.normal) != size:
+            return "normal", f"{len(self.normal)} numbers", f"give {size}; the state is {names}"
+        if not any(self.normal):
+            return "normal", "is zero", "give a vector across the section"
+        if self.uses_integral and system.first_integral_program is None:
+            over_levels = self.parameter is None
+            remedy = "name the parameter that varies" if over_levels else "leave it out"
+            return "parameter" if over_levels else "level", f"{system.name} has no first integral", remedy
+        if self.parameter is None and self.level is not None:
+            return "level", "the level varies along the curve", "leave it out, or name a parameter that varies"
+        if size < 2 + self.uses_integral:
+            return "kind", f"a state of {size} coordinates has no such curves", "give another system"
+        return None
 
     @property
     def pivot(self) -> int:

@@ -9,10 +9,8 @@ from typing import Any, NoReturn
 from orbitproof.shared.claims import (
     ATLASES_WITHOUT_REVERSOR,
     CLAIMS_WITHOUT_REVERSOR,
-    BirthCurveClaim,
     CurveClaim,
     PeriodicAtlas,
-    PeriodicCurveClaim,
     Piece,
 )
 from orbitproof.shared.codec import from_json
@@ -95,36 +93,14 @@ def _claim(entry: Mapping[str, Any], system: System, source: str) -> CurveClaim:
         raise InputError(f"{source}.{name}: {why}; {remedy}")
 
     claim = curve_claim_from_json(entry, source)
-    size = len(system.given_state)
     if claim.parameter is not None and claim.parameter not in system.parameters:
         known = ", ".join(system.parameters) or "none"
         refuse("parameter", f"{system.name} has no parameter {claim.parameter!r}", f"known: {known}")
-    if isinstance(claim, BirthCurveClaim):
-        if system.defined:
-            refuse("kind", "a field with sin, cos, exp or log has no such claim", "give a field in plain arithmetic")
-        for field, named in (("section", claim.section), ("amplitude", claim.amplitude)):
-            if named not in system.state:
-                refuse(field, f"{system.name} has no coordinate {named!r}", f"choose one of: {', '.join(system.state)}")
-        if claim.section == claim.amplitude:
-            refuse("amplitude", "is the coordinate of the section", "choose another one")
-    if not isinstance(claim, PeriodicCurveClaim):
-        return claim
-    if len(claim.normal) != size:
-        refuse("normal", f"{len(claim.normal)} numbers", f"give {size}; the state is {', '.join(system.given_state)}")
-    if not any(claim.normal):
-        refuse("normal", "is zero", "give a vector across the section")
-    for name, value in (("offset", claim.offset), *((f"normal[{i}]", value) for i, value in enumerate(claim.normal))):
+    refusal = claim.refusal(system)
+    if refusal is not None:
+        refuse(*refusal)
+    for name, value in claim.numbers:
         check_length(value, f"{source}.{name}")
-    if claim.uses_integral and system.first_integral_program is None:
-        field = "parameter" if claim.parameter is None else "level"
-        remedy = "name the parameter that varies" if claim.parameter is None else "leave it out"
-        refuse(field, f"{system.name} has no first integral", remedy)
-    if claim.parameter is None and claim.level is not None:
-        refuse("level", "the level varies along the curve", "leave it out, or name a parameter that varies")
-    if claim.level is not None:
-        check_length(claim.level, f"{source}.level")
-    if size < 2 + claim.uses_integral:
-        refuse("kind", f"a state of {size} coordinates has no such curves", "give another system")
     return claim
 
 
