@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,13 @@ from typing import Any
 import pytest
 
 from orbitproof.shared import InputError
-from orbitproof.shared.claims import Piece, is_regular
+from orbitproof.shared.claims import (
+    BirthCurveClaim,
+    EquilibriumCurveClaim,
+    PeriodicCurveClaim,
+    Piece,
+    is_regular,
+)
 from orbitproof.shared.formats import atlas_from_json, atlas_to_json, piece_from_json, read_atlas, write_atlas
 from orbitproof.shared.systems import CR3BP
 
@@ -230,3 +237,27 @@ def test_curves_around_a_libration_point_have_one_equation_and_no_derived_parame
     atlas = atlas_from_json(document, "test")
     assert atlas.system.centre_coordinates == ("eps", "vy")
     assert set(atlas.parameters) == {"mu"}
+
+
+def test_what_was_found_for_a_claim_is_kept_for_no_other_one() -> None:
+    """The setting, by which stored results are taken over, has each field of a claim that its proofs depend on."""
+    others: list[tuple[Any, dict[str, list[Any]]]] = [
+        (
+            PeriodicCurveClaim("periodic-arc", (Fraction(1), Fraction(0)), Fraction(0), 1, 1, "a"),
+            {
+                "normal": [(Fraction(0), Fraction(1))], "offset": [Fraction(1)], "direction": [-1], "crossings": [2],
+                "parameter": ["b", None], "level": [Fraction(0)],
+            },
+        ),
+        (EquilibriumCurveClaim("equilibrium-arc", "a"), {"parameter": ["b"]}),
+        (
+            BirthCurveClaim("birth-arc", "x", 1, "y", "a"),
+            {"section": ["z"], "direction": [-1], "amplitude": ["z"], "parameter": ["b"]},
+        ),
+    ]  # fmt: skip
+    settings = [
+        each.setting
+        for claim, changes in others
+        for each in (claim, *(replace(claim, **{key: value}) for key, values in changes.items() for value in values))
+    ]
+    assert len(set(settings)) == len(settings) == 15

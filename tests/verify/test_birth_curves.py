@@ -26,7 +26,9 @@ from orbitproof.verify.birth_curve import (
     prove_birth_curve_piece,
     proved_curve,
 )
+from orbitproof.verify.birth_curve import piece as proved_piece
 from orbitproof.verify.curve import IntervalResult
+from orbitproof.verify.curve.tube import Tube
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Proved, enclose
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.words.birth_curve import birth_curve_in_words
@@ -188,6 +190,9 @@ def test_what_is_said() -> None:
         "crosses the plane where y is that of the equilibrium exactly once in the direction in which y grows",
         "it does so where x is greater than that of the equilibrium",
         "For every value of a between its two ends there is such an orbit on the curve.",
+        "from 0 to [0.25000",
+        "and the orbit through ([0.28124",
+        ", [0.03749",
     ):
         assert part in said
     outcome = conclude_births(cases.circles_born(), honest()).outcome
@@ -221,6 +226,27 @@ def test_false_claims_about_a_piece_are_not_proved() -> None:
         assert why_not(replace(atlas, pieces=(wrong,))) == "piece"
     with_functions = replace(atlas, system=equilibrium_cases.PENDULUM, claim=replace(claim, section="v", parameter="k"))
     assert why_not(with_functions) == "piece"
+
+
+def test_the_velocity_has_its_sign_on_all_parts_of_a_tube() -> None:
+    atlas, plus = cases.circles_born(), arb(1)
+    proved_piece._check_direction(Checklist(), atlas, [plus, plus])
+    for other in (-plus, arb(0), arb(1, 2), arb("nan")):
+        for across in ([plus, other], [other, plus]):
+            with pytest.raises(NotEstablishedError):
+                proved_piece._check_direction(Checklist(), atlas, across)
+
+
+def test_bounds_hold_up_to_the_ends_of_an_interval() -> None:
+    """The polynomial of a is wrong by 2^-17 s^8, which is 0.62 of it at s = 16/17."""
+    atlas, wrong = cases.circles_born(), Q(1, 2**17)
+    (piece,) = atlas.curve_pieces()
+    first, *others = piece.polynomial
+    other = replace(piece, polynomial=((*first, *[Q(0)] * 5, wrong), *others))
+    (result,) = results_of(replace(atlas, pieces=(other,)))
+    assert result.is_proved, result.reason
+    assert wrong <= result.deviation[0] < Q(3, 2) * wrong
+    assert 8 * wrong <= result.slope_deviation[0]
 
 
 @pytest.mark.parametrize("interval", [(Q(-2), Q(1)), (Q(0), Q(2)), (Q(1), Q(-1))])
@@ -291,6 +317,26 @@ def test_a_pair_that_is_not_simple_is_noticed() -> None:
     assert pair_of(saddle, {"a": 0, AMPLITUDE: 0, "x": 0, "y": 0}) == "simple-pair"
 
 
+def test_the_frequency_is_that_of_the_pair_there() -> None:
+    """omega^2 = 2 (a + 2)^3 (1 + x), 16 where both are 0; then 4 i beside it is one more i omega, and 16 i is none."""
+    rest: dict[str, Any] = dict.fromkeys(
+        ("a", AMPLITUDE, "x", "y", "u", "v", own_name("along u"), own_name("along v")), 0
+    )
+    for turn, wanted in (("4", "simple-pair"), ("16", "simple")):
+        field = {"x": "-2*(a + 2)**2*(1 + x)*y", "y": "(a + 2)*x", "u": f"-{turn}*v", "v": f"{turn}*u"}
+        system = define_system({"name": "w", "state": "x y u v", "parameters": "a", "field": field})
+        assert pair_of(system, rest) == wanted
+    with ctx.workprec(128):
+        for name in ("", "a", "x"):
+            start = {key: arb(0, 0.1 if key == name else 0) for key in rest}
+            omega, others = proved_curve._check_pair(Checklist(), cases.circles_born(system), start)
+            for sign in (-1, 0, 1):
+                a, x = (Q(sign, 10) if key == name else Q(0) for key in ("a", "x"))
+                assert omega.contains(enclose(2 * (a + 2) ** 3 * (1 + x)).sqrt().mid())
+            assert omega.rad() < (1 if name else 1e-30)
+            assert [value.imag.overlaps(arb(turn)) for value in others.values] in ([False, True], [True, False])
+
+
 def test_false_claims_about_the_whole_are_not_proved() -> None:
     atlas = cases.circles_born()
     (piece,), given = atlas.curve_pieces(), honest()
@@ -299,7 +345,9 @@ def test_false_claims_about_the_whole_are_not_proved() -> None:
     assert reason(replace(atlas, pieces=(piece, piece)), given) == "pieces"
     assert reason(replace(atlas, claim=replace(atlas.claim, section="x")), given) == "pieces"
     assert reason(replace(atlas, claim=replace(atlas.claim, kind="birth")), given) == "pieces"  # type: ignore[arg-type]
-    assert reason(replace(atlas, pieces=(replace(piece, tube=piece.tube[1:]),)), given) == "pieces"
+    for wrong in (replace(piece, tube=piece.tube[1:]), replace(piece, frame=(piece.frame[0],) * 4)):
+        assert reason(replace(atlas, pieces=(wrong,)), given) == "pieces"
+        assert reason(replace(atlas, pieces=(piece, replace(wrong, id="p2"))), given) == "pieces"
     # The first piece does not begin at the equilibrium, or not straight from it.
     later = replace(piece, centre=(piece.centre[0], piece.centre[1] + Q(1, 2**40), *piece.centre[2:]))
     assert reason(replace(atlas, pieces=(later,)), given) == "birth"
@@ -310,9 +358,9 @@ def test_false_claims_about_the_whole_are_not_proved() -> None:
     assert reason(replace(atlas, pieces=(replace(piece, frame=backwards, centre=behind),)), given) == "birth"
 
 
-def test_the_curve_ends_where_the_amplitude_does_not_grow() -> None:
+def test_the_curve_ends_where_the_amplitude_does_not_grow(monkeypatch: pytest.MonkeyPatch) -> None:
     """Results as of a second piece along a = c_1 on which eps falls; near a = 81/1600 it is 9/40, as on the first."""
-    atlas = cases.circles_born()
+    atlas, increases = cases.circles_born(), Tube.coordinate_increases
     first, middle, zero, one = atlas.curve_pieces()[0], Q(81, 1600), Q(0), Q(1)
     frame = ((one, zero, zero, zero), (zero, one, zero, zero), (one, zero, one, zero), (zero, zero, zero, one))
     for slope, wanted in ((Q(-1, 100), "amplitude"), (Q(1, 100), "")):
@@ -322,5 +370,14 @@ def test_the_curve_ends_where_the_amplitude_does_not_grow() -> None:
         )  # fmt: skip
         (result,) = honest()
         results = [result, replace(result, piece="p2")]
+        asked: list[Any] = []
+        monkeypatch.setattr(
+            Tube, "coordinate_increases", lambda *given, asked=asked: asked.append(given) or increases(*given)
+        )
         outcome = conclude_births(replace(atlas, pieces=(first, second)), results).outcome
         assert ("" if isinstance(outcome, Proved) else outcome.reason.condition) == wanted
+    # All s at which the curve may enter a piece.
+    assert isinstance(outcome, Proved)
+    stretches = outcome.results.chain.stretches
+    assert [(*given[3:],) for given in asked] == [(stretch.enters, stretch.leaves) for stretch in stretches]
+    assert stretches[1].enters < stretches[1].entered
