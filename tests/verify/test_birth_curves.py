@@ -27,7 +27,7 @@ from orbitproof.verify.birth_curve import (
     proved_curve,
 )
 from orbitproof.verify.birth_curve import piece as proved_piece
-from orbitproof.verify.curve import IntervalResult
+from orbitproof.verify.curve import IntervalResult, check_newton
 from orbitproof.verify.curve.tube import Tube
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Proved, enclose
 from orbitproof.verify.oracle import ORACLE
@@ -121,13 +121,13 @@ def test_the_field_in_units_of_the_amplitude_is_a_quotient_of_differences() -> N
 
 
 def test_roots_are_divided_too() -> None:
-    """Of squares and cubes, exactly."""
+    """Of squares and cubes, exactly; what does not depend on the state does not change."""
     system = define_system(
-        {"name": "r", "state": "x y", "parameters": "a",
-         "field": {"x": "x**(3/2) - y**(-1/2) + a**(1/2)", "y": "(x*y)**(1/2) + y**(-3/2)"}}
+        {"name": "r", "state": "x y z", "parameters": "a",
+         "field": {"x": "x**(3/2) - y**(-1/2) + a**(1/2)", "y": "(x*y)**(1/2) + y**(-3/2) + x**0*z", "z": "a"}}
     )  # fmt: skip
     field = in_units(system)
-    for before, after in (((4, 9), (16, 25)), ((1, 36), (9, 4)), ((25, 4), (4, 4))):
+    for before, after in (((4, 9, 1), (16, 25, 3)), ((1, 36, 0), (9, 4, 5)), ((25, 4, 2), (4, 4, 2))):
         eps = Q(1, 3)
         y = [(Q(v) - u) / eps for u, v in zip(before, after, strict=True)]
         found = exactly(field, [*y, Q(9), eps, *map(Q, before)])
@@ -237,16 +237,26 @@ def test_the_velocity_has_its_sign_on_all_parts_of_a_tube() -> None:
                 proved_piece._check_direction(Checklist(), atlas, across)
 
 
-def test_bounds_hold_up_to_the_ends_of_an_interval() -> None:
-    """The polynomial of a is wrong by 2^-17 s^8, which is 0.62 of it at s = 16/17."""
-    atlas, wrong = cases.circles_born(), Q(1, 2**17)
+@pytest.mark.parametrize("start", [Q(-1), Q(1, 2)])
+def test_bounds_hold_up_to_the_ends_of_an_interval(start: Q, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The polynomial of a is wrong by 2^-17 s^8, which is 0.62 of it at s = 16/17; omega is in units of two tubes."""
+    atlas, wrong, found = cases.circles_born(), Q(1, 2**17), list[Any]()
     (piece,) = atlas.curve_pieces()
     first, *others = piece.polynomial
     other = replace(piece, polynomial=((*first, *[Q(0)] * 5, wrong), *others))
-    (result,) = results_of(replace(atlas, pieces=(other,)))
+
+    def noted(*given: Any) -> Any:
+        found.append(check_newton(*given))
+        return found[-1]
+
+    monkeypatch.setattr(proved_piece, "check_newton", noted)
+    result = prove_birth_curve_piece(replace(atlas, pieces=(other,)), other, (start, Q(1)), ORACLE, FAST).stored
+    assert result.interval == (start, 1)
     assert result.is_proved, result.reason
     assert wrong <= result.deviation[0] < Q(3, 2) * wrong
-    assert 8 * wrong <= result.slope_deviation[0]
+    for stored, omega in zip((result.deviation, result.slope_deviation), *found, strict=True):
+        for value, ball, tube in zip(stored, omega, piece.tube, strict=True):
+            assert ball.abs_upper() * enclose(2 * tube) <= enclose(value)
 
 
 @pytest.mark.parametrize("interval", [(Q(-2), Q(1)), (Q(0), Q(2)), (Q(1), Q(-1))])
