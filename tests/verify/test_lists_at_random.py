@@ -488,7 +488,8 @@ def test_any_stored_function_that_is_not_found_again_is_told_alone() -> None:
 def test_programs_scale_if_every_component_has_the_degree_of_its_coordinate() -> None:
     def system(field: Any) -> Any:
         names = ("x", "y", "z")
-        return SimpleNamespace(family_parameter="eps", state=names, program=record(field, names, ("eps", "c")))
+        program = record(field, names, ("eps", "c"))
+        return SimpleNamespace(family_parameter="eps", state=names, program=program, normalised=None)
 
     good = [
         lambda s, p: (s[0] * s[0] / s[1] + p[1] * s[2], s[1] * p[0] * s[2], s[0] + s[1] * (p[0] * s[0]) ** Q(3)),

@@ -19,7 +19,9 @@ from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import certify
 from orbitproof.verify.certificate.rechecking import _conclude
 from orbitproof.verify.evidence import (
+    Checklist,
     DerivativeTable,
+    NotEstablishedError,
     NotProved,
     Outcome,
     Proved,
@@ -35,6 +37,7 @@ from orbitproof.verify.periodic_bifurcation import (
     BifurcationEnclosures,
     TorusCoefficients,
     TorusResults,
+    check_torus_exactly,
     enclose_periodic_bifurcation,
     without_plane,
 )
@@ -367,7 +370,9 @@ def test_a_torus_takes_a_parameter_a_multiplier_and_no_level(change: dict[str, A
 def test_a_claim_of_another_kind_is_no_torus() -> None:
     claim = cases.round_claim()
     other = replace(claim, kind=PERIODIC_DOUBLING, kernel=claim.kernel[:1], multiplier=None)
-    assert _refused(other, _round()) == "theorem"
+    with pytest.raises(NotEstablishedError) as refused:
+        check_torus_exactly(Checklist(), other)
+    assert refused.value.reason.condition == "theorem"
 
 
 def _of_map(known: KnownTorus, claim: PeriodicBifurcation) -> BifurcationEnclosures:
