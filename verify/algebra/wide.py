@@ -165,6 +165,9 @@ class WideArithmetic(Arithmetic):
             missing = int(defect.height_bits())
             if missing > self.bits - _NEAR_BITS and power is near:
                 return self.power(base, exponent)
+            if missing > self.bits:
+                # From so far off no step leads closer, and each makes the integers longer.
+                break
             power = power + self._reduced_product(power, defect) // fmpz(q)
             if 2 * missing <= self.bits:
                 break
