@@ -32,7 +32,7 @@ from orbitproof.shared.formats import (
     WithoutReversor,
     as_options,
 )
-from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
+from orbitproof.shared.numbers import format_rational, parse_exact
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.kinds import kind_of as of_branches
 from orbitproof.verify.certificate.kinds import box_kind, kind_named
@@ -251,13 +251,13 @@ def _box_rows(
     centre: Vector, frame: Matrix, radii: Vector, coordinates: Sequence[str], which: str
 ) -> Iterator[tuple[Runs, ...]]:
     for index, value in enumerate(centre):
-        yield (Math(f"c_{{{index}}}"), f", {coordinates[index]}{which}"), (Code(format_exact(value)),)
+        yield (Math(f"c_{{{index}}}"), f", {coordinates[index]}{which}"), (Code(format_rational(value)),)
     for i, row in enumerate(frame):
         for j, value in enumerate(row):
             if value:
-                yield (Math(f"A_{{{i}{j}}}"), which), (Code(format_exact(value)),)
+                yield (Math(f"A_{{{i}{j}}}"), which), (Code(format_rational(value)),)
     for index, value in enumerate(radii):
-        yield (Math(f"R_{{{index}}}"), which), (Code(format_exact(value)),)
+        yield (Math(f"R_{{{index}}}"), which), (Code(format_rational(value)),)
 
 
 def parameter_text(entry: Checked) -> str:
