@@ -302,8 +302,14 @@ def test_a_false_claim_is_not_proved_and_says_why_in_one_line(name: str, tmp_pat
 # Curves
 
 
-FREE_OF_CURVES = ("statement.atlas.title", "statement.atlas.pieces.*.tube.*", "results.*.computation.")
-"""A title and a wider tube are another claim that follows too; how an interval was proved is as for boxes."""
+FREE_OF_CURVES = (
+    "statement.atlas.title",
+    "statement.atlas.pieces.*.tube.*",
+    "results.*.computation.",
+    "results.*.reason.",
+)
+"""A title and a wider tube are another claim that follows too; how an interval was proved, and why it was not at first, is as for
+boxes."""
 LONG = ("list", "periodic-arc-functions", "periodic-arc-functions-levels", "birth-arc")
 """Curves whose proofs take seconds."""
 SEEN_BY_INTEGRATION = ("deviation.*", "error", "coefficients.*")

@@ -171,14 +171,14 @@ class WideArithmetic(Arithmetic):
             power = power + self._reduced_product(power, defect) // fmpz(q)
             if 2 * missing <= self.bits:
                 break
-        return self.cut(power)[0]
+        return power
 
     def _in_floats(self, base: fmpz_poly, exponent: Fraction) -> fmpz_poly:
         values = to_points(self.unpack(base, self.bits, self.degree + 1))
         return self.pack(from_points(power_of_series(values, exponent), self.width), self.bits)
 
     def _reduced_product(self, left: fmpz_poly, right: fmpz_poly) -> fmpz_poly:
-        return self.reduced(left.mul_low(right, (self.degree + 1) * self.stride))
+        return self.cut(self.reduced(left.mul_low(right, (self.degree + 1) * self.stride)))[0]
 
 
 def _counted(left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], factors: Pairs) -> Iterator[tuple[int, int, int]]:
