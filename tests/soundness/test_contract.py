@@ -308,8 +308,10 @@ FREE_OF_CURVES = (
     "results.*.computation.",
     "results.*.reason.",
 )
-"""A title and a wider tube are another claim that follows too; how an interval was proved is as for boxes, and so is why it
-was not proved at first."""
+"""A title and a wider tube are another claim that follows too; how an interval was proved is as for boxes.
+
+So is why it was not proved at first.
+"""
 LONG = ("list", "periodic-arc-functions", "periodic-arc-functions-levels", "birth-arc")
 """Curves whose proofs take seconds."""
 SEEN_BY_INTEGRATION = ("deviation.*", "error", "coefficients.*")
