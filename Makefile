@@ -183,6 +183,7 @@ web: $(VENV)/demo.stamp
 	        case $$name-$$mass in \
 	          *-L1-earth-moon) to="--end -0.09";; *-L2-earth-moon) to="--end -0.15";; \
 	          *-L1-sun-jupiter) to="--end -0.04";; *-L2-sun-jupiter) to="--end -0.065";; *-L3-sun-jupiter) to="--through axial --tube 2e-10";; \
+	          *-L3-earth-moon) to="--through axial --tube 1e-9";; \
 	          *) to="--through axial";; \
 	        esac; \
 	        cover atlas-libration $$at $$to; case $$name in *-L3) list="$$list --precision 120";; esac;; \
