@@ -46,6 +46,7 @@ def follow(guide: str, heading: str, folder: Path) -> list[str]:
 def in_copy(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     """A command of Python on the copy."""
     environment = {**os.environ, "PYTHONPATH": str(folder / "src"), "PYTHONDONTWRITEBYTECODE": "1"}
+    environment.pop("PYTEST_ADDOPTS", None)
     return subprocess.run(
         [sys.executable, *words], cwd=folder, env=environment, capture_output=True, text=True, check=False
     )
