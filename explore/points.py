@@ -13,6 +13,7 @@ from orbitproof.explore.families import kind_of
 from orbitproof.explore.names import exact_parameters, label_of, short_name
 from orbitproof.explore.orbits import Numbers, contradictions, fallen
 from orbitproof.explore.refinement import RefinementFailure, Task, refine_task
+from orbitproof.explore.three_body.names import exchanged_in
 from orbitproof.shared.formats import ACROSS_KINDS, DOUBLE_RESONANCE, KINDS, Candidate, InputError
 from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
 
@@ -78,7 +79,7 @@ def refine_at(
     texts = {key: str(MASS_PARAMETERS.get(str(value), value)) for key, value in (parameters or {}).items()}
     words = [f"{key}={text}" for key, text in texts.items()]
     try:
-        exact = exact_parameters(system, texts, varying)
+        exact = exact_parameters(system, texts, varying, exchanged_in)
     except InputError as error:
         raise ValueError(str(error)) from None
     name = id or f"{label_of(system, None, words) or system.name}-{short_name(kind, k)}"

@@ -23,7 +23,7 @@ from orbitproof.explore.families import (
     limited_names,
     trace_task,
 )
-from orbitproof.explore.names import exact_parameters, exchanged, label_of
+from orbitproof.explore.names import exact_parameters, label_of
 from orbitproof.explore.refinement import RefinementFailure, refine_tasks
 from orbitproof.explore.search import POINTS, Target, targets_of
 from orbitproof.explore.seeds import FirstOrbit
@@ -32,6 +32,8 @@ from orbitproof.explore.three_body.names import (
     DEFAULT_BRANCH,
     FAMILY_NAMES,
     Branch,
+    exchanged,
+    exchanged_in,
     families_to_give,
     family_name,
     is_family_name,
@@ -182,7 +184,7 @@ def trace_from(
             raise ValueError(f"bounds: {key!r} is unknown; there are {', '.join(limited)}")
     texts = {key: str(value) for key, value in (parameters or {}).items()}
     try:
-        exact = exact_parameters(system, texts)
+        exact = exact_parameters(system, texts, why_not=exchanged_in)
     except InputError as error:
         raise ValueError(str(error)) from None
     task = TraceTask(

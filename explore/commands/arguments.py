@@ -24,9 +24,8 @@ from orbitproof.explore.commands import (
     trajectory,
 )
 from orbitproof.explore.families import CONTROL, SAMPLING_TIMEOUT
-from orbitproof.explore.names import mass_name
 from orbitproof.explore.search import POINTS, PRESETS
-from orbitproof.explore.three_body.names import FAMILY_NAMES, family_name
+from orbitproof.explore.three_body.names import FAMILY_NAMES, family_name, mass_name
 from orbitproof.shared.answers import add_json_option
 from orbitproof.shared.help_text import HelpFormatter, Parser, add_command
 from orbitproof.shared.systems import MASS_PARAMETERS

@@ -9,13 +9,15 @@ from typing import Any
 
 from orbitproof.explore.atlases import Source, check_names
 from orbitproof.explore.commands import common
-from orbitproof.explore.names import exact_number, given_parameters, mass_name, system_named
+from orbitproof.explore.names import exact_number, system_named
 from orbitproof.explore.three_body.names import (
     FAMILY_NAMES,
     families_to_give,
     family_name,
+    given_parameters,
     has_branches,
     is_family_name,
+    mass_name,
     system_with,
 )
 from orbitproof.shared.formats import Covers, InputError, check_writable

@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from orbitproof.explore.commands.common import add_output, add_quiet, number, positive
-from orbitproof.explore.names import mass_name, mass_parameter
+from orbitproof.explore.three_body.names import mass_name, mass_parameter
 from orbitproof.shared.formats import InputError, check_writable, write_atlas
 from orbitproof.shared.help_text import add_command
 from orbitproof.shared.systems import MASS_PARAMETERS

@@ -8,7 +8,7 @@ from math import ceil, floor
 from typing import Any
 
 from orbitproof.explore.commands.common import add_output, add_quiet, positive
-from orbitproof.explore.names import mass_parameter
+from orbitproof.explore.three_body.names import mass_parameter
 from orbitproof.shared.formats import SURFACE, AnyPiece, Atlas, Claim, Covers, InputError, check_writable, write_atlas
 from orbitproof.shared.help_text import add_command
 from orbitproof.shared.wording import counted

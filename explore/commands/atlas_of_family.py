@@ -21,12 +21,12 @@ from orbitproof.explore.atlases import (
 )
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import Family, FamilyFailure, Limits, family_of
-from orbitproof.explore.names import given_parameters, label_of
+from orbitproof.explore.names import label_of
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.explore.records import read_families
 from orbitproof.explore.three_body.atlases import doubled_atlas
 from orbitproof.explore.three_body.families import branch_of, trace_family, trace_reaching
-from orbitproof.explore.three_body.names import name_on, on_branch
+from orbitproof.explore.three_body.names import given_parameters, name_on, on_branch
 from orbitproof.shared.formats import Atlas, InputError, write_atlas
 from orbitproof.shared.systems import REGULARISATIONS
 from orbitproof.shared.wording import counted

@@ -8,14 +8,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands import common
-from orbitproof.explore.names import given_parameters, label_of, mass_name, system_named
+from orbitproof.explore.names import label_of, system_named
 from orbitproof.explore.three_body.names import (
     DEFAULT_BRANCH,
     FAMILY_NAMES,
     WITHOUT_SYMMETRY,
     families_to_give,
     family_name,
+    given_parameters,
     has_branches,
+    mass_name,
     system_with,
 )
 from orbitproof.shared.formats import InputError, check_writable, table_form

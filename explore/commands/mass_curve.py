@@ -8,7 +8,7 @@ from math import isfinite, log10
 from typing import Any
 
 from orbitproof.explore.commands.common import add_jobs, add_output, add_quiet
-from orbitproof.explore.names import mass_parameter
+from orbitproof.explore.three_body.names import mass_parameter
 from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.help_text import add_command
 from orbitproof.shared.systems import MASS_PARAMETERS

@@ -14,12 +14,14 @@ from typing import TYPE_CHECKING, Any
 from orbitproof.explore.commands import common
 from orbitproof.explore.commands.orbit_lines import tell_corrected, tell_refined
 from orbitproof.explore.commands.orbit_options import equation_of, kind_of
-from orbitproof.explore.names import given_parameters, label_of, mass_name, system_named
+from orbitproof.explore.names import label_of, system_named
 from orbitproof.explore.three_body.names import (
     families_to_give,
     family_name,
+    given_parameters,
     has_branches,
     is_family_name,
+    mass_name,
     name_on,
     on_branch,
     system_with,

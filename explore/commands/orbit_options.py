@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Literal
 
-from orbitproof.explore.names import MONTHS, NO_NUMBER, exact_number, time_given
+from orbitproof.explore.names import NO_NUMBER, exact_number, time_given
+from orbitproof.explore.three_body.names import MONTHS
 from orbitproof.shared.formats import (
     COORDINATE,
     HALF_PERIOD,

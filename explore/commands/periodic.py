@@ -21,14 +21,13 @@ from orbitproof.explore.commands.periodic_claims import (
 from orbitproof.explore.names import (
     exact_number,
     given_values,
-    mass_name,
-    mass_parameter,
     own_system,
     section_of,
     start_values,
     symmetry_of,
     varied,
 )
+from orbitproof.explore.three_body.names import mass_name, mass_parameter
 from orbitproof.explore.three_body.seeds import TRIANGULAR
 from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.help_text import add_command

@@ -7,15 +7,8 @@ import sys
 from typing import Any
 
 from orbitproof.explore.commands import common
-from orbitproof.explore.names import (
-    given_parameters,
-    label_of,
-    mass_name,
-    place_of,
-    short_name,
-    system_named,
-    varying_in,
-)
+from orbitproof.explore.names import label_of, place_of, short_name, system_named, varying_in
+from orbitproof.explore.three_body.names import given_parameters, mass_name
 from orbitproof.shared.formats import (
     ACROSS_KINDS,
     DOUBLE_RESONANCE,

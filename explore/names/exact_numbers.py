@@ -4,26 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from difflib import get_close_matches
 from fractions import Fraction
 
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.numbers import parse_exact
-from orbitproof.shared.systems import MASS_PARAMETERS, FormulaError, evaluate_formula
+from orbitproof.shared.systems import FormulaError, evaluate_formula
 
 NO_NUMBER = "no number; write a decimal, a fraction or a hexadecimal number"
-
-PI = Fraction("3.14159265358979323846264338327950288419716939937510582097494459")
-"""pi, to 63 digits: an exact number that may stand in what an orbit is singled out by."""
-
-MONTHS: Mapping[str, Fraction] = {
-    "sidereal_month": 2 * PI,
-    "synodic_month": 2 * PI * Fraction("29.530588853") / Fraction("27.321661547"),
-}
-"""The Moon's mean months at J2000 in time units of the Earth-Moon system, of which 2 pi are one sidereal month.
-
-Of a sidereal month of 27.321661547 days and a synodic month of 29.530588853 days only the ratio counts.
-"""
 
 
 def number_in(text: str, names: Mapping[str, Fraction] | None = None) -> Fraction | None:
@@ -73,37 +60,3 @@ def time_given(
             f"catalogue ({known})"
         )
     return number * size / Fraction(str(unit))
-
-
-def mass_name(text: str) -> str:
-    """The name of a mass parameter that is asked for, in any case; other texts as they are."""
-    return text.casefold() if text.casefold() in MASS_PARAMETERS else text
-
-
-def mass_parameter(option: str, text: str, *, or_zero: bool = False) -> Fraction:
-    """A mass parameter, by name or as a number in (0, 1/2], in [0, 1/2] with `or_zero`. Raises `InputError`."""
-    value = MASS_PARAMETERS.get(mass_name(text))
-    if value is None:
-        close = get_close_matches(text.casefold(), MASS_PARAMETERS, 1)
-        remedy = f"did you mean {close[0]}?" if close else "give a number in (0, 1/2]"
-        names = ", ".join(MASS_PARAMETERS)
-        value = exact_number(option, text, f"neither a name ({names}) nor a number; {remedy}")
-    # Neither the number nor the double next to it may be an end.
-    inside = 0 < value < 1 and 0.0 < float(value) < 1.0
-    if not inside and not (or_zero and value == 0):
-        interval = "[0, 1/2]" if or_zero else "(0, 1/2]"
-        raise InputError(f"{option} {text}: outside {interval}; give the smaller mass over the total mass")
-    if (why := exchanged(value)) is not None:
-        raise InputError(f"{option} {text}: {why}")
-    return value
-
-
-def exchanged(mass: Fraction) -> str | None:
-    """Why a mass parameter is refused that is that of the larger primary, with the remedy; `None` up to 1/2."""
-    if mass <= Fraction(1, 2):
-        return None
-    smaller = str(1 - mass) if (1 - mass).denominator < 1000 else f"{float(1 - mass):.17g}"
-    return (
-        f"above 1/2, so the primaries are exchanged; give the smaller mass over the total, 1 - mu = {smaller}, and "
-        "states with the other sign of x, y, vx, vy"
-    )

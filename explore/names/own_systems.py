@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from math import inf
 from pathlib import Path
 
-from orbitproof.explore.names.exact_numbers import NO_NUMBER, exact_number, exchanged, mass_parameter, number_in
+from orbitproof.explore.names.exact_numbers import NO_NUMBER, exact_number, number_in
 from orbitproof.shared.formats import ArgumentError, InputError, load_system, under_reversor
-from orbitproof.shared.systems import CR3BP_PLANAR, MASS_PARAMETERS, SYSTEMS, THREE_BODY, ReversibleSystem
+from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
 
 SEARCHED = ("cr3bp", "cr3bp-axial", "cr3bp-planar", "falkner-skan")
 """Systems that a search may be asked for by name."""
-
-_OF_THREE_BODIES = (*THREE_BODY, CR3BP_PLANAR)
 
 
 def system_named(text: str) -> ReversibleSystem:
@@ -38,31 +36,16 @@ def system_named(text: str) -> ReversibleSystem:
     return system
 
 
-def given_parameters(
-    system: ReversibleSystem, mass: str | None, assignments: Sequence[str] | None, varying: str | None = None
-) -> dict[str, Fraction]:
-    """The exact fixed parameters from ``--parameter NAME=VALUE``; ``--mass`` gives that of the CR3BP.
-
-    One of them may vary, and has no value then. Raises `InputError`.
-    """
-    texts = values_by_name("--parameter", assignments or ())
-    known = [name for name in system.fixed_parameters if name in texts]
-    if varying == "mu" and mass is not None:
-        raise InputError(f"--mass {mass}: mu varies, and --point says near which value; leave it out")
-    if mass is not None and len(known) == len(texts):
-        if system.fixed_parameters != ("mu",) or "mu" in texts:
-            why = "given by --parameter as well" if "mu" in texts else f"{system.name} has no mass parameter"
-            raise InputError(f"--mass {mass}: {why}; leave it out")
-        return {"mu": mass_parameter("--mass", mass)}
-    if system.fixed_parameters == ("mu",) and not texts and varying is None:
-        raise InputError(f"--mass: missing; give a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1/2]")
-    return exact_parameters(system, texts, varying)
-
-
 def exact_parameters(
-    system: ReversibleSystem, texts: Mapping[str, str], varying: str | None = None
+    system: ReversibleSystem,
+    texts: Mapping[str, str],
+    varying: str | None = None,
+    why_not: Callable[[ReversibleSystem, str, Fraction], str | None] = lambda system, name, value: None,
 ) -> dict[str, Fraction]:
-    """The exact fixed parameters but a `varying` one from texts by name. Raises `ArgumentError` about `parameters`."""
+    """The exact fixed parameters but a `varying` one from texts by name.
+
+    `why_not` says of a value of a parameter why it is refused. Raises `ArgumentError` about `parameters`.
+    """
     fixed = [name for name in system.fixed_parameters if name != varying]
     for name in texts:
         if name not in fixed:
@@ -80,8 +63,8 @@ def exact_parameters(
         if not system.parameters[name].contains(value):
             words = "{parameters:--parameter} {0}={1}: outside {2}; give a value inside"
             raise ArgumentError(words, name, texts[name], system.parameters[name])
-        if name == "mu" and system in _OF_THREE_BODIES and (why := exchanged(value)) is not None:
-            raise ArgumentError("{parameters:--parameter} mu={0}: {1}", texts[name], why)
+        if (why := why_not(system, name, value)) is not None:
+            raise ArgumentError("{parameters:--parameter} {0}={1}: {2}", name, texts[name], why)
         result[name] = value
     return result
 

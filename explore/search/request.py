@@ -13,13 +13,14 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.explore.families import StepControl
-from orbitproof.explore.names import Contradiction, NoOrbit, given_parameters, label_of, place_of, system_named
+from orbitproof.explore.names import Contradiction, NoOrbit, label_of, place_of, system_named
 from orbitproof.explore.search.presets import PRESETS, Preset, PresetFamilies
 from orbitproof.explore.seeds import FirstOrbit
 from orbitproof.explore.three_body.names import (
     FAMILY_NAMES,
     WITHOUT_SYMMETRY,
     families_to_give,
+    given_parameters,
     has_branches,
     is_family_name,
     system_with,

@@ -12,7 +12,7 @@ import pytest
 from support.stored import values
 
 from orbitproof.explore.__main__ import main as explore
-from orbitproof.explore.names import MONTHS
+from orbitproof.explore.three_body.names import MONTHS
 from orbitproof.shared.formats import read_atlas, read_candidates
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.__main__ import main as verify

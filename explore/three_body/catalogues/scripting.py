@@ -8,7 +8,7 @@ from pathlib import Path
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import FamilyFailure, Limits
 from orbitproof.explore.flow import Device
-from orbitproof.explore.names import given_parameters, label_of, system_named
+from orbitproof.explore.names import label_of, system_named
 from orbitproof.explore.three_body.catalogues.file import Catalogue, read_catalogue
 from orbitproof.explore.three_body.catalogues.filters import left_out, without_hits
 from orbitproof.explore.three_body.catalogues.making import CatalogueTask, catalogue_task
@@ -18,6 +18,7 @@ from orbitproof.explore.three_body.names import (
     Branch,
     families_to_give,
     family_name,
+    given_parameters,
     system_with,
 )
 from orbitproof.shared.formats import InputError

@@ -15,5 +15,11 @@ from .family_names import name_on as name_on
 from .family_names import on_branch as on_branch
 from .family_names import resonance_of as resonance_of
 from .family_names import system_with as system_with
+from .masses import MONTHS as MONTHS
+from .masses import exchanged as exchanged
+from .masses import exchanged_in as exchanged_in
+from .masses import given_parameters as given_parameters
+from .masses import mass_name as mass_name
+from .masses import mass_parameter as mass_parameter
 from .units import foreign_units as foreign_units
 from .units import units_of_system as units_of_system

@@ -13,9 +13,10 @@ import pytest
 
 from orbitproof import explore
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.names import Contradiction, given_parameters
+from orbitproof.explore.names import Contradiction
 from orbitproof.explore.orbits import Numbers, contradictions, fallen
 from orbitproof.explore.three_body.catalogues import correct_catalogue, read_catalogue
+from orbitproof.explore.three_body.names import given_parameters
 from orbitproof.explore.three_body.trajectories import Choice, find_orbit, trajectory_of
 from orbitproof.shared.formats import InputError, read_candidates
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, FALKNER_SKAN, MASS_PARAMETERS
