@@ -20,7 +20,7 @@ from orbitproof.verify.atlas.document import BranchDocument
 from orbitproof.verify.atlas.index import IndexDocument
 from orbitproof.verify.atlas.web import WebDocument
 from orbitproof.verify.certificate.document import Software
-from orbitproof.verify.certificate.entry import Entry
+from orbitproof.verify.certificate.entry import StoredCertificate
 
 COORDINATES = (
     "the family parameter of the system, if it has one, then the state coordinates fixed by R, in the system's order."
@@ -41,7 +41,7 @@ class Certificates:
     """
 
     software: Software
-    certificates: Annotated[tuple[Entry, ...], rules(minItems=1)]
+    certificates: Annotated[tuple[StoredCertificate, ...], rules(minItems=1)]
 
 
 def schemas() -> dict[str, dict[str, Any]]:

@@ -9,7 +9,7 @@ import numpy as np
 from orbitproof.explore.atlases.complex_flow import LANES, HalfReturns
 from orbitproof.explore.families import Family
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
-from orbitproof.explore.orbits import CorrectionFailure, singular_places
+from orbitproof.explore.orbits import CorrectionFailure, singularities_of
 
 BEYOND, DOUBLINGS = 1.25, 30
 """The time of an orbit is first searched up to so many times that of the last one; this range is doubled so often."""
@@ -74,7 +74,7 @@ class Curve:
     def scale(self, point: Vector) -> float:
         """A typical length near a point: the distance from the nearest primary, 1 in other systems."""
         problem = self.family.problem
-        places = singular_places(problem.system, problem.parameters)
+        places = singularities_of(problem.system, problem.parameters)
         return 1.0 if places is None else places.distance(problem.initial_state(np.append(point, 1.0)))
 
 

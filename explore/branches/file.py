@@ -17,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from orbitproof.explore.names import examined
-from orbitproof.explore.records import Array, Entry, to_json
+from orbitproof.explore.records import Array, ObjectReader, to_json
 from orbitproof.shared.claims.candidate import OfKind
 from orbitproof.shared.formats import REVERSOR_BREAKING, read_document, read_system, validate_document, write_text
 from orbitproof.shared.systems import ReversibleSystem
@@ -140,7 +140,7 @@ def read_branches(path: Path) -> list[BranchRecord]:
 def _branch(value: Mapping[str, Any], source: str) -> BranchRecord:
     system, parameters = read_system(value, source)
     examined(system, source)
-    entry, size = Entry(source, system), len(system.centre_coordinates)
+    entry, size = ObjectReader(source, system), len(system.centre_coordinates)
     loop = value["kind"] == REVERSOR_BREAKING
     sides = tuple(
         BranchSide(
@@ -165,7 +165,7 @@ def _branch(value: Mapping[str, Any], source: str) -> BranchRecord:
     return BranchRecord(**{**value, **arrays, **numbers, **read})
 
 
-def _orbit(entry: Entry, where: str, value: Mapping[str, Any], k: int | None) -> BranchOrbit:
+def _orbit(entry: ObjectReader, where: str, value: Mapping[str, Any], k: int | None) -> BranchOrbit:
     """One orbit; k is `None` if it is not symmetric."""
     size, m = len(entry.system.centre_coordinates), len(entry.system.state)
     count = len(value["times"])

@@ -8,7 +8,7 @@ from math import inf, isfinite
 
 from orbitproof.explore.flow import Matrix
 from orbitproof.explore.names import told_apart
-from orbitproof.explore.orbits import ShootingProblem, SingularPlaces, SymmetricOrbit, singular_places
+from orbitproof.explore.orbits import ShootingProblem, Singularities, SymmetricOrbit, singularities_of
 from orbitproof.shared.systems import ReversibleSystem
 
 SMALLEST_DISTANCE = 1e-5
@@ -65,12 +65,12 @@ class Limits:
         integral = orbit.first_integral
         if self.integral_min is not None and integral is not None and integral <= self.integral_min:
             return f"limit {system.first_integral_name} = {self.integral_min:g}"
-        places = singular_places(system, problem.parameters)
+        places = singularities_of(system, problem.parameters)
         if places is not None and places.distance(states) <= (bound := self._distance(places)):
             return f"limit distance to a primary = {bound:g}"
         return None
 
-    def _distance(self, places: SingularPlaces) -> float:
+    def _distance(self, places: Singularities) -> float:
         if self.min_distance is not None:
             return self.min_distance
         return min(SMALLEST_DISTANCE, SMALLEST_RELATIVE_DISTANCE * places.size)

@@ -12,8 +12,8 @@ from .shooting import Correction as Correction
 from .shooting import CorrectionFailure as CorrectionFailure
 from .shooting import ShootingProblem as ShootingProblem
 from .shooting import SymmetricOrbit as SymmetricOrbit
-from .singularities import SingularPlaces as SingularPlaces
-from .singularities import singular_places as singular_places
+from .singularities import Singularities as Singularities
+from .singularities import singularities_of as singularities_of
 from .stability import HalfReturn as HalfReturn
 from .stability import Side as Side
 from .stability import multipliers as multipliers

@@ -9,7 +9,7 @@ from decimal import Decimal
 import numpy as np
 
 from orbitproof.explore.flow import Vector
-from orbitproof.explore.orbits.singularities import singular_places
+from orbitproof.explore.orbits.singularities import singularities_of
 from orbitproof.shared.systems import System
 
 REMEDY = "mend the file, or take the orbit that was found: --accept"
@@ -92,7 +92,7 @@ def _last_unit(value: float) -> float:
 
 def sizes_at(system: System, parameters: Sequence[float], state: Vector) -> Vector:
     """Typical sizes of the coordinates, shape (m,): in space the distance from the nearest primary, and the speed."""
-    places = singular_places(system, dict(zip(system.parameters, parameters, strict=True)))
+    places = singularities_of(system, dict(zip(system.parameters, parameters, strict=True)))
     if places is None:
         return np.full(len(state), float(np.abs(state).max()) or 1.0)
     distance, half = places.distance(state), len(state) // 2

@@ -13,7 +13,7 @@ from orbitproof.shared.systems import CR3BP_PLANAR, THREE_BODY, System
 
 
 @dataclass(frozen=True)
-class SingularPlaces:
+class Singularities:
     """Where the field of a system is not defined.
 
     Attributes:
@@ -29,10 +29,10 @@ class SingularPlaces:
         return min(float(np.linalg.norm(states[..., : len(place)] - place, axis=-1).min()) for place in self.places)
 
 
-def singular_places(system: System, parameters: Mapping[str, Fraction | float]) -> SingularPlaces | None:
+def singularities_of(system: System, parameters: Mapping[str, Fraction | float]) -> Singularities | None:
     """Where the field of a system with these parameters is not defined; `None`: no such place is known."""
     if system not in (*THREE_BODY, CR3BP_PLANAR):
         return None
     mass, size = float(parameters["mu"]), len(system.state) // 2
     places = tuple(np.array([x, *[0.0] * (size - 1)]) for x in (-mass, 1.0 - mass))
-    return SingularPlaces(places, float((min(mass, 1.0 - mass) / 3) ** (1 / 3)))
+    return Singularities(places, float((min(mass, 1.0 - mass) / 3) ** (1 / 3)))

@@ -1,5 +1,5 @@
 from .entries import Array as Array
-from .entries import Entry as Entry
+from .entries import ObjectReader as ObjectReader
 from .entries import to_json as to_json
 from .family_file import BAND as BAND
 from .family_file import EndingRecord as EndingRecord

@@ -38,7 +38,7 @@ def to_json(value: Any) -> Any:
 
 
 @dataclass(frozen=True)
-class Entry:
+class ObjectReader:
     """Where an object of a file stands, for reading its numbers; what is wrong with one is an `InputError`."""
 
     source: str

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from orbitproof.explore.names import examined
-from orbitproof.explore.records.entries import Array, Entry, to_json
+from orbitproof.explore.records.entries import Array, ObjectReader, to_json
 from orbitproof.shared.formats import read_document, read_system, validate_document, write_text
 from orbitproof.shared.systems import ReversibleSystem
 
@@ -149,7 +149,7 @@ def read_families(path: Path) -> list[FamilyRecord]:
 def _family(value: Mapping[str, Any], source: str) -> FamilyRecord:
     system, parameters = read_system(value, source)
     examined(system, source)
-    entry = Entry(source, system)
+    entry = ObjectReader(source, system)
     if value["symmetry"] is not None and value["symmetry"] not in system.symmetries:
         entry.refuse("symmetry", f"{system.name} has no symmetry {value['symmetry']!r}")
     size = len(system.centre_coordinates)
@@ -185,7 +185,7 @@ def _family(value: Mapping[str, Any], source: str) -> FamilyRecord:
     )
 
 
-def _orbit(entry: Entry, where: str, value: Mapping[str, Any]) -> OrbitRecord:
+def _orbit(entry: ObjectReader, where: str, value: Mapping[str, Any]) -> OrbitRecord:
     system, integral = entry.system, value["first_integral"]
     size, kernel = len(system.centre_coordinates), len(system.kernel_coordinates)
     lengths = {"point": size, "second_point": size, "tangent": size + 1, "coefficients": kernel + 1}
@@ -202,7 +202,7 @@ def _orbit(entry: Entry, where: str, value: Mapping[str, Any]) -> OrbitRecord:
     )
 
 
-def _curve(entry: Entry, value: Mapping[str, Any] | None) -> SamplesRecord | None:
+def _curve(entry: ObjectReader, value: Mapping[str, Any] | None) -> SamplesRecord | None:
     if value is None:
         return None
     system, count = entry.system, len(value["arclength"])

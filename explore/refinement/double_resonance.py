@@ -92,7 +92,7 @@ class _Equations:
 
     def linearised(self, point: Sequence[Fraction], context: mpmath.MPContext) -> Linearised:
         """The equations at a point; determinants of second derivatives of P lose the bits of the spread three times."""
-        place = _Place(*self._about, context)
+        place = _Equations(*self._about, context)
         if self.turn is None:
             self.turn = place.nearest_turn(point)
         found = place.evaluate(point, self.turn)
@@ -114,7 +114,7 @@ class _Evaluation:
 
 
 @dataclass(frozen=True)
-class _Place:
+class _Equations:
     """Where the equations are evaluated."""
 
     system: ReversibleSystem

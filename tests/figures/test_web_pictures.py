@@ -42,7 +42,7 @@ from orbitproof.verify.atlas import certified_web
 from orbitproof.verify.atlas.listed import ListedEnd, ListedInterval
 from orbitproof.verify.atlas.web import StoredArc
 from orbitproof.verify.certificate import Certificate, Level, Recheck, write_certificate
-from orbitproof.verify.stability import ListedPlace
+from orbitproof.verify.stability import IntervalEnd
 from orbitproof.verify.web import IndexOnArc
 
 MU = 1 / 80
@@ -189,7 +189,7 @@ def test_the_index_is_told_of_the_intervals_for_which_it_is_proved() -> None:
 
     def counted(index: int, begin: tuple[int, int], end: tuple[int, int]) -> IndexOnArc:
         first, last = (
-            ListedPlace(("an end",), pieces[number], (Fraction(s, 8), Fraction(s, 8))) for number, s in (begin, end)
+            IntervalEnd(("an end",), pieces[number], (Fraction(s, 8), Fraction(s, 8))) for number, s in (begin, end)
         )
         return IndexOnArc((1, index - 1), pieces[1], Fraction(0), first, last)
 

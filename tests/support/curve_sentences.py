@@ -58,10 +58,10 @@ from orbitproof.verify.stability import (
     Extremum,
     Found,
     Gap,
+    IntervalEnd,
     Kind,
     ListAcross,
     ListConclusion,
-    ListedPlace,
     ListTheorem,
     Matter,
     Point,
@@ -644,7 +644,7 @@ def webs() -> Told:
     index = Indices(
         "di", (
             IndexOnArc((3,), "p001", Q(1, 3)),
-            IndexOnArc((2, 1), "p001", Q(1, 4), ListedPlace(("fold",), "p001", (Q(0), Q(1, 8))), ListedPlace(
+            IndexOnArc((2, 1), "p001", Q(1, 4), IntervalEnd(("fold",), "p001", (Q(0), Q(1, 8))), IntervalEnd(
                 ("the end of the curve", "1:2"), "p002", (Q(1, 4), Q(1, 2))
             )),
         ), (1, 2),

@@ -11,7 +11,7 @@ from orbitproof.verify.curve import IntervalResult, PieceResult
 from orbitproof.verify.distances import DistanceFunctions, KnownDistances, known_distances
 from orbitproof.verify.evidence import NotKnown
 from orbitproof.verify.functions import BoundedFunction, StoredFunction
-from orbitproof.verify.lasting import LastingResult
+from orbitproof.verify.lasting import CurveIntervalResult
 from orbitproof.verify.out_of_plane import KnownVariations, VariationFunctions
 from orbitproof.verify.periodic_curve import PeriodicIntervalResult
 from orbitproof.verify.stability import StabilityFunctions, unconfirmed
@@ -22,7 +22,7 @@ def value_of(entry: Mapping[str, Any] | Result) -> Result:
     """The result that a JSON object says, of a piece of the kind that it looks like."""
     if isinstance(entry, IntervalResult):
         return entry
-    kind: type[Result] = LastingResult if "parts" not in entry else SurfaceResult
+    kind: type[Result] = CurveIntervalResult if "parts" not in entry else SurfaceResult
     kind = PeriodicIntervalResult if "multipliers" in entry else kind
     whole = {key: value for key, value in entry.items() if value is not None}
     whole["computation"] = {"seconds": 0.0, **entry.get("computation", {})}

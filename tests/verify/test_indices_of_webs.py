@@ -27,7 +27,7 @@ from orbitproof.verify.__main__ import main
 from orbitproof.verify.atlas import certified_web, claiming_indices, resting
 from orbitproof.verify.atlas import web as of_webs
 from orbitproof.verify.certificate import Certificate, Given, Key, Level, Recheck, recheck, write_certificate
-from orbitproof.verify.stability import ListedPlace
+from orbitproof.verify.stability import IntervalEnd
 from orbitproof.verify.web import Arc, IndexOnArc, Indices
 
 NAME = "distant-retrograde"
@@ -35,8 +35,8 @@ CURVE: Key = ("arc", NAME)
 INDEX: Key = ("index", NAME)
 CLAIM = Web("a web", "a web", (WebArc(NAME, index=True),))
 PLACES = (
-    ListedPlace(("the beginning of the curve",), "p000", (Fraction(-1), Fraction(-1))),
-    ListedPlace(("fold",), "p001", (Fraction(1, 4), Fraction(1, 2))),
+    IntervalEnd(("the beginning of the curve",), "p000", (Fraction(-1), Fraction(-1))),
+    IntervalEnd(("fold",), "p001", (Fraction(1, 4), Fraction(1, 2))),
 )
 KNOWN = Indices("d9", (IndexOnArc((4,), "p000", Fraction(1, 8), *PLACES),))
 

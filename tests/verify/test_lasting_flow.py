@@ -22,7 +22,14 @@ from orbitproof.verify.atlas.conclusion import conclusion_of
 from orbitproof.verify.curve import PieceLimits, prove_piece
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.functions import error_of, known_part, norm_of
-from orbitproof.verify.lasting import FunctionJet, LastingResult, TwistFunctions, compose, half_map, twist_of_piece
+from orbitproof.verify.lasting import (
+    CurveIntervalResult,
+    FunctionJet,
+    TwistFunctions,
+    compose,
+    half_map,
+    twist_of_piece,
+)
 from orbitproof.verify.lasting.half_map import _around, _elements, _jet, _on_level
 from orbitproof.verify.lasting.odd import odd_coordinate
 from orbitproof.verify.lasting.stored import require_zero
@@ -120,7 +127,7 @@ def theta(case: Case, amplitude: float) -> tuple[float, float]:
     return factor * c**3, factor * b**3
 
 
-def along(case: Case, amplitude: Fraction) -> tuple[Piece, LastingResult]:
+def along(case: Case, amplitude: Fraction) -> tuple[Piece, CurveIntervalResult]:
     """The orbits about this amplitude with the second oscillator at rest, with what is proved of them."""
     frame = ((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1)))
     piece = Piece(
@@ -144,7 +151,7 @@ def along(case: Case, amplitude: Fraction) -> tuple[Piece, LastingResult]:
     assert apart > Fraction(1, 2**31)
     assert apart + closer.piece.tube[0] <= piece.tube[0]
     more = {"stability": stability_of_piece(closer, None, half), "twist": twist_of_piece(closer, None, half)}
-    return piece, LastingResult(**{**vars(found.stored), **more})
+    return piece, CurveIntervalResult(**{**vars(found.stored), **more})
 
 
 @pytest.mark.parametrize(

@@ -31,7 +31,7 @@ SYSTEMS: dict[str, dict[str, Any]] = {
     },
     "sine": {"name": "sine", "state": "x y", "parameters": "a b", "field": {"x": "y", "y": "a*sin(x) + b"}},
 }
-Entry = dict[str, Any]
+RowJson = dict[str, Any]
 
 
 def with_b(**claim: Any) -> tuple[PeriodicAtlas, Any]:
@@ -44,12 +44,12 @@ def with_b(**claim: Any) -> tuple[PeriodicAtlas, Any]:
     return replace(atlas, system=system, parameters={"b": F(3, 2)}), results
 
 
-def described(name: str) -> Entry:
+def described(name: str) -> RowJson:
     """The description of another system as it stands in a file."""
     return {"system": describe(define_system(SYSTEMS[name]))}
 
 
-WRONG: dict[str, tuple[Callable[[Entry], Any], str]] = {
+WRONG: dict[str, tuple[Callable[[RowJson], Any], str]] = {
     "outside its range": (lambda e: e["parameters"].update(b="3"), "field parameters.b: 3 lies outside (0, 3)"),
     "a function": (
         lambda e: (e.update(described("sine")), e["claim"].update(normal=["0", "1", "0", "0"])),

@@ -72,10 +72,10 @@ def refuted() -> Certificate:
     return certify(candidate_from_json(FALSE, "test"), Limits(max_precision=256), integrate=to_the_end)
 
 
-Entry = dict[str, Any]
+CertificateJson = dict[str, Any]
 
 
-def forged(certificate: Certificate, change: Callable[[Entry], Any]) -> Certificate:
+def forged(certificate: Certificate, change: Callable[[CertificateJson], Any]) -> Certificate:
     """A changed copy with a digest that fits."""
     entry = certificate.to_json()
     change(entry)
@@ -83,7 +83,7 @@ def forged(certificate: Certificate, change: Callable[[Entry], Any]) -> Certific
     return Certificate.from_json(entry)
 
 
-def hypothesis(entry: Entry, name: str) -> dict[str, Any]:
+def hypothesis(entry: CertificateJson, name: str) -> dict[str, Any]:
     return next(item for item in entry["hypotheses"] if item["name"] == name)
 
 
@@ -184,18 +184,18 @@ def test_any_changed_value_is_noticed_by_the_digest(proved: Certificate) -> None
             assert entry["digest"] != digest(entry), path
 
 
-def _table(entry: Entry, i: int, part: str, index: int, change: Callable[[Fraction, Fraction], Any]) -> None:
+def _table(entry: CertificateJson, i: int, part: str, index: int, change: Callable[[Fraction, Fraction], Any]) -> None:
     """Change one ball of a table of P^i; the order of the derivatives in two variables is lexicographic."""
     texts = entry["enclosures"]["iterates"][i - 1][0][part]
     middle, radius = (parse_exact(number) for number in texts[index].split(" +- "))
     texts[index] = " +- ".join(format_dyadic(value) for value in change(middle, radius))
 
 
-def _other_results(entry: Entry) -> None:
+def _other_results(entry: CertificateJson) -> None:
     shift(entry["results"]["parameter"], "mid", 400)
 
 
-FORGERIES: dict[str, tuple[Callable[[Entry], Any], str]] = {
+FORGERIES: dict[str, tuple[Callable[[CertificateJson], Any], str]] = {
     "derivative of P^3 at the centre": (lambda e: _table(e, 3, "centre", 1, lambda m, r: (m + r, r)), "C3"),
     "derivative of P over the box": (lambda e: _table(e, 1, "box", 1, lambda m, r: (-m, r)), "poincare-map"),
     "radius of a derivative of P^3": (lambda e: _table(e, 3, "centre", 2, lambda m, r: (m, r * 2)), "G_11"),
@@ -252,7 +252,7 @@ def test_a_forgery_with_a_new_digest_is_named(proved: Certificate, change: Any, 
     assert "digest" not in places(result)
 
 
-REWORDED: dict[str, Callable[[Entry], Any]] = {
+REWORDED: dict[str, Callable[[CertificateJson], Any]] = {
     "theorem": lambda e: e["statement"].update(theorem="There is life on Mars."),
     "theorem in full": lambda e: e["statement"].update(in_full=e["statement"]["in_full"] + "\nAnd on Venus."),
     "words of a hypothesis": lambda e: hypothesis(e, "C3").update(statement="anything"),
@@ -265,7 +265,7 @@ REWORDED: dict[str, Callable[[Entry], Any]] = {
 def test_a_true_certificate_in_other_words_stands_and_is_told_in_those_of_this_version(
     proved: Certificate, change: Any
 ) -> None:
-    def elsewhere(entry: Entry) -> None:
+    def elsewhere(entry: CertificateJson) -> None:
         entry["software"]["orbitproof"] = "0.0.1"
 
     other = forged(proved, lambda entry: (change(entry), elsewhere(entry)))
@@ -306,7 +306,7 @@ def test_other_words_than_the_program_has_that_is_named_are_a_forgery(proved: Ce
 def test_not_proved_cannot_be_turned_into_proved(proved: Certificate, refuted: Certificate) -> None:
     assert refuted.verdict == "not proved"
 
-    def fill(entry: Entry, tables: bool) -> None:
+    def fill(entry: CertificateJson, tables: bool) -> None:
         true = proved.to_json()
         for key in ("verdict", "reason", "hypotheses", "results", "computation"):
             entry[key] = true[key]
@@ -396,7 +396,7 @@ def test_a_certificate_without_digest_does_not_stand(proved: Certificate) -> Non
 
 
 def test_other_software_is_named_where_numbers_differ(proved: Certificate) -> None:
-    def change(entry: Entry) -> None:
+    def change(entry: CertificateJson) -> None:
         entry["software"]["FLINT"] = "1.0"
         _other_results(entry)
 

@@ -18,7 +18,7 @@ from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import Computation, IntervalResult
 from orbitproof.verify.evidence import NotKnown, Reason
 from orbitproof.verify.functions import StoredFunction
-from orbitproof.verify.lasting import LastingResult, TwistFunctions, unconfirmed_twist
+from orbitproof.verify.lasting import CurveIntervalResult, TwistFunctions, unconfirmed_twist
 from orbitproof.verify.lasting.reversibility import reversibility
 from orbitproof.verify.periodic_curve import MultiplierFunctions, PeriodicIntervalResult, unconfirmed_multipliers
 from orbitproof.verify.surface import ProvedPart, SurfaceResult
@@ -173,7 +173,7 @@ def test_what_reversibility_makes_zero_is_enclosed_with_zero(value: int, error: 
     other = function(1, 2.0**-20)
     known = TwistFunctions(other, other, other, StoredFunction((size,), unknown))
     whole = Fraction(-1), Fraction(1)
-    result = LastingResult("p", whole, "proved", Computation(1.0), twist=known)
+    result = CurveIntervalResult("p", whole, "proved", Computation(1.0), twist=known)
     if holds:
         found = reversibility([result])
         assert found is not None

@@ -48,46 +48,46 @@ class PreparedProgram:
 def prepare(program: Program) -> PreparedProgram:
     """Rewrite divisions and powers with negative exponents and products with constants as scalings."""
     places: dict[Node, int] = {}
-    inputs = [_place(places, Node("input", left=index)) for index in range(len(program.inputs))]
-    outputs = program.evaluate(inputs, lambda value: _place(places, Node("constant", value=value)), _Place.power)
+    inputs = [_traced(places, Node("input", left=index)) for index in range(len(program.inputs))]
+    outputs = program.evaluate(inputs, lambda value: _traced(places, Node("constant", value=value)), _Traced.power)
     return _without_unused(PreparedProgram(len(inputs), tuple(places), tuple(output.index for output in outputs)))
 
 
-def _place(places: dict[Node, int], node: Node) -> _Place:
-    return _Place(places, node, places.setdefault(node, len(places)))
+def _traced(places: dict[Node, int], node: Node) -> _Traced:
+    return _Traced(places, node, places.setdefault(node, len(places)))
 
 
 @dataclass(frozen=True)
-class _Place:
+class _Traced:
     """A node and its place among those so far; operations add the nodes that they need."""
 
     places: dict[Node, int]
     node: Node
     index: int
 
-    def __add__(self, other: _Place) -> _Place:
-        return _place(self.places, Node("add", self.index, other.index))
+    def __add__(self, other: _Traced) -> _Traced:
+        return _traced(self.places, Node("add", self.index, other.index))
 
-    def __sub__(self, other: _Place) -> _Place:
-        return _place(self.places, Node("sub", self.index, other.index))
+    def __sub__(self, other: _Traced) -> _Traced:
+        return _traced(self.places, Node("sub", self.index, other.index))
 
-    def __mul__(self, other: _Place) -> _Place:
+    def __mul__(self, other: _Traced) -> _Traced:
         for factor, rest in ((self, other), (other, self)):
             if factor.node.operation == "constant":
-                return _place(self.places, Node("scale", rest.index, value=factor.node.value))
-        return _place(self.places, Node("mul", min(self.index, other.index), max(self.index, other.index)))
+                return _traced(self.places, Node("scale", rest.index, value=factor.node.value))
+        return _traced(self.places, Node("mul", min(self.index, other.index), max(self.index, other.index)))
 
-    def __truediv__(self, other: _Place) -> _Place:
+    def __truediv__(self, other: _Traced) -> _Traced:
         return self * other.power(Fraction(-1))
 
-    def power(self, exponent: Fraction) -> _Place:
+    def power(self, exponent: Fraction) -> _Traced:
         """A negative power times an integer power, which is a product."""
         whole = max(0, ceil(exponent))
         factors = [self] * whole
         if exponent != whole:
-            factors.insert(0, _place(self.places, Node("pow", self.index, value=exponent - whole)))
+            factors.insert(0, _traced(self.places, Node("pow", self.index, value=exponent - whole)))
         if not factors:
-            return _place(self.places, Node("constant", value=Fraction(1)))
+            return _traced(self.places, Node("constant", value=Fraction(1)))
         return reduce(mul, factors)
 
 

@@ -13,7 +13,7 @@ from orbitproof.verify.certificate.document import (
     Document,
     Stated,
     StatedFunction,
-    StatedWithSymmetry,
+    StatedWithReversor,
     by_verdict,
 )
 from orbitproof.verify.evidence import Reason
@@ -26,7 +26,7 @@ def _kinds(*names: str) -> Rules:
 
 
 @dataclass(frozen=True, kw_only=True)
-class BranchStatement(StatedWithSymmetry):
+class BranchStatement(StatedWithReversor):
     """The statement of an atlas; see atlas.schema.json.
 
     Attributes:
@@ -44,7 +44,7 @@ class PeriodicCurveStatement(Stated):
     """The statement of an atlas that uses no symmetry; the first integral only if it is used.
 
     Attributes:
-        functions: as in `StatedWithSymmetry`.
+        functions: as in `StatedWithReversor`.
     """
 
     claim: Annotated[Mapping[str, Any], _kinds(*ATLASES_WITHOUT_REVERSOR)] = stored("atlas")

@@ -13,13 +13,13 @@ from orbitproof.verify.certificate.document import Verdict
 from orbitproof.verify.equilibrium import Spectrum
 from orbitproof.verify.equilibrium_curve import Fold, SidedPart
 from orbitproof.verify.evidence import Hypothesis, Reason
-from orbitproof.verify.lasting import LastingResult
+from orbitproof.verify.lasting import CurveIntervalResult
 from orbitproof.verify.periodic_curve import CountedPart, PeriodicIntervalResult, Turn
 from orbitproof.verify.surface import SurfaceResult
 
 
 @dataclass(frozen=True)
-class AnyResult(LastingResult, SurfaceResult, PeriodicIntervalResult):
+class AnyResult(CurveIntervalResult, SurfaceResult, PeriodicIntervalResult):
     """What was found on an interval of a piece, of a curve or of a surface, for the schema."""
 
 

@@ -55,7 +55,7 @@ from orbitproof.verify.index import (
     stretch_of,
 )
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import Bound, ListedPlace, ProvedList, conclude_list
+from orbitproof.verify.stability import Bound, IntervalEnd, ProvedList, conclude_list
 from orbitproof.verify.words.index import index_in_words
 
 SCHEMA = "index-certificate"
@@ -87,8 +87,8 @@ class IndexedOrbit:
     s: Fraction
     turns: Annotated[tuple[HalfTurns, ...], rules(minItems=1, maxItems=2)]
     index: int
-    begin: ListedPlace | None = None
-    end: ListedPlace | None = None
+    begin: IntervalEnd | None = None
+    end: IntervalEnd | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -243,7 +243,7 @@ def _told(outcome: Outcome[ProvedIndex], known: _Known, rests_on: RestsOn) -> tu
     if not isinstance(outcome, Proved):
         return {}, None
     theorem, found = cast(IndexTheorem, outcome.theorem), outcome.results
-    ends: list[tuple[ListedPlace | None, ListedPlace | None]] = [
+    ends: list[tuple[IntervalEnd | None, IntervalEnd | None]] = [
         (_listed(known, each.begin), _listed(known, each.end)) for each in found.intervals
     ] or [(None, None)] * len(found.orbits)
     orbits = tuple(
@@ -254,8 +254,8 @@ def _told(outcome: Outcome[ProvedIndex], known: _Known, rests_on: RestsOn) -> tu
     return {"orbits": orbits, "small": found.small}, words
 
 
-def _listed(known: _Known, bound: Bound) -> ListedPlace:
-    place = ListedPlace.of(bound, known.curve.chain)
+def _listed(known: _Known, bound: Bound) -> IntervalEnd:
+    place = IntervalEnd.of(bound, known.curve.chain)
     return replace(place, interval=(shortened(bound.lower, -1), shortened(bound.upper, 1)))
 
 

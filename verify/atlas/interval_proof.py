@@ -36,7 +36,7 @@ from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.curve import NOT_PROVED, Computation, Interval, PieceLimits, prove_birth_piece, prove_piece
 from orbitproof.verify.curve.piece_claim import is_of_axial_orbits
 from orbitproof.verify.evidence import Proved, Reason
-from orbitproof.verify.lasting import LastingResult, twist_of_piece
+from orbitproof.verify.lasting import CurveIntervalResult, twist_of_piece
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import (
     TubeOfOrbits,
@@ -174,7 +174,9 @@ def _of_curve(piece: Piece, asked: _Asked, stepped: Stepped) -> Result:
     stability = stability_of_piece(tube, stepped, half)
     twist = twist_of_piece(tube, stepped, half, stability) if argument.get("lasting") else None
     computation = replace(found.computation, seconds=round(time.process_time() - asked.began, 3))
-    return LastingResult(**{**vars(found.stored), "computation": computation, "stability": stability, "twist": twist})
+    return CurveIntervalResult(
+        **{**vars(found.stored), "computation": computation, "stability": stability, "twist": twist}
+    )
 
 
 _PROOFS: Mapping[type[AnyPiece], Callable[[Any, _Asked, Stepped], Result]] = {

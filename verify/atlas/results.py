@@ -12,7 +12,7 @@ from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve.piece_result import Interval, IntervalResult
 
 if TYPE_CHECKING:
-    from orbitproof.verify.lasting import LastingResult
+    from orbitproof.verify.lasting import CurveIntervalResult
 
 Result = IntervalResult
 """What is known of an interval of a piece; each kind of branch has a type of its own: `BranchKind.result`."""
@@ -40,10 +40,10 @@ def result_from_json(kind: type[Result], entry: Mapping[str, Any], place: str) -
     return from_json(kind, entry, place)
 
 
-def on_curve(atlas: Atlas, results: Sequence[Result]) -> list[LastingResult]:
+def on_curve(atlas: Atlas, results: Sequence[Result]) -> list[CurveIntervalResult]:
     """Those that are about the pieces of a curve itself, and not about the birth of its orbits."""
     names = {piece.id for piece in atlas.curve_pieces()}
-    return [cast("LastingResult", result) for result in results if result.piece in names]
+    return [cast("CurveIntervalResult", result) for result in results if result.piece in names]
 
 
 def covers(intervals: Sequence[Interval], wanted: Interval) -> bool:

@@ -21,7 +21,7 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate.document import AnyStatement, Computation
-from orbitproof.verify.certificate.entry import Entry
+from orbitproof.verify.certificate.entry import StoredCertificate
 from orbitproof.verify.certificate.kind import Key
 from orbitproof.verify.certificate.kinds import (
     Found,
@@ -311,7 +311,7 @@ class Certificate:
 
 def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
     """What the certificate of a row says, from its JSON, which fits the schema. Raises `InputError`."""
-    stored = from_json(Entry, entry, source)
+    stored = from_json(StoredCertificate, entry, source)
     candidate = stored.statement["candidate"]
     kind = box_kind(candidate["kind"])
     results = None if stored.results is None else results_from_json(kind, stored.results, source)
@@ -360,7 +360,7 @@ def certified(
         claim, results = _told(claim, candidate, outcome.theorem, outcome.results), outcome.results
     else:
         reason = outcome.reason
-    certificate = Entry(
+    certificate = StoredCertificate(
         id=candidate.id,
         statement=to_json(claim),
         verdict="proved" if reason is None else "not proved",

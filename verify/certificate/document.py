@@ -95,7 +95,7 @@ class StatedFunction:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StatedWithSymmetry(Stated):
+class StatedWithReversor(Stated):
     """A claim about symmetric orbits, with the system that it is about.
 
     Attributes:
@@ -113,7 +113,7 @@ class StatedWithSymmetry(Stated):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Statement(StatedWithSymmetry):
+class StatementWithReversor(StatedWithReversor):
     """The statement of a candidate about symmetric orbits.
 
     Attributes:
@@ -131,11 +131,11 @@ class Statement(StatedWithSymmetry):
 
 
 @dataclass(frozen=True, kw_only=True)
-class StatementWithoutSymmetry(Stated):
+class StatementWithoutReversor(Stated):
     """The statement of a candidate which uses no symmetry.
 
     Attributes:
-        functions: as in `StatedWithSymmetry`.
+        functions: as in `StatedWithReversor`.
     """
 
     claim: Annotated[
@@ -144,7 +144,7 @@ class StatementWithoutSymmetry(Stated):
     functions: Annotated[tuple[StatedFunction, ...], rules(minItems=1, maxItems=20)] | None = None
 
 
-AnyStatement = Statement | StatementWithoutSymmetry
+AnyStatement = StatementWithReversor | StatementWithoutReversor
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ _KIND = ("candidate", "kind")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entry(Document):
+class StoredCertificate(Document):
     """A certificate.
 
     Attributes:

@@ -79,7 +79,7 @@ _STILL_MORE_PRECISION = 64
 """What it does not confirm is enclosed once more, with so many more bits and in the stored coordinates, then with
 these at the stored order, and at last as it was."""
 
-Entry = Mapping[str, Any]
+CertificateJson = Mapping[str, Any]
 """A certificate as JSON."""
 
 _WITHOUT_INTEGRATION = ("symmetries", "frames", "adapted-frames")
@@ -160,7 +160,7 @@ class _Stated:
         return self.form or self.candidate
 
 
-def _read(certificate: Entry) -> _Stated:
+def _read(certificate: CertificateJson) -> _Stated:
     """Raises `ValueError` or `InputError` for what cannot be read, `CannotBeCheckedError` as `systems_with`."""
     statement = certificate["statement"]
     entry = statement["candidate"]
@@ -172,7 +172,7 @@ def _read(certificate: Entry) -> _Stated:
     return _Stated(candidate, form, _stored_enclosures(certificate, candidate))
 
 
-def _stored_enclosures(certificate: Entry, candidate: BoxClaim) -> Found | None:
+def _stored_enclosures(certificate: CertificateJson, candidate: BoxClaim) -> Found | None:
     entry, computation = certificate.get("enclosures"), _computation(certificate)
     if entry is None:
         return None
@@ -183,7 +183,7 @@ def _stored_enclosures(certificate: Entry, candidate: BoxClaim) -> Found | None:
     return tables_from_json(entry, candidate, computation)
 
 
-def _computation(certificate: Entry) -> Computation:
+def _computation(certificate: CertificateJson) -> Computation:
     return from_json(Computation, certificate["computation"], "computation")
 
 
@@ -229,12 +229,12 @@ def _conclusion(entry: Certificate, given: Given, examination: Examination) -> I
         yield from other_software(certificate)
 
 
-def derived(certificate: Entry) -> dict[str, Any]:
+def derived(certificate: CertificateJson) -> dict[str, Any]:
     """The certificate that follows from the claim and the tables of one. Raises as reading them does."""
     return _derived(certificate, _read(certificate))
 
 
-def _derived(certificate: Entry, stated: _Stated) -> dict[str, Any]:
+def _derived(certificate: CertificateJson, stated: _Stated) -> dict[str, Any]:
     computation = _computation(certificate)
     precision = computation.precision
     outcome = _conclude(stated.claim, precision if stated.enclosures else LEAST_PRECISION, stated.enclosures)
@@ -259,7 +259,7 @@ def _conclude(candidate: BoxClaim, precision: int, enclosures: Found | None) -> 
         return prove(candidate, checklist, enclosures)
 
 
-def _compare(stored: Entry, again: Entry, from_tables: bool) -> Iterator[Finding]:
+def _compare(stored: CertificateJson, again: CertificateJson, from_tables: bool) -> Iterator[Finding]:
     """Differences between a certificate and the one that its tables give."""
     yield from differences(stored["id"], again["id"], "id")
     is_proved = stored["verdict"] == again["verdict"] == "proved"
@@ -285,7 +285,7 @@ def _compare(stored: Entry, again: Entry, from_tables: bool) -> Iterator[Finding
         yield from differences(stored["results"], again["results"], "results")
 
 
-def _verdict_differences(stored: Entry, again: Entry) -> Iterator[Finding]:
+def _verdict_differences(stored: CertificateJson, again: CertificateJson) -> Iterator[Finding]:
     if stored["verdict"] != again["verdict"]:
         reason = again["reason"]
         found = f": {reason['condition']}: {reason['message']}" if reason else ""

@@ -22,7 +22,12 @@ from orbitproof.shared.systems import (
     program_from_text,
     program_function,
 )
-from orbitproof.verify.certificate.document import Names, StatedFunction, Statement, StatementWithoutSymmetry
+from orbitproof.verify.certificate.document import (
+    Names,
+    StatedFunction,
+    StatementWithoutReversor,
+    StatementWithReversor,
+)
 from orbitproof.verify.certificate.levels import CannotBeCheckedError
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 
@@ -59,13 +64,15 @@ def stated_functions(system: System) -> tuple[StatedFunction, ...] | None:
     )
 
 
-def with_symmetry(candidate: Candidate, form: Candidate | None = None, with_distance: bool = False) -> Statement:
+def with_reversor(
+    candidate: Candidate, form: Candidate | None = None, with_distance: bool = False
+) -> StatementWithReversor:
     """The statement of a claim about symmetric orbits; `form` as in `Kind.statement`."""
     system = candidate.system
     fixed = system.fixed_level
     sign = (form or candidate).level_sign if fixed is None else fixed.sign
     follows = sign is not None and bool(quadratic_coefficient(system))
-    return Statement(
+    return StatementWithReversor(
         claim=candidate_to_json(candidate, provenance=False),
         level_form=None if form is None else candidate_to_json(form, provenance=False),
         level_coordinate=level_program(system, int(sign or 1)).text() if follows else None,
@@ -73,11 +80,11 @@ def with_symmetry(candidate: Candidate, form: Candidate | None = None, with_dist
     )
 
 
-def without_symmetry(claim: WithoutReversor, form: WithoutReversor | None = None) -> StatementWithoutSymmetry:
+def without_reversor(claim: WithoutReversor, form: WithoutReversor | None = None) -> StatementWithoutReversor:
     """The statement of a claim that uses no symmetry; such a one has no level form."""
     system = claim.system
     integral = None if claim.level is None else system.first_integral_program
-    return StatementWithoutSymmetry(
+    return StatementWithoutReversor(
         claim=candidate_to_json(claim, provenance=False),
         vector_field=system.program.text(),
         first_integral=None if integral is None else integral.text(),

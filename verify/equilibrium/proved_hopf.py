@@ -74,7 +74,7 @@ class HopfTheorem:
 
 
 @dataclass(frozen=True)
-class _Place:
+class _ImaginaryPair:
     """The point that was found: omega, q, and the derivatives of the field there."""
 
     omega: arb
@@ -104,7 +104,7 @@ def prove_hopf(claim: HopfPoint, checklist: Checklist, found: HopfEnclosures | N
         values = [enclose(value) for row in claim.kernel for value in row]
         u, v = ([a + b for a, b in zip(values[part], where[size + 2 :][part], strict=True)] for part in _parts(size))
         omega = enclose(claim.frequency) + where[size + 1]
-        place = _Place(omega, list(map(acb, u, v)), derivatives_of(found))
+        place = _ImaginaryPair(omega, list(map(acb, u, v)), derivatives_of(found))
         others = _check_others(checklist, place)
         left, speed = _check_crossing(checklist, claim, place)
         lyapunov = _check_lyapunov(checklist, place, left)
@@ -128,7 +128,7 @@ def _parts(size: int) -> tuple[slice, slice]:
     return slice(0, size), slice(size, 2 * size)
 
 
-def _check_others(checklist: Checklist, place: _Place) -> Spectrum:
+def _check_others(checklist: Checklist, place: _ImaginaryPair) -> Spectrum:
     """No eigenvalue but the pair has real part 0; the others."""
     statement = "the other eigenvalues have real parts that are not 0"
     remedy = "smaller radii; if one is on the imaginary axis, this is no such point"
@@ -157,7 +157,7 @@ def beside_pair(matrix: Sequence[Sequence[arb]], q: Sequence[acb]) -> list[list[
     return [[moved[i, j] for j in range(2, size)] for i in range(2, size)]
 
 
-def _check_crossing(checklist: Checklist, claim: HopfPoint, place: _Place) -> tuple[list[acb], arb]:
+def _check_crossing(checklist: Checklist, claim: HopfPoint, place: _ImaginaryPair) -> tuple[list[acb], arb]:
     """The pair crosses the imaginary axis while the parameter varies; the row l, and how fast."""
     statement = f"the real part of the pair has a derivative in {claim.parameter} that is not 0"
     with checklist.hypothesis("crossing", "36.8", statement, "smaller radii, or more precision") as evidence:
@@ -170,7 +170,7 @@ def _check_crossing(checklist: Checklist, claim: HopfPoint, place: _Place) -> tu
     return left, speed
 
 
-def _check_lyapunov(checklist: Checklist, place: _Place, left: Sequence[acb]) -> arb:
+def _check_lyapunov(checklist: Checklist, place: _ImaginaryPair, left: Sequence[acb]) -> arb:
     """The first Lyapunov coefficient is not 0; it, for an eigenvector of length 1."""
     statement = "the first Lyapunov coefficient is not 0"
     with checklist.hypothesis("lyapunov", "36.8", statement, "smaller radii, or more precision") as evidence:

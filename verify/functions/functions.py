@@ -90,7 +90,7 @@ def _same(element: Series) -> WideArithmetic:
     return element.arithmetic
 
 
-class _Entry(Protocol):
+class _RingElement(Protocol):
     """What sums and products are formed of."""
 
     def __add__(self: T, other: T, /) -> T: ...
@@ -100,7 +100,7 @@ class _Entry(Protocol):
     def __mul__(self: T, other: T, /) -> T: ...
 
 
-T = TypeVar("T", bound=_Entry)
+T = TypeVar("T", bound=_RingElement)
 
 
 def determinant(rows: Sequence[Sequence[T]]) -> T:

@@ -14,7 +14,7 @@ from orbitproof.verify.curve import Chain, Stretch
 from orbitproof.verify.evidence import sign
 from orbitproof.verify.functions import REACH, BoundedFunction
 from orbitproof.verify.lasting.odd import odd_coordinate
-from orbitproof.verify.lasting.stored import LastingResult, TwistFunctions
+from orbitproof.verify.lasting.stored import CurveIntervalResult, TwistFunctions
 from orbitproof.verify.stability import (
     CompleteList,
     Finder,
@@ -108,7 +108,7 @@ def lasting_list(
     atlas: Atlas,
     chain: Chain,
     found: CompleteList,
-    results: Sequence[LastingResult],
+    results: Sequence[CurveIntervalResult],
     begun: Callable[[int], None] = lambda number: None,
 ) -> LastingList:
     """The list for a curve with n = 1.
@@ -174,7 +174,7 @@ def lasting_list(
     )
 
 
-def _is_odd(result: LastingResult) -> bool:
+def _is_odd(result: CurveIntervalResult) -> bool:
     return isinstance(result.twist, TwistFunctions) and result.twist.odd
 
 
@@ -214,7 +214,7 @@ def _elliptic(chain: Chain, found: CompleteList) -> list[Segment]:
     return parts
 
 
-def _twist_on(segment: Segment, stretch: Stretch, results: Sequence[LastingResult]) -> _Twist | None:
+def _twist_on(segment: Segment, stretch: Stretch, results: Sequence[CurveIntervalResult]) -> _Twist | None:
     """The functions on the interval of a segment, if they are known; of several results those with the most bits."""
     for result in sorted(results, key=lambda result: -(result.computation.precision or 0)):
         low, high = result.interval
@@ -236,7 +236,7 @@ def _twist_on(segment: Segment, stretch: Stretch, results: Sequence[LastingResul
     return None
 
 
-def _fate(chain: Chain, found: CompleteList, results: Sequence[LastingResult], point: Point) -> Fate:
+def _fate(chain: Chain, found: CompleteList, results: Sequence[CurveIntervalResult], point: Point) -> Fate:
     """What is shown of a resonance of order 3 or 4 (Lemmas 29.6 to 29.8 and 29.11)."""
     if point.k not in (3, 4):
         return Fate.OPEN

@@ -11,7 +11,7 @@ from orbitproof.shared.formats import Piece
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import dyadic_above, enclose, exact_value, is_below, is_positive
 from orbitproof.verify.functions import REACH, BoundedFunction, StoredFunction
-from orbitproof.verify.lasting.stored import LastingResult, TwistFunctions, may_be_stable, parts_from
+from orbitproof.verify.lasting.stored import CurveIntervalResult, TwistFunctions, may_be_stable, parts_from
 from orbitproof.verify.stability import PRECISION, StabilityFunctions, Zeros, between, resonant_value, zeros_on
 
 _HOPELESS = 2**10
@@ -28,7 +28,7 @@ _LEAST = Fraction(1, 2**16)
 """Of tau: and no less far than that."""
 
 
-def twist_open_on(piece: Piece, result: LastingResult) -> str:
+def twist_open_on(piece: Piece, result: CurveIntervalResult) -> str:
     """Why the twist of linearly stable orbits is not decided on a proved interval, as `stability.open_on` says it."""
     if not isinstance(result.stability, StabilityFunctions):
         return "" if isinstance(result.twist, TwistFunctions) else "stability"
@@ -49,7 +49,7 @@ def twist_open_on(piece: Piece, result: LastingResult) -> str:
     return ""
 
 
-def exceptions_to_sharpen(piece: Piece, result: LastingResult) -> list[Interval]:
+def exceptions_to_sharpen(piece: Piece, result: CurveIntervalResult) -> list[Interval]:
     """Short intervals of s about resonances 1:3 and 1:4 and orbits without twist that a result knows roughly."""
     known, twist = result.stability, result.twist
     if not (isinstance(known, StabilityFunctions) and isinstance(twist, TwistFunctions)):
@@ -80,7 +80,7 @@ def exceptions_to_sharpen(piece: Piece, result: LastingResult) -> list[Interval]
     return found
 
 
-def _beginning(piece: Piece, result: LastingResult) -> Fraction:
+def _beginning(piece: Piece, result: CurveIntervalResult) -> Fraction:
     """The first value of tau that counts; those of a symmetric piece are even."""
     return Fraction(0) if piece.is_symmetric and result.interval[0] <= 0 <= result.interval[1] else -1 / REACH
 

@@ -12,7 +12,7 @@ from orbitproof.shared.formats import Atlas
 from orbitproof.verify.evidence import NotProved, Proved, Reason
 from orbitproof.verify.lasting.fates import LEAST_ORDER, LastingList, lasting_list
 from orbitproof.verify.lasting.reversibility import Reversibility, reversibility
-from orbitproof.verify.lasting.stored import LastingResult, is_known_of
+from orbitproof.verify.lasting.stored import CurveIntervalResult, is_known_of
 from orbitproof.verify.stability import PRECISION, ListConclusion, ListTheorem, ProvedList
 
 
@@ -36,7 +36,7 @@ class ProvedLasting(ProvedList):
 
 def conclude_lasting(
     atlas: Atlas,
-    results: Sequence[LastingResult],
+    results: Sequence[CurveIntervalResult],
     listed: ListConclusion,
     begun: Callable[[int], None] = lambda number: None,
 ) -> ListConclusion:

@@ -9,7 +9,7 @@ from flint import arb
 
 from orbitproof.verify.evidence import is_below, is_positive
 from orbitproof.verify.functions import REACH, BoundedFunction
-from orbitproof.verify.lasting.stored import LastingResult, TwistFunctions, parts_from
+from orbitproof.verify.lasting.stored import CurveIntervalResult, TwistFunctions, parts_from
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Reversibility:
     bound: arb | None
 
 
-def reversibility(results: Sequence[LastingResult]) -> Reversibility | None:
+def reversibility(results: Sequence[CurveIntervalResult]) -> Reversibility | None:
     """Of all proved intervals; `None` without functions. Raises `ValueError` if a D is not enclosed with 0."""
     shares, bounds = [], []
     proved = [result for result in results if result.is_proved and isinstance(result.twist, TwistFunctions)]

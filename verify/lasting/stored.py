@@ -56,7 +56,7 @@ class TwistFunctions:
 
 
 @dataclass(frozen=True)
-class LastingResult(StabilityResult):
+class CurveIntervalResult(StabilityResult):
     """What was found for a piece of a curve.
 
     Attributes:

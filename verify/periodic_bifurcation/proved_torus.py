@@ -33,7 +33,7 @@ from orbitproof.verify.periodic_bifurcation.enclosures import BifurcationEnclosu
 from orbitproof.verify.periodic_bifurcation.equations import Matrix, PointEquations, equations_of
 from orbitproof.verify.periodic_bifurcation.returns import check_least, check_returns, time_at
 from orbitproof.verify.periodic_bifurcation.torus_coefficients import TorusCoefficients, coefficients_of_torus
-from orbitproof.verify.periodic_bifurcation.torus_system import TorusPlace, check_torus_point
+from orbitproof.verify.periodic_bifurcation.torus_system import TorusPoint, check_torus_point
 
 _RESONANCES = (1, 2, 3, 4)
 
@@ -120,7 +120,7 @@ def prove_torus(
     return concluded(theorem, checklist, check)
 
 
-def _check_resonances(checklist: Checklist, place: TorusPlace) -> None:
+def _check_resonances(checklist: Checklist, place: TorusPoint) -> None:
     """The pair is no pair of roots of unity of order 1, .., 4: it is not real, and there is no strong resonance."""
     statement = "the multiplier is no root of unity of order 1, 2, 3 or 4"
     remedy = "at a strong resonance the bifurcation is another one: vary a second parameter"
@@ -132,7 +132,7 @@ def _check_resonances(checklist: Checklist, place: TorusPlace) -> None:
             evidence.require(is_positive(distance), f"its power {order} may be 1", needs_precision=True)
 
 
-def _check_others(checklist: Checklist, equations: PointEquations, place: TorusPlace) -> Multipliers:
+def _check_others(checklist: Checklist, equations: PointEquations, place: TorusPoint) -> Multipliers:
     """All other multipliers of the map lie inside or outside the unit circle."""
     statement = "every other multiplier of the return map lies inside or outside the unit circle"
     with checklist.hypothesis("others", "25.10", statement, "more precision, or another parameter") as evidence:
@@ -166,7 +166,7 @@ def _size_of(first: Sequence[arb], second: Sequence[arb]) -> float:
 
 
 def _check_coefficients(
-    checklist: Checklist, derivatives: Sequence[Mapping[tuple[int, ...], arb]], place: TorusPlace
+    checklist: Checklist, derivatives: Sequence[Mapping[tuple[int, ...], arb]], place: TorusPoint
 ) -> TorusCoefficients:
     """The pair crosses the circle with a speed that is not 0, and the first Lyapunov coefficient is not 0."""
     statement = "the absolute value of the multiplier has a derivative in the parameter that is not 0"
@@ -187,7 +187,7 @@ def _check_coefficients(
 def _results(
     claim: PeriodicBifurcation,
     found: BifurcationEnclosures,
-    place: TorusPlace,
+    place: TorusPoint,
     others: Multipliers,
     coefficients: TorusCoefficients,
 ) -> TorusResults:

@@ -16,7 +16,7 @@ _REMEDY = "move the centre to the bifurcation, or choose smaller radii"
 
 
 @dataclass(frozen=True)
-class TorusPlace:
+class TorusPoint:
     """Where a pair of multipliers is on the unit circle.
 
     Attributes:
@@ -30,7 +30,7 @@ class TorusPlace:
     multiplier: acb
 
 
-def check_torus_point(checklist: Checklist, claim: PeriodicBifurcation, equations: PointEquations) -> TorusPlace:
+def check_torus_point(checklist: Checklist, claim: PeriodicBifurcation, equations: PointEquations) -> TorusPoint:
     """One point of the box that returns with a multiplier of absolute value 1 near that of the claim."""
     size, (u0, v0), (c0, s0) = equations.size, *_middle(claim)
     zero = [arb(0)] * (size + 1)
@@ -52,7 +52,7 @@ def check_torus_point(checklist: Checklist, claim: PeriodicBifurcation, equation
         eigenvector = range(size + 1, 3 * size + 1)
         found = enclose_zero(evidence, matrix_over, residual, radii, [*names, "cos", "sin"], eigenvector)
     u, v, (c, s) = _parts(claim, found)
-    return TorusPlace(tuple(found[: size + 1]), tuple(map(acb, u, v)), acb(c, s))
+    return TorusPoint(tuple(found[: size + 1]), tuple(map(acb, u, v)), acb(c, s))
 
 
 def torus_matrix(

@@ -29,7 +29,13 @@ from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate, read_certificate, write_certificate
 from orbitproof.verify.curve import SINGULAR, Interval, is_born_at_doubling
 from orbitproof.verify.evidence import exact_interval_text
-from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, exceptions_to_sharpen, is_known_of, twist_open_on
+from orbitproof.verify.lasting import (
+    LEAST_ORDER,
+    CurveIntervalResult,
+    exceptions_to_sharpen,
+    is_known_of,
+    twist_open_on,
+)
 from orbitproof.verify.run import Answer, Display, Engine, Task, Work, Workplace
 from orbitproof.verify.run.branch_checks import checked_side_by_side, watching
 from orbitproof.verify.run.branch_tasks import (
@@ -247,9 +253,9 @@ class AtlasRun:
         display.advance(name, self._share(name, 0.0), "next interval")
 
 
-def _listed(result: Result) -> LastingResult:
+def _listed(result: Result) -> CurveIntervalResult:
     """A result about a piece of a curve."""
-    return cast(LastingResult, result)
+    return cast(CurveIntervalResult, result)
 
 
 def limits_of(

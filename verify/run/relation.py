@@ -42,10 +42,11 @@ def agreement(
     """
     inside, beyond = list[str](), list[str]()
     for name, (mine, entry) in pairs.items():
-        found = relation(name, mine, entry if isinstance(entry, arb) else ball_from_json(entry))
+        found = excess(name, mine, entry if isinstance(entry, arb) else ball_from_json(entry))
         if isinstance(found, Comparison):
             return found
-        (beyond if found else inside).append(name.removeprefix("normal_form.") + found)
+        name = name.removeprefix("normal_form.")
+        inside.append(name) if found is None else beyond.append(f"{name} {found}")
     if is_in_box is None:
         return Comparison("cannot follow", f"the enclosure of the {what} is too wide to tell whether it is in the box")
     if not is_in_box:
@@ -56,17 +57,20 @@ def agreement(
     return Comparison("agrees", f"{'; '.join(told)}. {open_still}")
 
 
-def relation(name: str, mine: arb, stored: arb) -> str | Comparison:
-    """Empty if the stored ball contains this one, how far they agree if they overlap, or why they do not agree."""
+def excess(name: str, mine: arb, stored: arb) -> str | Comparison | None:
+    """Beyond what this ball reaches out of the stored one, which it overlaps; or why they do not agree.
+
+    `None` if the stored ball contains it.
+    """
     if not (mine.is_finite() and stored.is_finite()):
         return Comparison("cannot follow", f"{name}: an enclosure is not finite")
     if not mine.overlaps(stored):
         return Comparison("disagrees", f"{name}: the enclosures have no common point")
     if stored.contains(mine):
-        return ""
+        return None
     if arb(mine.rad()) * MARGIN < arb(stored.rad()):
         return Comparison("cannot follow", f"{name}: the enclosure here is narrower and not inside the stored one")
     if name.startswith("normal_form.") and mine.contains(0) and not stored.contains(0):
         return Comparison("cannot follow", f"{name}: its sign is not shown here")
     digits = max(0, int(mine.rel_accuracy_bits() * 0.30103))
-    return f" beyond {digits} digits" if digits else f" beyond {decimal_above(mine.abs_upper(), 2)}"
+    return f"beyond {digits} digits" if digits else f"beyond {decimal_above(mine.abs_upper(), 2)}"

@@ -22,7 +22,7 @@ from orbitproof.verify.stability.known_functions import point_over, segments_of
 from orbitproof.verify.stability.left_open import open_on
 from orbitproof.verify.stability.linear_stability import (
     Bound,
-    ListedPlace,
+    IntervalEnd,
     Rule,
     StableInterval,
     bounds_on,

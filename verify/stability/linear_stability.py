@@ -40,7 +40,7 @@ class Bound:
 
 
 @dataclass(frozen=True)
-class ListedPlace:
+class IntervalEnd:
     """An end of an interval of the curve: what is there, on which piece, between which s."""
 
     what: tuple[Short, ...]
@@ -48,10 +48,10 @@ class ListedPlace:
     interval: tuple[Fraction, Fraction]
 
     @staticmethod
-    def of(bound: Bound, chain: Chain) -> ListedPlace:
+    def of(bound: Bound, chain: Chain) -> IntervalEnd:
         """Of an end of an interval, exactly."""
         piece = chain.stretches[bound.stretch].tube.piece.id
-        return ListedPlace(tuple(map(short_name, bound.what)), piece, (bound.lower, bound.upper))
+        return IntervalEnd(tuple(map(short_name, bound.what)), piece, (bound.lower, bound.upper))
 
 
 @dataclass(frozen=True)

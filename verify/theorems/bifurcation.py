@@ -10,7 +10,7 @@ from orbitproof.verify.attempt import counsel
 from orbitproof.verify.attempt.precision import first_precision, missing_of_parameter, steps_of_centre
 from orbitproof.verify.bifurcation import BifurcationResults
 from orbitproof.verify.certificate.kind import BoxKind, Progress
-from orbitproof.verify.certificate.stated_system import with_symmetry
+from orbitproof.verify.certificate.stated_system import with_reversor
 from orbitproof.verify.evidence import Checklist, Outcome
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import EarlyEnd, Enclosures, IntegratorSettings, enclose_iterates
@@ -63,7 +63,7 @@ KIND = BoxKind(
     names=KINDS,
     enclosures=Enclosures,
     results=BifurcationResults,
-    statement=with_symmetry,
+    statement=with_reversor,
     theorem_of=bifurcation.theorem_of,
     level_form=bifurcation.level_form,
     check_own_box=bifurcation.check_own_box,

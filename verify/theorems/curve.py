@@ -15,7 +15,7 @@ from orbitproof.verify.atlas.results import Result
 from orbitproof.verify.certificate.levels import Finding
 from orbitproof.verify.curve import CurveTheorem, IntervalResult, PieceLimits
 from orbitproof.verify.evidence import NotKnown
-from orbitproof.verify.lasting import LastingResult, unconfirmed_twist
+from orbitproof.verify.lasting import CurveIntervalResult, unconfirmed_twist
 from orbitproof.verify.stability import StabilityFunctions, unconfirmed
 from orbitproof.verify.words.branches import branch_in_full
 
@@ -58,7 +58,7 @@ KIND = BranchKind(
     theorem=CurveTheorem,
     limits=PieceLimits,
     about="a curve of symmetric orbits",
-    results={Piece: LastingResult, BirthPiece: IntervalResult},
+    results={Piece: CurveIntervalResult, BirthPiece: IntervalResult},
     statement=_statement,
     conclude=conclude_curve,
     in_full=branch_in_full,

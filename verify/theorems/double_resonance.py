@@ -5,7 +5,7 @@ from __future__ import annotations
 from orbitproof.shared.claims import DOUBLE_RESONANCE, Candidate
 from orbitproof.verify.attempt.precision import missing_of_parameter, resonance_precision
 from orbitproof.verify.certificate.kind import BoxKind, Progress
-from orbitproof.verify.certificate.stated_system import with_symmetry
+from orbitproof.verify.certificate.stated_system import with_reversor
 from orbitproof.verify.double_resonance import (
     ResonanceEnclosures,
     ResonanceResults,
@@ -28,7 +28,7 @@ KIND = BoxKind(
     names=(DOUBLE_RESONANCE,),
     enclosures=ResonanceEnclosures,
     results=ResonanceResults,
-    statement=with_symmetry,
+    statement=with_reversor,
     theorem_of=lambda candidate, form: theorem_of_resonance(candidate),
     first_precision=resonance_precision,
     check_exactly=check_resonance_exactly,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from orbitproof.shared.claims import EQUILIBRIUM
 from orbitproof.verify.attempt.precision import equilibrium_precision, missing_of_point
 from orbitproof.verify.certificate.kind import BoxKind
-from orbitproof.verify.certificate.stated_system import without_symmetry
+from orbitproof.verify.certificate.stated_system import without_reversor
 from orbitproof.verify.equilibrium import (
     EquilibriumEnclosures,
     EquilibriumResults,
@@ -22,7 +22,7 @@ KIND = BoxKind(
     names=(EQUILIBRIUM,),
     enclosures=EquilibriumEnclosures,
     results=EquilibriumResults,
-    statement=without_symmetry,
+    statement=without_reversor,
     theorem_of=lambda claim, form: EquilibriumTheorem(claim),
     first_precision=equilibrium_precision,
     check_exactly=check_equilibrium_exactly,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from orbitproof.shared.claims import HOPF
 from orbitproof.verify.attempt.precision import equilibrium_precision, missing_of_either
 from orbitproof.verify.certificate.kind import BoxKind
-from orbitproof.verify.certificate.stated_system import without_symmetry
+from orbitproof.verify.certificate.stated_system import without_reversor
 from orbitproof.verify.equilibrium import (
     HopfEnclosures,
     HopfResults,
@@ -22,7 +22,7 @@ KIND = BoxKind(
     names=(HOPF,),
     enclosures=HopfEnclosures,
     results=HopfResults,
-    statement=without_symmetry,
+    statement=without_reversor,
     theorem_of=lambda claim, form: HopfTheorem(claim),
     first_precision=equilibrium_precision,
     check_exactly=check_equilibrium_exactly,

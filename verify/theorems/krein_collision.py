@@ -5,7 +5,7 @@ from __future__ import annotations
 from orbitproof.shared.claims import KREIN_COLLISION, Candidate
 from orbitproof.verify.attempt.precision import breaking_precision, missing_of_parameter
 from orbitproof.verify.certificate.kind import BoxKind, Progress
-from orbitproof.verify.certificate.stated_system import with_symmetry
+from orbitproof.verify.certificate.stated_system import with_reversor
 from orbitproof.verify.krein import (
     KreinResults,
     check_krein_exactly,
@@ -28,7 +28,7 @@ KIND = BoxKind(
     names=(KREIN_COLLISION,),
     enclosures=BreakingEnclosures,
     results=KreinResults,
-    statement=with_symmetry,
+    statement=with_reversor,
     theorem_of=lambda candidate, form: theorem_of_krein(candidate),
     first_precision=breaking_precision,
     check_exactly=check_krein_exactly,

@@ -8,7 +8,7 @@ from orbitproof.shared.claims import ORBIT, Candidate
 from orbitproof.verify.attempt.precision import first_precision, missing_of_orbit
 from orbitproof.verify.bifurcation import check_exactly
 from orbitproof.verify.certificate.kind import BoxKind, Progress
-from orbitproof.verify.certificate.stated_system import with_symmetry
+from orbitproof.verify.certificate.stated_system import with_reversor
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults, OrbitTheorem, enclose_orbit, prove_orbit
 from orbitproof.verify.poincare import IntegratorSettings
@@ -25,7 +25,7 @@ KIND = BoxKind(
     found_as="orbit",
     enclosures=OrbitEnclosures,
     results=OrbitResults,
-    statement=partial(with_symmetry, with_distance=True),
+    statement=partial(with_reversor, with_distance=True),
     theorem_of=lambda candidate, form: OrbitTheorem(candidate),
     first_precision=first_precision,
     check_exactly=check_exactly,

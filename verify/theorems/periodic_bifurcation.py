@@ -10,7 +10,7 @@ from orbitproof.shared.claims import (
 )
 from orbitproof.verify.attempt.precision import missing_of_either, periodic_precision
 from orbitproof.verify.certificate.kind import BoxKind, Progress
-from orbitproof.verify.certificate.stated_system import without_symmetry
+from orbitproof.verify.certificate.stated_system import without_reversor
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic_bifurcation import (
     BifurcationEnclosures,
@@ -39,7 +39,7 @@ KIND = BoxKind(
     names=tuple(_SAID),
     enclosures=BifurcationEnclosures,
     results=PeriodicBifurcationResults,
-    statement=without_symmetry,
+    statement=without_reversor,
     theorem_of=lambda claim, form: PeriodicBifurcationTheorem(claim),
     first_precision=periodic_precision,
     check_exactly=check_bifurcation_exactly,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from orbitproof.shared.claims import PERIODIC, PeriodicOrbit
 from orbitproof.verify.attempt.precision import missing_of_period, periodic_precision
 from orbitproof.verify.certificate.kind import BoxKind, Progress
-from orbitproof.verify.certificate.stated_system import without_symmetry
+from orbitproof.verify.certificate.stated_system import without_reversor
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic import (
     PeriodicEnclosures,
@@ -30,7 +30,7 @@ KIND = BoxKind(
     found_as="periodic",
     enclosures=PeriodicEnclosures,
     results=PeriodicResults,
-    statement=without_symmetry,
+    statement=without_reversor,
     theorem_of=lambda claim, form: PeriodicTheorem(claim),
     first_precision=periodic_precision,
     check_exactly=check_periodic_exactly,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from orbitproof.shared.claims import PERIODIC_TORUS, PeriodicBifurcation
 from orbitproof.verify.attempt.precision import missing_of_either, periodic_precision
 from orbitproof.verify.certificate.kind import BoxKind, Progress
-from orbitproof.verify.certificate.stated_system import without_symmetry
+from orbitproof.verify.certificate.stated_system import without_reversor
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic_bifurcation import (
     BifurcationEnclosures,
@@ -32,7 +32,7 @@ KIND = BoxKind(
     names=(PERIODIC_TORUS,),
     enclosures=BifurcationEnclosures,
     results=TorusResults,
-    statement=without_symmetry,
+    statement=without_reversor,
     theorem_of=lambda claim, form: TorusTheorem(claim),
     first_precision=periodic_precision,
     check_exactly=check_torus_exactly,

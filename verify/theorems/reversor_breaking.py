@@ -5,7 +5,7 @@ from __future__ import annotations
 from orbitproof.shared.claims import REVERSOR_BREAKING, Candidate
 from orbitproof.verify.attempt.precision import breaking_precision, missing_of_parameter
 from orbitproof.verify.certificate.kind import BoxKind, Progress
-from orbitproof.verify.certificate.stated_system import with_symmetry
+from orbitproof.verify.certificate.stated_system import with_reversor
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import IntegratorSettings
 from orbitproof.verify.reversor_breaking import (
@@ -29,7 +29,7 @@ KIND = BoxKind(
     names=(REVERSOR_BREAKING,),
     enclosures=BreakingEnclosures,
     results=BreakingResults,
-    statement=with_symmetry,
+    statement=with_reversor,
     theorem_of=lambda candidate, form: theorem_of(candidate),
     first_precision=breaking_precision,
     check_exactly=check_breaking_exactly,

@@ -7,7 +7,7 @@ from functools import partial
 from orbitproof.shared.claims import STABLE_ORBIT, Candidate
 from orbitproof.verify.attempt.precision import first_precision, missing_of_orbit
 from orbitproof.verify.certificate.kind import BoxKind, Progress
-from orbitproof.verify.certificate.stated_system import with_symmetry
+from orbitproof.verify.certificate.stated_system import with_reversor
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import IntegratorSettings
 from orbitproof.verify.twist import (
@@ -31,7 +31,7 @@ KIND = BoxKind(
     found_as="orbit",
     enclosures=StableOrbitEnclosures,
     results=StableOrbitResults,
-    statement=partial(with_symmetry, with_distance=True),
+    statement=partial(with_reversor, with_distance=True),
     theorem_of=lambda candidate, form: stable_orbit_theorem(candidate),
     first_precision=first_precision,
     check_exactly=check_stable_orbit_exactly,

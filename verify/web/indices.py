@@ -8,7 +8,7 @@ from typing import Annotated
 
 from orbitproof.shared.claims.fields import PieceId
 from orbitproof.shared.stored import rules
-from orbitproof.verify.stability import ListedPlace
+from orbitproof.verify.stability import IntervalEnd
 
 
 @dataclass(frozen=True)
@@ -24,8 +24,8 @@ class IndexOnArc:
     index: Annotated[tuple[int, ...], rules(minItems=1, maxItems=2)]
     piece: PieceId
     s: Fraction
-    begin: ListedPlace | None = None
-    end: ListedPlace | None = None
+    begin: IntervalEnd | None = None
+    end: IntervalEnd | None = None
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from orbitproof.shared.wording import itemised
 from orbitproof.verify.curve import ProvedCurve, point_name, vertical_point
 from orbitproof.verify.evidence import exact_interval_text, exact_text
 from orbitproof.verify.index import CountedOrbit, IndexTheorem, Interval, ProvedIndex
-from orbitproof.verify.stability import Bound, ListedPlace
+from orbitproof.verify.stability import Bound, IntervalEnd
 
 CONVENTION = (
     "It is that of the linearised flow on the level, transverse to the orbit, in a frame that is admissible in the "
@@ -69,9 +69,9 @@ def _between(interval: Interval, curve: ProvedCurve) -> str:
 
 
 def _place(bound: Bound, curve: ProvedCurve) -> str:
-    return place_in_words(ListedPlace.of(bound, curve.chain))
+    return place_in_words(IntervalEnd.of(bound, curve.chain))
 
 
-def place_in_words(place: ListedPlace) -> str:
+def place_in_words(place: IntervalEnd) -> str:
     """An end of an interval of a curve."""
     return f"{', '.join(place.what)} (piece {place.piece}, s in {exact_interval_text(*place.interval)})"

@@ -12,7 +12,7 @@ from fractions import Fraction
 import numpy as np
 
 from orbitproof.explore.flow import Vector
-from orbitproof.explore.orbits import SingularPlaces
+from orbitproof.explore.orbits import Singularities
 from orbitproof.shared.systems import CR3BP
 
 
@@ -51,7 +51,7 @@ def primaries(mu: float) -> tuple[Vector, Vector]:
 
 def distance_to_primaries(states: Vector, mu: float) -> float:
     """Smallest distance of the states, shape (..., 6), to a primary."""
-    return SingularPlaces(primaries(mu), 1.0).distance(states)
+    return Singularities(primaries(mu), 1.0).distance(states)
 
 
 def libration_point(name: str, mu: Fraction | float) -> LibrationPoint:
