@@ -12,11 +12,11 @@ import matplotlib.pyplot as plt
 from matplotlib.patches import FancyBboxPatch
 
 ROOT = Path(__file__).resolve().parents[1]
-CONTRACT = "verify is read from evidence to atlas"
+CONTRACT = "verify is read from evidence to scripting"
 
 ARGUMENT, APPROXIMATION, RUN = "#cfe3f5", "#fbe3c0", "#e4e4e4"
 KINDS = {"oracle": APPROXIMATION, "attempt": APPROXIMATION} | dict.fromkeys(
-    ("scripting", "enclose", "run", "atlas", "theorems", "certificate", "words"), RUN
+    ("scripting", "enclose", "run", "branches", "theorems", "certificate", "words"), RUN
 )
 LEGEND = {"the argument: what these rooms return is true": ARGUMENT, "guesses: nothing rests on them": APPROXIMATION,
           "words, certificates, checking again, runs": RUN}  # fmt: skip

@@ -15,10 +15,10 @@ from orbitproof.shared.claims import BoxClaim, StoredAtlas
 from orbitproof.shared.claims.web import Web
 from orbitproof.shared.formats.schemas import document_schema, schema_text
 from orbitproof.shared.stored import rules
-from orbitproof.verify.atlas.catalogue import CatalogueDocument
-from orbitproof.verify.atlas.document import BranchDocument
-from orbitproof.verify.atlas.index import IndexDocument
-from orbitproof.verify.atlas.web import WebDocument
+from orbitproof.verify.branches.catalogue import CatalogueDocument
+from orbitproof.verify.branches.document import BranchDocument
+from orbitproof.verify.branches.index import IndexDocument
+from orbitproof.verify.branches.web import WebDocument
 from orbitproof.verify.certificate.document import Software
 from orbitproof.verify.certificate.entry import StoredCertificate
 

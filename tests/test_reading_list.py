@@ -63,7 +63,7 @@ def test_what_has_to_be_read_for_all_claims_of_a_kind_stays_short(chapter: str, 
     assert 1000 < sum(map(reading_list.length, listed)) <= longest
 
 
-BEHIND_A_CHECK = {"verify.certificate.rechecking": 9000, "verify.atlas.recheck": 11000}
+BEHIND_A_CHECK = {"verify.certificate.rechecking": 9000, "verify.branches.recheck": 11000}
 
 
 @pytest.mark.parametrize(("module", "longest"), BEHIND_A_CHECK.items())
@@ -71,7 +71,7 @@ def test_what_checks_certificates_again_knows_no_kind_of_theorem(module: str, lo
     listed = reading_list.reading_list((module,))
     assert 5000 < sum(map(reading_list.length, listed)) <= longest
     rooms = {name.split(".")[1] for name in listed if name.startswith("verify.")}
-    assert rooms <= {"evidence", "claim", "poincare", "curve", "certificate", "atlas"}
+    assert rooms <= {"evidence", "claim", "poincare", "curve", "certificate", "branches"}
     # Of curves it is what an interval is.
     assert {name for name in listed if name.startswith("verify.curve")} <= {"verify.curve.piece_result"}
 

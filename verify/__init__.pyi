@@ -1,8 +1,8 @@
 from . import enclose as enclose
-from .atlas.catalogue_table import rows_of_curve as rows_of_curve
-from .atlas.listed import ListedInterval as ListedInterval
-from .atlas.listed import ListedPoint as ListedPoint
-from .atlas.places import Placed as Placed
+from .branches.catalogue_table import rows_of_curve as rows_of_curve
+from .branches.listed import ListedInterval as ListedInterval
+from .branches.listed import ListedPoint as ListedPoint
+from .branches.places import Placed as Placed
 from .certificate.certificate import Certificate as Certificate
 from .certificate.certificate import Computation as Computation
 from .certificate.levels import Finding as Finding

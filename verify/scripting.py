@@ -8,7 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from orbitproof.shared.formats import InputError
-from orbitproof.verify.atlas import Placed
+from orbitproof.verify.branches import Placed
 from orbitproof.verify.certificate import (
     Certificate,
     Recheck,

@@ -18,7 +18,7 @@ from orbitproof.figures.orbits import Array
 from orbitproof.shared.formats import AnyAtlas, InputError, Piece
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import System
-from orbitproof.verify.atlas.kinds import kind_of
+from orbitproof.verify.branches.kinds import kind_of
 from orbitproof.verify.certificate import Certificate, read_certificate
 from orbitproof.verify.poincare import PHYSICAL
 

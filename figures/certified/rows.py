@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from orbitproof.verify.atlas.catalogue import CertifiedRow
-from orbitproof.verify.atlas.catalogue_table import rounded_up
+from orbitproof.verify.branches.catalogue import CertifiedRow
+from orbitproof.verify.branches.catalogue_table import rounded_up
 
 BOUNDS = ("state", "Jacobi constant", "period", "stability index")
 

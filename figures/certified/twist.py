@@ -10,7 +10,7 @@ import numpy as np
 from orbitproof.figures.certified.curve import Stretch
 from orbitproof.figures.orbits import Array, state_on_fixed_set
 from orbitproof.shared.formats import Atlas
-from orbitproof.verify.atlas import Result
+from orbitproof.verify.branches import Result
 from orbitproof.verify.lasting import TwistFunctions
 from orbitproof.verify.stability import REACH, StabilityFunctions
 

@@ -13,7 +13,7 @@ from orbitproof.figures.certified.rows import BOUNDS, bounds_of
 from orbitproof.figures.pictures.legends import legend_row, verdict_handles
 from orbitproof.figures.style import CURVE, INK
 from orbitproof.shared.formats import FIELDS
-from orbitproof.verify.atlas.catalogue import CertifiedRow
+from orbitproof.verify.branches.catalogue import CertifiedRow
 from orbitproof.verify.certificate import Certificate
 
 _WIDTH, _HEIGHT = 7.2, 3.6

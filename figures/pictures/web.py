@@ -32,8 +32,8 @@ from orbitproof.shared.systems import (
     System,
     shown,
 )
-from orbitproof.verify.atlas import StoredArc, StoredVertex
-from orbitproof.verify.atlas.listed import ListedInterval
+from orbitproof.verify.branches import StoredArc, StoredVertex
+from orbitproof.verify.branches.listed import ListedInterval
 from orbitproof.verify.certificate import Certificate
 
 COLOURS = {"planar": "#3c6e91", "R": "#1b7837", "axial": "#b2182b", "vertical": "#762a83"}

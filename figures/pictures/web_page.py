@@ -31,8 +31,8 @@ from orbitproof.figures.pictures.web import (
 )
 from orbitproof.figures.pictures.web_script import PAGE
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, System, shown
-from orbitproof.verify.atlas import StoredArc
-from orbitproof.verify.atlas.listed import ListedEnd
+from orbitproof.verify.branches import StoredArc
+from orbitproof.verify.branches.listed import ListedEnd
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.evidence import range_text
 from orbitproof.verify.web import IndexOnArc

@@ -11,7 +11,7 @@ from orbitproof.figures.certified.rows import BOUNDS, bounds_of
 from orbitproof.figures.report.document import Block, Code, Paragraph, Reference, Run, Runs, Table
 from orbitproof.figures.report.theorems import Checked
 from orbitproof.shared.systems import shown
-from orbitproof.verify.atlas.catalogue import CertifiedRow
+from orbitproof.verify.branches.catalogue import CertifiedRow
 from orbitproof.verify.certificate.kinds import CATALOGUE, WEB
 from orbitproof.verify.evidence import decimal_interval
 

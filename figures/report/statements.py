@@ -34,7 +34,7 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.numbers import format_rational, parse_exact
 from orbitproof.shared.systems import shown
-from orbitproof.verify.atlas.kinds import kind_of as of_branches
+from orbitproof.verify.branches.kinds import kind_of as of_branches
 from orbitproof.verify.certificate.kinds import box_kind, kind_named
 from orbitproof.verify.claim import claim_in_words, keyed_in_words, names_in_words
 from orbitproof.verify.evidence import ball_from_json, decimal_interval, exact_text, interval_text

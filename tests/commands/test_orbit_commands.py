@@ -16,8 +16,8 @@ from orbitproof.explore.three_body.names import MONTHS
 from orbitproof.shared.formats import read_atlas, read_candidates
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.__main__ import main as verify
-from orbitproof.verify.atlas import make_atlas_certificate, recheck_place
-from orbitproof.verify.atlas.curve_conclusion import told
+from orbitproof.verify.branches import make_atlas_certificate, recheck_place
+from orbitproof.verify.branches.curve_conclusion import told
 from orbitproof.verify.certificate import (
     Level,
     digest,

@@ -17,7 +17,7 @@ from support.joined import DATA, retrograde_curve, write_catalogue, write_indexe
 from orbitproof.shared.claims.web import PASSES
 from orbitproof.shared.processes import Failure
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.atlas import conclusion_of, make_atlas_certificate
+from orbitproof.verify.branches import conclusion_of, make_atlas_certificate
 from orbitproof.verify.certificate import digest
 from orbitproof.verify.run import branch_checks, checking_again, proof_command, second_proofs, web_command
 

@@ -20,7 +20,7 @@ from orbitproof.explore.refinement.krein import refuse_off_circle
 from orbitproof.shared.claims import Atlas, Claim, Piece
 from orbitproof.shared.formats import KREIN_COLLISION, REVERSOR_BREAKING
 from orbitproof.shared.systems import CR3BP
-from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.branches import make_atlas_certificate
 from orbitproof.verify.certificate import certify, write_certificate
 
 ROOT = sqrt(cases.level_of(odd=True))

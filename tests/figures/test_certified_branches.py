@@ -25,8 +25,8 @@ from orbitproof.figures.scripting.documents import _curve_in_space as page_of_cu
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared.claims import Atlas, Claim, SurfacePiece
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, HILL_VARIED
-from orbitproof.verify.atlas import make_atlas_certificate
-from orbitproof.verify.atlas.curve_conclusion import told
+from orbitproof.verify.branches import make_atlas_certificate
+from orbitproof.verify.branches.curve_conclusion import told
 from orbitproof.verify.certificate import Certificate, write_certificate
 
 ANGLE = 0.7

@@ -26,8 +26,8 @@ from orbitproof.figures.pictures import draw_certified_stability
 from orbitproof.figures.pictures.certified_branches import Along
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared import parse_exact
-from orbitproof.verify.atlas import make_atlas_certificate
-from orbitproof.verify.atlas.curve_conclusion import told
+from orbitproof.verify.branches import make_atlas_certificate
+from orbitproof.verify.branches.curve_conclusion import told
 from orbitproof.verify.certificate import Certificate, write_certificate
 from orbitproof.verify.curve import conclude
 

@@ -10,7 +10,7 @@ from support.periodic_curves import ATLASES, proved
 from orbitproof.figures.certified import Curve
 from orbitproof.figures.commands.report import main
 from orbitproof.figures.pictures import draw_curves
-from orbitproof.verify.atlas import conclusion_of, make_atlas_certificate
+from orbitproof.verify.branches import conclusion_of, make_atlas_certificate
 from orbitproof.verify.certificate import Certificate, write_certificate
 
 

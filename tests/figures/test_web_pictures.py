@@ -38,9 +38,9 @@ from orbitproof.figures.pictures.web_page import _index_at, _list_in_words
 from orbitproof.shared.claims.web import BRANCHES, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import CR3BP, VERTICAL
-from orbitproof.verify.atlas import certified_web
-from orbitproof.verify.atlas.listed import ListedEnd, ListedInterval
-from orbitproof.verify.atlas.web import StoredArc
+from orbitproof.verify.branches import certified_web
+from orbitproof.verify.branches.listed import ListedEnd, ListedInterval
+from orbitproof.verify.branches.web import StoredArc
 from orbitproof.verify.certificate import Certificate, Level, Recheck, write_certificate
 from orbitproof.verify.stability import IntervalEnd
 from orbitproof.verify.web import IndexOnArc

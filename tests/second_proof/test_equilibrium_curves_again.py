@@ -18,7 +18,7 @@ from support import equilibrium_cases as cases
 
 from orbitproof.shared.claims import EquilibriumAtlas
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.atlas import conclusion_of, make_atlas_certificate
+from orbitproof.verify.branches import conclusion_of, make_atlas_certificate
 from orbitproof.verify.equilibrium_curve import EquilibriumLimits, prove_equilibrium_piece
 from orbitproof.verify.run.second_proofs import compare
 from orbitproof.verify.second_proof import BadCertificate, CannotFollow, NotProved, ProvedCurve, second_proof

@@ -16,7 +16,7 @@ from support.stability_cases import atlas
 
 from orbitproof.shared import allowance
 from orbitproof.shared.allowance import Allowance, processor_seconds
-from orbitproof.verify.atlas import interval_proof
+from orbitproof.verify.branches import interval_proof
 from orbitproof.verify.certificate import Limits, certify, certifying
 from orbitproof.verify.run.branch_tasks import RunLimits, attempts_of, task_of
 from orbitproof.verify.run.splitting import full_interval

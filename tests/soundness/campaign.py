@@ -62,13 +62,13 @@ from orbitproof.shared.interrupts import run_command  # noqa: E402
 from orbitproof.shared.numbers import round_dyadic  # noqa: E402
 from orbitproof.shared.processes import Failure, Report, Task, answers  # noqa: E402
 from orbitproof.shared.systems import ReversibleSystem  # noqa: E402
-from orbitproof.verify.atlas import (  # noqa: E402
+from orbitproof.verify.bifurcation import level_form  # noqa: E402
+from orbitproof.verify.branches import (  # noqa: E402
     atlas_of,
     conclusion_of,
     make_atlas_certificate,
     order_of,
 )
-from orbitproof.verify.bifurcation import level_form  # noqa: E402
 from orbitproof.verify.certificate import (  # noqa: E402
     Certificate,
     Level,

@@ -14,7 +14,7 @@ from support.chain_cases import certificate, circle_point, concluded, symmetric_
 from support.forgeries import DATA, conclusion_of, read
 from test_forged_certificates import of_parabola
 
-from orbitproof.verify.atlas.curve_conclusion import told
+from orbitproof.verify.branches.curve_conclusion import told
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 sys.path.insert(0, str(DOCS))

@@ -27,9 +27,9 @@ from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import write_candidates
 from orbitproof.shared.numbers import format_dyadic, format_exact, parse_exact
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.atlas import certified_rows, rows_of_curve
-from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.attempt import Limits
+from orbitproof.verify.branches import certified_rows, rows_of_curve
+from orbitproof.verify.branches.interval_proof import prove_task
 from orbitproof.verify.certificate import (
     Certificate,
     Computation,

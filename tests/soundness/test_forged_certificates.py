@@ -32,7 +32,7 @@ from orbitproof.shared.systems import (
     ReversibleSystem,
     program_from_text,
 )
-from orbitproof.verify.atlas import atlas_of, curve_conclusion
+from orbitproof.verify.branches import atlas_of, curve_conclusion
 from orbitproof.verify.certificate import Certificate, Given, Level, Limits, Recheck, certify, recheck
 from orbitproof.verify.evidence import ball_from_json, ball_to_json, spared
 

@@ -29,8 +29,8 @@ from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import InputError, candidate_from_json
 from orbitproof.shared.formats.documents import validator
 from orbitproof.shared.systems import ID, IDENTIFIER, LINE, PIECE, SYSTEM, TITLE, describe
-from orbitproof.verify.atlas import Means, ProvedBefore, conclusion_of, make_atlas_certificate
-from orbitproof.verify.atlas.curve_conclusion import told
+from orbitproof.verify.branches import Means, ProvedBefore, conclusion_of, make_atlas_certificate
+from orbitproof.verify.branches.curve_conclusion import told
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,
     Certificate,

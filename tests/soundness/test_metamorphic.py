@@ -14,7 +14,7 @@ from support.metamorphic_changes import all_at_once, changes, is_free, symbols, 
 from support.metamorphic_runs import LIMITS, Told, certificate_of, changed, objections, tell, told_in_every_way
 
 from orbitproof.shared.claims import BOX_KINDS, KINDS_WITHOUT_REVERSOR
-from orbitproof.verify.atlas import places_on
+from orbitproof.verify.branches import places_on
 from orbitproof.verify.certificate import certify
 from orbitproof.verify.evidence import ball_from_json
 

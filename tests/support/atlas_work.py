@@ -1,6 +1,6 @@
 """Provers of intervals that integrate nothing, in a module that is quick to import: each process imports it afresh.
 
-They answer as `verify.atlas.interval_proof.prove_task` does, for the exact cases of `chain_cases`, whose curves are
+They answer as `verify.branches.interval_proof.prove_task` does, for the exact cases of `chain_cases`, whose curves are
 known.
 """
 

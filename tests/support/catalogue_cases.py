@@ -11,7 +11,7 @@ from support.stored import values
 
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.formats import atlas_from_json
-from orbitproof.verify.atlas import conclusion_of, make_atlas_certificate
+from orbitproof.verify.branches import conclusion_of, make_atlas_certificate
 from orbitproof.verify.certificate import Certificate
 
 DATA = Path(__file__).parents[1] / "data"

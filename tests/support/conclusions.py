@@ -8,9 +8,9 @@ from typing import Any
 from support.stored import values
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.verify.atlas.certified import Examine, certified_point
-from orbitproof.verify.atlas.curve_conclusion import partner as partner_here
-from orbitproof.verify.atlas.curve_conclusion import told_list
+from orbitproof.verify.branches.certified import Examine, certified_point
+from orbitproof.verify.branches.curve_conclusion import partner as partner_here
+from orbitproof.verify.branches.curve_conclusion import told_list
 from orbitproof.verify.certificate import Certificate, recheck
 from orbitproof.verify.curve import Conclusion, Partner, ProvedCurve
 from orbitproof.verify.curve import conclude as conclude_of_points

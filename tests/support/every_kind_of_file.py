@@ -36,7 +36,7 @@ from orbitproof.explore.three_body.trajectories import SourceOrbit, trajectory_o
 from orbitproof.shared.claims import BoxClaim
 from orbitproof.shared.formats import read_candidates, read_claims, write_candidates
 from orbitproof.shared.systems import CR3BP
-from orbitproof.verify.atlas import conclusion_of, make_atlas_certificate
+from orbitproof.verify.branches import conclusion_of, make_atlas_certificate
 from orbitproof.verify.certificate import Limits, certify, write_certificate, write_certificates
 
 DATA = Path(__file__).parents[1] / "data"

@@ -19,8 +19,8 @@ from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import read_atlas
-from orbitproof.verify.atlas import Means, ProvedBefore, make_atlas_certificate
-from orbitproof.verify.atlas.curve_conclusion import told
+from orbitproof.verify.branches import Means, ProvedBefore, make_atlas_certificate
+from orbitproof.verify.branches.curve_conclusion import told
 from orbitproof.verify.certificate import (
     Certificate,
     Computation,

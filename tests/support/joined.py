@@ -15,7 +15,7 @@ from support.stored import values
 from orbitproof import verify
 from orbitproof.shared.claims.web import PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import atlas_from_json, read_catalogue_rows
-from orbitproof.verify.atlas import (
+from orbitproof.verify.branches import (
     certified_index,
     certified_rows,
     certified_web,

@@ -26,9 +26,9 @@ from support.metamorphic_results import Named, differences
 from orbitproof.shared.formats import Atlas, BirthAtlas, Candidate, EquilibriumAtlas, PeriodicAtlas
 from orbitproof.shared.systems import description
 from orbitproof.verify import enclose
-from orbitproof.verify.atlas import conclusion_of, make_atlas_certificate
-from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.birth_curve import conclude_births
+from orbitproof.verify.branches import conclusion_of, make_atlas_certificate
+from orbitproof.verify.branches.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate, Limits, Recheck, certify, recheck
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.equilibrium_curve import conclude_equilibria

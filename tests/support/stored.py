@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from orbitproof.shared.codec import from_json, to_json
-from orbitproof.verify.atlas import Result
+from orbitproof.verify.branches import Result
 from orbitproof.verify.curve import IntervalResult, PieceResult
 from orbitproof.verify.distances import DistanceFunctions, KnownDistances, known_distances
 from orbitproof.verify.evidence import NotKnown

@@ -26,7 +26,7 @@ from orbitproof.shared import InputError
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import AROUND
-from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.branches import make_atlas_certificate
 from orbitproof.verify.certificate import (
     Limits,
     certify,

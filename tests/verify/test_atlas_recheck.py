@@ -14,8 +14,8 @@ from support.forgeries import atlas_certificate, fabricated, forged, honest, of_
 from support.stored import value_of, values
 
 from orbitproof.shared.claims import Atlas
-from orbitproof.verify.atlas import Means, ProvedBefore, conclusion_of, make_atlas_certificate
-from orbitproof.verify.atlas.recheck import _contradictions
+from orbitproof.verify.branches import Means, ProvedBefore, conclusion_of, make_atlas_certificate
+from orbitproof.verify.branches.recheck import _contradictions
 from orbitproof.verify.certificate import (
     Certificate,
     Finding,

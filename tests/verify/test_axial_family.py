@@ -20,7 +20,7 @@ from orbitproof.shared import systems
 from orbitproof.shared.claims.web import Meeting, Web, WebArc
 from orbitproof.shared.formats import Atlas, BirthPiece, InputError, atlas_from_json, atlas_to_json, read_atlas
 from orbitproof.shared.systems import BRANCH_SYSTEMS, CR3BP, CR3BP_AXIAL, HILL_VARIED, LIFTED
-from orbitproof.verify.atlas.curve_conclusion import follow, partner
+from orbitproof.verify.branches.curve_conclusion import follow, partner
 from orbitproof.verify.claim import check_symmetries
 from orbitproof.verify.curve import (
     CertifiedPoint,

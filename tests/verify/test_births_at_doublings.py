@@ -19,8 +19,8 @@ from support.stored import values
 from orbitproof.shared.claims.web import Meeting, Web, WebArc
 from orbitproof.shared.formats import ArgumentError, Atlas, InputError, atlas_from_json, atlas_to_json, read_atlas
 from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR, HILL_VARIED, LIFTED
-from orbitproof.verify.atlas.conclusion import conclusion_of
-from orbitproof.verify.atlas.curve_conclusion import follow, partner
+from orbitproof.verify.branches.conclusion import conclusion_of
+from orbitproof.verify.branches.curve_conclusion import follow, partner
 from orbitproof.verify.curve import (
     CertifiedPoint,
     Conclusion,

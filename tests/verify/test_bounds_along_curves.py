@@ -24,8 +24,8 @@ from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
-from orbitproof.verify.atlas.conclusion_as_json import _outward, shortened
-from orbitproof.verify.atlas.index import _listed
+from orbitproof.verify.branches.conclusion_as_json import _outward, shortened
+from orbitproof.verify.branches.index import _listed
 from orbitproof.verify.curve import Chain, conclude
 from orbitproof.verify.distances import Extreme, Where
 from orbitproof.verify.distances.ranges import joined

@@ -16,7 +16,7 @@ from support.stored import values
 
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.processes import Failure
-from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.branches import make_atlas_certificate
 from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck, certify
 from orbitproof.verify.evidence import ball_to_json
 from orbitproof.verify.run import CheckLimits, Workplace, branch_checks, checking_again, rows

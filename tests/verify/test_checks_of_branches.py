@@ -23,13 +23,13 @@ from support.stored import value_of, values
 from orbitproof.shared import InputError, parse_exact
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.formats import read_atlas
-from orbitproof.verify.atlas import Means, ProvedBefore, make_atlas_certificate, order_of
-from orbitproof.verify.atlas import recheck as chapter
-from orbitproof.verify.atlas.certificate import results_for
-from orbitproof.verify.atlas.conclusion_as_json import _outward, shortened
-from orbitproof.verify.atlas.kinds import BranchKind
-from orbitproof.verify.atlas.places import _to_json as place_to_json
-from orbitproof.verify.atlas.recheck import _contradictions, _interval_findings
+from orbitproof.verify.branches import Means, ProvedBefore, make_atlas_certificate, order_of
+from orbitproof.verify.branches import recheck as chapter
+from orbitproof.verify.branches.certificate import results_for
+from orbitproof.verify.branches.conclusion_as_json import _outward, shortened
+from orbitproof.verify.branches.kinds import BranchKind
+from orbitproof.verify.branches.places import _to_json as place_to_json
+from orbitproof.verify.branches.recheck import _contradictions, _interval_findings
 from orbitproof.verify.certificate import (
     Certificate,
     Finding,

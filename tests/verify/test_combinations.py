@@ -20,8 +20,8 @@ from support.skew_products import SkewProduct
 from support.stored import values
 
 from orbitproof.shared.errors import InputError
-from orbitproof.verify.atlas import make_atlas_certificate
-from orbitproof.verify.atlas.recheck import lists_combinations
+from orbitproof.verify.branches import make_atlas_certificate
+from orbitproof.verify.branches.recheck import lists_combinations
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.functions import BoundedFunction
 from orbitproof.verify.run.branches import limits_of

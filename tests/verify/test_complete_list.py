@@ -19,7 +19,7 @@ from support.stored import value_of, values
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.formats import read_atlas
-from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.branches import make_atlas_certificate
 from orbitproof.verify.curve import Bifurcation, PlaceOnCurve, conclude
 from orbitproof.verify.evidence import EmptyIntersectionError, Proved
 from orbitproof.verify.functions import REACH, BoundedFunction

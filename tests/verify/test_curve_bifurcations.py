@@ -34,7 +34,7 @@ from support.stored import entry_of
 from orbitproof.shared.claims import Atlas, Claim, Piece
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.systems import FALKNER_SKAN
-from orbitproof.verify.atlas.certified import certified_point
+from orbitproof.verify.branches.certified import certified_point
 from orbitproof.verify.certificate import Certificate, certify
 from orbitproof.verify.curve import enclose_other_point, prove_piece
 from orbitproof.verify.evidence import bounds, enclose

@@ -38,7 +38,7 @@ from support.wide_checks import MU, libration_point
 from orbitproof.shared.claims import Piece
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
-from orbitproof.verify.atlas import condition_of
+from orbitproof.verify.branches import condition_of
 from orbitproof.verify.curve import UNCLEAR_SLOPE, Equation, PieceLimits, check_newton, prove_piece
 from orbitproof.verify.curve.equation import combined, inverse_near, values_on
 from orbitproof.verify.evidence import Checklist, IntegrationFailure, exact_value

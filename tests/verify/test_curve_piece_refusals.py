@@ -34,7 +34,7 @@ from support.wide_checks import MU, OMEGA, TWIST
 
 from orbitproof.shared.claims import Piece
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, SYSTEMS
-from orbitproof.verify.atlas import condition_of
+from orbitproof.verify.branches import condition_of
 from orbitproof.verify.curve import SINGULAR, PieceLimits, prove_piece
 from orbitproof.verify.oracle import ORACLE
 

@@ -37,7 +37,7 @@ from support.stored import values
 from orbitproof.shared.claims import Claim, Piece
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import CR3BP
-from orbitproof.verify.atlas.curve_conclusion import told
+from orbitproof.verify.branches.curve_conclusion import told
 from orbitproof.verify.curve import read_tube
 from orbitproof.verify.curve.conditions import hypotheses_of
 from orbitproof.verify.evidence import Proved, bounds, enclose

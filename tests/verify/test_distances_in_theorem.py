@@ -17,7 +17,7 @@ from support.stored import values
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.codec import to_json
-from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.branches import make_atlas_certificate
 from orbitproof.verify.curve import PieceLimits, conclude
 from orbitproof.verify.distances import Where
 from orbitproof.verify.oracle import ORACLE

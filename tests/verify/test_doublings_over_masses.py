@@ -21,9 +21,9 @@ from orbitproof.shared.claims.web import Web, WebArc
 from orbitproof.shared.formats import ArgumentError, Atlas, Covers, InputError, Piece, candidate_from_json, read_atlas
 from orbitproof.shared.formats.atlas import claim_from_json
 from orbitproof.shared.systems import CR3BP, HILL, HILL_VARIED, DescriptionError, describe
-from orbitproof.verify.atlas.certified import certified_point
-from orbitproof.verify.atlas.conclusion import conclusion_of
-from orbitproof.verify.atlas.curve_conclusion import follow, partner
+from orbitproof.verify.branches.certified import certified_point
+from orbitproof.verify.branches.conclusion import conclusion_of
+from orbitproof.verify.branches.curve_conclusion import follow, partner
 from orbitproof.verify.certificate import Certificate, Level, Recheck
 from orbitproof.verify.claim import check_symmetries
 from orbitproof.verify.curve import CertifiedPoint, Conclusion, PieceLimits, ProvedCurve, conclude, prove_piece

@@ -36,7 +36,7 @@ from orbitproof.shared.systems import (
 )
 from orbitproof.verify.__main__ import main as verify_main
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
-from orbitproof.verify.atlas.certified import certified_point
+from orbitproof.verify.branches.certified import certified_point
 from orbitproof.verify.certificate import Certificate, Level, Limits, certify, digest, recheck
 from orbitproof.verify.claim import check_symmetries, parities, point_on_fixed_set, quadratic_coefficient
 from orbitproof.verify.claim.functions import keeps_its_functions

@@ -26,8 +26,8 @@ from orbitproof.shared.formats import (
     read_atlas,
     read_candidates,
 )
-from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.attempt import Limits
+from orbitproof.verify.branches import make_atlas_certificate
 from orbitproof.verify.certificate import Certificate, certify, recheck
 from orbitproof.verify.curve import Chain, CurveTheorem, PieceLimits, ProvedCurve, prove_piece
 from orbitproof.verify.evidence import Proved as PieceProved

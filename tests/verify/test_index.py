@@ -28,8 +28,8 @@ from orbitproof.shared.formats import InputError, atlas_from_json, read_atlas
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, FALKNER_SKAN, LIFTED, MASS_PARAMETERS, VERTICAL
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
-from orbitproof.verify.atlas import certified_index, conclusion_of, make_atlas_certificate
-from orbitproof.verify.atlas import index as of_indices
+from orbitproof.verify.branches import certified_index, conclusion_of, make_atlas_certificate
+from orbitproof.verify.branches import index as of_indices
 from orbitproof.verify.certificate import (
     CannotBeCheckedError,
     Certificate,

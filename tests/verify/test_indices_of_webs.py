@@ -24,8 +24,8 @@ from orbitproof.shared.claims.web import Web, WebArc
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import InputError
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.atlas import certified_web, claiming_indices, resting
-from orbitproof.verify.atlas import web as of_webs
+from orbitproof.verify.branches import certified_web, claiming_indices, resting
+from orbitproof.verify.branches import web as of_webs
 from orbitproof.verify.certificate import Certificate, Given, Key, Level, Recheck, recheck, write_certificate
 from orbitproof.verify.stability import IntervalEnd
 from orbitproof.verify.web import Arc, IndexOnArc, Indices

@@ -29,7 +29,7 @@ from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.formats import read_atlas, write_atlas
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.processes import Answer, Progress, Source
-from orbitproof.verify.atlas import Result
+from orbitproof.verify.branches import Result
 from orbitproof.verify.certificate import read_certificate
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.run import Display, Engine, Work, Workplace, branches, piece_order

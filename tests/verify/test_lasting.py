@@ -28,8 +28,8 @@ from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import InputError, piece_from_json
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, HILL, Defined
-from orbitproof.verify.atlas import make_atlas_certificate
-from orbitproof.verify.atlas.conclusion import conclusion_of
+from orbitproof.verify.branches import make_atlas_certificate
+from orbitproof.verify.branches.conclusion import conclusion_of
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.evidence import NotKnown, ball_from_json
 from orbitproof.verify.functions import REACH, StoredFunction

@@ -18,7 +18,7 @@ from support.skew_products import energy, half_period
 from orbitproof.shared.claims import Atlas, Claim, Piece
 from orbitproof.shared.systems import FALKNER_SKAN, Defined, ReversibleSystem
 from orbitproof.verify.algebra import Grading, WideArithmetic
-from orbitproof.verify.atlas.conclusion import conclusion_of
+from orbitproof.verify.branches.conclusion import conclusion_of
 from orbitproof.verify.curve import PieceLimits, prove_piece
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.functions import error_of, known_part, norm_of

@@ -20,7 +20,7 @@ from support.stored import value_of, values
 
 from orbitproof.shared import parse_exact
 from orbitproof.shared.systems import ReversibleSystem, record
-from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.branches import make_atlas_certificate
 from orbitproof.verify.evidence import NotEstablishedError, Reason, ball_from_json, reason_to_json
 from orbitproof.verify.stability import open_on
 from orbitproof.verify.stability.level import Level, gradient

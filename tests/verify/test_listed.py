@@ -9,7 +9,7 @@ from support.stability_cases import atlas, listed, results
 from support.stored import values
 
 from orbitproof.shared import InputError
-from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.branches import make_atlas_certificate
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.evidence import ball_from_json
 

@@ -27,7 +27,7 @@ from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import atlas_from_json, read_atlas
 from orbitproof.shared.systems import LIFTED, VERTICAL
 from orbitproof.verify.algebra import Grading, WideArithmetic
-from orbitproof.verify.atlas import certified_index, conclusion_of, make_atlas_certificate
+from orbitproof.verify.branches import certified_index, conclusion_of, make_atlas_certificate
 from orbitproof.verify.certificate import Certificate, recheck
 from orbitproof.verify.curve import Bifurcation, HalfReturn, PieceLimits, PlaceOnCurve, prove_piece
 from orbitproof.verify.evidence import EmptyIntersectionError, IntegrationFailure, Proved

@@ -28,7 +28,7 @@ from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas, Piece
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import atlas_from_json, read_atlas
-from orbitproof.verify.atlas import conclusion_of
+from orbitproof.verify.branches import conclusion_of
 from orbitproof.verify.curve import PieceLimits, conclude, prove_piece
 from orbitproof.verify.distances import Where
 from orbitproof.verify.evidence import Proved

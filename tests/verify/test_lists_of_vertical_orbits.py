@@ -25,8 +25,8 @@ from orbitproof.shared.claims import REVERSOR_BREAKING, Atlas
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import atlas_from_json
 from orbitproof.shared.systems import AROUND, CR3BP, LIFTED, VERTICAL
-from orbitproof.verify.atlas import make_atlas_certificate
-from orbitproof.verify.atlas.index import certified_index
+from orbitproof.verify.branches import make_atlas_certificate
+from orbitproof.verify.branches.index import certified_index
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import Bifurcation, PieceLimits, PlaceOnCurve, prove_piece
 from orbitproof.verify.curve.lyapunov_family import libration_point

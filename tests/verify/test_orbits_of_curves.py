@@ -27,9 +27,9 @@ from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.formats import FIELDS, CatalogueRows, InputError, atlas_from_json, read_catalogue_rows
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.atlas import catalogue, catalogue_table, certified_rows, certified_table, rows_of_curve
-from orbitproof.verify.atlas.catalogue import orbits_of
-from orbitproof.verify.atlas.catalogue_table import rounded_up
+from orbitproof.verify.branches import catalogue, catalogue_table, certified_rows, certified_table, rows_of_curve
+from orbitproof.verify.branches.catalogue import orbits_of
+from orbitproof.verify.branches.catalogue_table import rounded_up
 from orbitproof.verify.certificate import Certificate, Recheck, recheck, write_certificate
 from orbitproof.verify.curve import ProvedCurve, conclude
 from orbitproof.verify.evidence import Proved, ball_to_json, enclose, exact_value, symmetric

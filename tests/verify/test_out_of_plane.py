@@ -23,7 +23,7 @@ from orbitproof.shared.claims import Atlas
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR
-from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.branches import make_atlas_certificate
 from orbitproof.verify.curve import Bifurcation, PieceLimits, PlaceOnCurve, conclude, derived_parameter
 from orbitproof.verify.evidence import EmptyIntersectionError, Proved
 from orbitproof.verify.functions import REACH

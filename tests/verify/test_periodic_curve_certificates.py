@@ -16,9 +16,9 @@ from support.forgeries import checked, honest
 from support.periodic_curves import ATLASES, TUBE, proved, shifted, turning_atlas
 
 from orbitproof.shared.formats import Covers, InputError, PeriodicAtlas, read_atlas, validate_document, write_atlas
-from orbitproof.verify.atlas import SCHEMA, atlas_of, conclusion_of, make_atlas_certificate, results_from_json
-from orbitproof.verify.atlas.certificate import results_for
-from orbitproof.verify.atlas.interval_proof import prove_task
+from orbitproof.verify.branches import SCHEMA, atlas_of, conclusion_of, make_atlas_certificate, results_from_json
+from orbitproof.verify.branches.certificate import results_for
+from orbitproof.verify.branches.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate, read_certificate, recheck, write_certificate
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.periodic_curve import MultiplierFunctions, PeriodicIntervalResult, conclude_periodic

@@ -16,7 +16,7 @@ from support.forgeries import atlas_certificate, fabricated, forged, of_parabola
 from support.stored import values
 
 from orbitproof.shared.formats import read_atlas
-from orbitproof.verify.atlas import make_atlas_certificate, places_on, recheck_place
+from orbitproof.verify.branches import make_atlas_certificate, places_on, recheck_place
 from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck, certify, recheck
 from orbitproof.verify.run import CheckLimits
 from orbitproof.verify.run.branch_checks import places_on_apart

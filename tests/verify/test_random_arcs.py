@@ -19,7 +19,7 @@ from support.random_pieces import coordinates, corners, random_piece, random_run
 from orbitproof.shared.claims import Claim
 from orbitproof.shared.claims.web import BRANCHES, ENDS, LIBRATION_POINTS, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.systems import record
-from orbitproof.verify.atlas.results import covers
+from orbitproof.verify.branches.results import covers
 from orbitproof.verify.curve import PlaceOnCurve
 from orbitproof.verify.curve.gluing import Chain, Stretch
 from orbitproof.verify.curve.proved_curve import times_of

@@ -13,7 +13,7 @@ import pytest
 from flint import arb, ctx
 
 from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR
-from orbitproof.verify.atlas import index as stored_index
+from orbitproof.verify.branches import index as stored_index
 from orbitproof.verify.evidence import Checklist, NotEstablishedError
 from orbitproof.verify.index import CountedOrbit, HalfTurns, proved_index
 from orbitproof.verify.stability import Bound, Kind

@@ -12,8 +12,8 @@ from support.chain_cases import circle, parabola, symmetric_loop
 from support.forgeries import atlas_certificate
 
 from orbitproof.shared.claims import Claim, Covers
-from orbitproof.verify.atlas.certificate import results_for
-from orbitproof.verify.atlas.recheck import _contradictions, _interval_findings
+from orbitproof.verify.branches.certificate import results_for
+from orbitproof.verify.branches.recheck import _contradictions, _interval_findings
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import Computation, IntervalResult
 from orbitproof.verify.evidence import NotKnown, Reason

@@ -16,7 +16,7 @@ from support.stored import values
 from orbitproof.shared.claims import REVERSOR_BREAKING, Atlas, Claim, Covers, Piece
 from orbitproof.shared.claims.web import Meeting
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, LIFTED, VERTICAL, ReversibleSystem
-from orbitproof.verify.atlas.conclusion import conclusion_of
+from orbitproof.verify.branches.conclusion import conclusion_of
 from orbitproof.verify.curve import (
     CertifiedPoint,
     Conclusion,

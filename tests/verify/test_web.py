@@ -38,8 +38,8 @@ from orbitproof.shared.formats import InputError, read_atlas
 from orbitproof.shared.formats.web import read_web, web_from_json
 from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.atlas import certified_web, resting
-from orbitproof.verify.atlas import web as of_webs
+from orbitproof.verify.branches import certified_web, resting
+from orbitproof.verify.branches import web as of_webs
 from orbitproof.verify.certificate import (
     Certificate,
     Finding,

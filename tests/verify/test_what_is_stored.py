@@ -17,9 +17,9 @@ from support.stored import values
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.formats import read_atlas
-from orbitproof.verify.atlas import interval_proof
-from orbitproof.verify.atlas.conclusion_as_json import curve_to_json, list_to_json
-from orbitproof.verify.atlas.interval_proof import question
+from orbitproof.verify.branches import interval_proof
+from orbitproof.verify.branches.conclusion_as_json import curve_to_json, list_to_json
+from orbitproof.verify.branches.interval_proof import question
 from orbitproof.verify.curve import Bifurcation, Computation, PieceResult, PlaceOnCurve, ProvedInterval, conclude
 from orbitproof.verify.distances import DistanceFunctions, Extreme, Extremes, Ranges, Where
 from orbitproof.verify.distances.distances import PARTS

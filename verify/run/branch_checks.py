@@ -9,8 +9,8 @@ from dataclasses import replace
 
 from orbitproof.shared.formats import AnyAtlas
 from orbitproof.shared.systems import shown
-from orbitproof.verify.atlas import Means, Placed, ProvedBefore, Result, Watch, kind_of, places_on, recheck_place
-from orbitproof.verify.atlas.interval_proof import prove_task
+from orbitproof.verify.branches import Means, Placed, ProvedBefore, Result, Watch, kind_of, places_on, recheck_place
+from orbitproof.verify.branches.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate, Given, Level, Recheck, not_checked, recheck
 from orbitproof.verify.certificate.kinds import kind_named
 from orbitproof.verify.run import Answer, CheckLimits, Display, Failure, Work, Workplace, apart

@@ -12,8 +12,8 @@ from orbitproof.shared.formats import InputError, read_atlas, refused, select_id
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.shared.printed_tables import wrapped
 from orbitproof.shared.systems import shown
-from orbitproof.verify.atlas import SCHEMA, kind_of
-from orbitproof.verify.atlas.interval_proof import prove_task
+from orbitproof.verify.branches import SCHEMA, kind_of
+from orbitproof.verify.branches.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate, read_certificate, read_certificates
 from orbitproof.verify.run import LONG_CHECK_SECONDS, ArgumentParser, Work, Workplace, interrupted, whole_number
 from orbitproof.verify.run.branch_checks import examined, holds_points

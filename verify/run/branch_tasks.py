@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import LIFTED
-from orbitproof.verify.atlas import ProvedBefore, Result, Settings, condition_of, kind_of
-from orbitproof.verify.atlas.certificate import results_for
-from orbitproof.verify.atlas.interval_proof import not_proved, question
-from orbitproof.verify.atlas.kinds import BranchKind
-from orbitproof.verify.atlas.results import result_from_json
+from orbitproof.verify.branches import ProvedBefore, Result, Settings, condition_of, kind_of
+from orbitproof.verify.branches.certificate import results_for
+from orbitproof.verify.branches.interval_proof import not_proved, question
+from orbitproof.verify.branches.kinds import BranchKind
+from orbitproof.verify.branches.results import result_from_json
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import NOT_PROVED, Interval
 from orbitproof.verify.evidence import Reason

@@ -16,7 +16,7 @@ from orbitproof.shared.formats import (
     check_writable,
 )
 from orbitproof.shared.systems import UNLISTED
-from orbitproof.verify.atlas import (
+from orbitproof.verify.branches import (
     Lines,
     Result,
     conclusion_of,
@@ -25,7 +25,7 @@ from orbitproof.verify.atlas import (
     kind_of,
     make_atlas_certificate,
 )
-from orbitproof.verify.atlas.interval_proof import prove_task
+from orbitproof.verify.branches.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate, read_certificate, write_certificate
 from orbitproof.verify.curve import SINGULAR, Interval, is_born_at_doubling
 from orbitproof.verify.evidence import exact_interval_text

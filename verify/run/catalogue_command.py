@@ -23,7 +23,7 @@ from orbitproof.shared.interrupts import run_command
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.printed_tables import wrapped
 from orbitproof.shared.systems import shown
-from orbitproof.verify.atlas import WITHIN, certified_rows, certified_table, check_title, rows_of_curve
+from orbitproof.verify.branches import WITHIN, certified_rows, certified_table, check_title, rows_of_curve
 from orbitproof.verify.certificate import Certificate, Recheck, read_certificate, write_certificate
 from orbitproof.verify.run import (
     ArgumentParser,

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from orbitproof.shared.formats import InputError, about, check_writable
 from orbitproof.shared.interrupts import run_command
-from orbitproof.verify.atlas import certified_index, indexed_atlas
+from orbitproof.verify.branches import certified_index, indexed_atlas
 from orbitproof.verify.certificate import Certificate, Recheck, read_certificate, write_certificate
 from orbitproof.verify.run import ArgumentParser, Workplace
 from orbitproof.verify.run.proof_command import add_checking_options, by_curve, check_of, prove_or_check, told

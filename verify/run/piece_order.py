@@ -5,8 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 from orbitproof.shared.formats import AnyAtlas
-from orbitproof.verify.atlas import Settings
-from orbitproof.verify.atlas.kinds import symmetric_curve
+from orbitproof.verify.branches import Settings
+from orbitproof.verify.branches.kinds import symmetric_curve
 from orbitproof.verify.oracle import steps_about
 
 

@@ -70,7 +70,7 @@ def _rows(claims: Sequence[Any], asked: Asked) -> list[Certificate]:
 
 
 def _branch(claims: Sequence[Any], asked: Asked) -> list[Certificate]:
-    from orbitproof.verify.atlas import kind_of
+    from orbitproof.verify.branches import kind_of
     from orbitproof.verify.run.branches import conclude_run, limits_of, prove_pieces, started
 
     (claim,) = claims
@@ -87,7 +87,7 @@ def _branch(claims: Sequence[Any], asked: Asked) -> list[Certificate]:
 def _web(claims: Sequence[Any], asked: Asked) -> list[Certificate]:
     from orbitproof.shared.codec import to_json
     from orbitproof.shared.formats.web import web_from_json
-    from orbitproof.verify.atlas import claiming_indices
+    from orbitproof.verify.branches import claiming_indices
     from orbitproof.verify.run.web_command import certify_the_web
 
     (claim,) = claims
@@ -105,7 +105,7 @@ def _index(claims: Sequence[Any], asked: Asked) -> list[Certificate]:
 
 def _catalogue(claims: Sequence[Any], asked: Asked) -> list[Certificate]:
     from orbitproof.shared.formats import table_form
-    from orbitproof.verify.atlas import WITHIN, certified_table
+    from orbitproof.verify.branches import WITHIN, certified_table
     from orbitproof.verify.run.catalogue_command import certify_rows
 
     (rows,) = claims

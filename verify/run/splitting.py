@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from orbitproof.shared.formats import AnyPiece
-from orbitproof.verify.atlas import Result, Settings, condition_of, covers
+from orbitproof.verify.branches import Result, Settings, condition_of, covers
 from orbitproof.verify.curve import SINGULAR, UNCLEAR_SLOPE, Interval
 
 _OVERLAP = Fraction(1, 64)

@@ -12,7 +12,7 @@ from orbitproof.shared.claims.web import Web
 from orbitproof.shared.formats import InputError, about, check_writable
 from orbitproof.shared.formats.web import read_web
 from orbitproof.shared.interrupts import run_command
-from orbitproof.verify.atlas import RestingError, certified_web, claiming_indices, resting
+from orbitproof.verify.branches import RestingError, certified_web, claiming_indices, resting
 from orbitproof.verify.certificate import Certificate, Recheck, read_any, read_certificate, write_certificate
 from orbitproof.verify.run import ArgumentParser, Failure, Workplace, apart
 from orbitproof.verify.run.checking_again import Known, checks_of_parts

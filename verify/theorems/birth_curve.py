@@ -6,9 +6,6 @@ from typing import Any, cast
 
 from orbitproof.shared.claims import BIRTH_CURVES
 from orbitproof.shared.formats import Piece
-from orbitproof.verify.atlas.kinds import BranchKind
-from orbitproof.verify.atlas.recheck import OF_ANY_BRANCH
-from orbitproof.verify.atlas.whole_as_json import whole_to_json
 from orbitproof.verify.birth_curve import (
     BirthCurveTheorem,
     BirthLimits,
@@ -16,6 +13,9 @@ from orbitproof.verify.birth_curve import (
     conclude_births,
     prove_birth_curve_piece,
 )
+from orbitproof.verify.branches.kinds import BranchKind
+from orbitproof.verify.branches.recheck import OF_ANY_BRANCH
+from orbitproof.verify.branches.whole_as_json import whole_to_json
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.curve import Conclusion, IntervalResult
 from orbitproof.verify.evidence import Proved

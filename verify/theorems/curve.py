@@ -6,12 +6,12 @@ from collections.abc import Iterator, Sequence
 
 from orbitproof.shared.claims import CLAIMS, SURFACE, Atlas
 from orbitproof.shared.formats import BirthPiece, Piece
-from orbitproof.verify.atlas.certificate import statement_of
-from orbitproof.verify.atlas.curve_conclusion import conclude_curve
-from orbitproof.verify.atlas.document import BranchStatement
-from orbitproof.verify.atlas.kinds import BranchKind
-from orbitproof.verify.atlas.recheck import OF_ANY_BRANCH, ends_of
-from orbitproof.verify.atlas.results import Result
+from orbitproof.verify.branches.certificate import statement_of
+from orbitproof.verify.branches.curve_conclusion import conclude_curve
+from orbitproof.verify.branches.document import BranchStatement
+from orbitproof.verify.branches.kinds import BranchKind
+from orbitproof.verify.branches.recheck import OF_ANY_BRANCH, ends_of
+from orbitproof.verify.branches.results import Result
 from orbitproof.verify.certificate.levels import Finding
 from orbitproof.verify.curve import CurveTheorem, IntervalResult, PieceLimits
 from orbitproof.verify.evidence import NotKnown

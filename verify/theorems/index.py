@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from orbitproof.verify.atlas import index
-from orbitproof.verify.atlas.its_curve import its_curve
+from orbitproof.verify.branches import index
+from orbitproof.verify.branches.its_curve import its_curve
 from orbitproof.verify.certificate.kind import Kind
 from orbitproof.verify.certificate.kinds import INDEX
 

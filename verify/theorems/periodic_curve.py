@@ -7,10 +7,10 @@ from typing import Any, cast
 
 from orbitproof.shared.claims import PERIODIC_CURVES
 from orbitproof.shared.formats import PeriodicAtlas, Piece, atlas_to_json
-from orbitproof.verify.atlas.document import PeriodicCurveStatement
-from orbitproof.verify.atlas.kinds import BranchKind
-from orbitproof.verify.atlas.recheck import OF_ANY_BRANCH
-from orbitproof.verify.atlas.whole_as_json import whole_to_json
+from orbitproof.verify.branches.document import PeriodicCurveStatement
+from orbitproof.verify.branches.kinds import BranchKind
+from orbitproof.verify.branches.recheck import OF_ANY_BRANCH
+from orbitproof.verify.branches.whole_as_json import whole_to_json
 from orbitproof.verify.certificate import stated_functions
 from orbitproof.verify.certificate.document import Names
 from orbitproof.verify.certificate.levels import Finding

@@ -7,11 +7,11 @@ from typing import Any, cast
 
 from orbitproof.shared.claims import SURFACE, Atlas
 from orbitproof.shared.formats import LibrationPiece, SurfacePiece
-from orbitproof.verify.atlas.certificate import statement_of
-from orbitproof.verify.atlas.kinds import BranchKind
-from orbitproof.verify.atlas.recheck import OF_ANY_BRANCH, ends_of
-from orbitproof.verify.atlas.results import Result, covers
-from orbitproof.verify.atlas.whole_as_json import whole_to_json
+from orbitproof.verify.branches.certificate import statement_of
+from orbitproof.verify.branches.kinds import BranchKind
+from orbitproof.verify.branches.recheck import OF_ANY_BRANCH, ends_of
+from orbitproof.verify.branches.results import Result, covers
+from orbitproof.verify.branches.whole_as_json import whole_to_json
 from orbitproof.verify.certificate.levels import Finding, confirmed
 from orbitproof.verify.curve import Conclusion, IntervalResult
 from orbitproof.verify.evidence import Proved, quoted_name

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from orbitproof.verify.atlas import web
-from orbitproof.verify.atlas.rests_on import resting
+from orbitproof.verify.branches import web
+from orbitproof.verify.branches.rests_on import resting
 from orbitproof.verify.certificate.kind import Kind
 from orbitproof.verify.certificate.kinds import WEB
 

@@ -28,9 +28,9 @@ from orbitproof.shared.formats import (
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.processes import Report
 from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe, described
-from orbitproof.verify.atlas.kinds import kind_of
-from orbitproof.verify.atlas.results import Result, Settings
 from orbitproof.verify.attempt import counsel
+from orbitproof.verify.branches.kinds import kind_of
+from orbitproof.verify.branches.results import Result, Settings
 from orbitproof.verify.certificate import systems_with
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.curve import NOT_PROVED, Computation, Interval, PieceLimits, prove_birth_piece, prove_piece

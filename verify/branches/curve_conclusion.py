@@ -9,10 +9,10 @@ from typing import Any
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import UNLISTED
-from orbitproof.verify.atlas.certified import certified_point
-from orbitproof.verify.atlas.conclusion import Check, Watch
-from orbitproof.verify.atlas.conclusion_as_json import curve_to_json, list_to_json
-from orbitproof.verify.atlas.results import Result, on_curve
+from orbitproof.verify.branches.certified import certified_point
+from orbitproof.verify.branches.conclusion import Check, Watch
+from orbitproof.verify.branches.conclusion_as_json import curve_to_json, list_to_json
+from orbitproof.verify.branches.results import Result, on_curve
 from orbitproof.verify.certificate import Certificate, Recheck
 from orbitproof.verify.curve import (
     Conclusion,

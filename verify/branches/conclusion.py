@@ -9,8 +9,8 @@ from typing import Any
 from flint import ctx
 
 from orbitproof.shared.formats import AnyAtlas
-from orbitproof.verify.atlas.kinds import kind_of
-from orbitproof.verify.atlas.results import Result
+from orbitproof.verify.branches.kinds import kind_of
+from orbitproof.verify.branches.results import Result
 from orbitproof.verify.certificate import Certificate, Recheck, repeated
 
 Check = Callable[[Sequence[Certificate]], Sequence[Recheck]]

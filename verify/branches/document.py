@@ -53,12 +53,12 @@ class PeriodicCurveStatement(Stated):
 
 def any_results() -> Any:
     """The type of the results of a branch of any kind, for the schema."""
-    return import_module("orbitproof.verify.atlas.document_in_full").AnyResults
+    return import_module("orbitproof.verify.branches.document_in_full").AnyResults
 
 
 def any_conclusion() -> Any:
     """The type of the conclusion of a branch of any kind, for the schema."""
-    return import_module("orbitproof.verify.atlas.document_in_full").AnyConclusion
+    return import_module("orbitproof.verify.branches.document_in_full").AnyConclusion
 
 
 @dataclass(frozen=True)

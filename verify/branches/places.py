@@ -8,9 +8,9 @@ from typing import Any, cast
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import shown
-from orbitproof.verify.atlas.certified import certified_point
-from orbitproof.verify.atlas.curve_conclusion import follow, partner
-from orbitproof.verify.atlas.kinds import kind_of
+from orbitproof.verify.branches.certified import certified_point
+from orbitproof.verify.branches.curve_conclusion import follow, partner
+from orbitproof.verify.branches.kinds import kind_of
 from orbitproof.verify.certificate import (
     REWORDED,
     Certificate,

@@ -14,11 +14,11 @@ from orbitproof.shared.formats import Atlas, InputError
 from orbitproof.shared.stored import rules
 from orbitproof.shared.systems import shown
 from orbitproof.shared.wording import counted
-from orbitproof.verify.atlas.conclusion_as_json import shortened
-from orbitproof.verify.atlas.curve_conclusion import follow
-from orbitproof.verify.atlas.its_curve import curve_given, names_its_curve
-from orbitproof.verify.atlas.kinds import symmetric_curve
-from orbitproof.verify.atlas.results import on_curve
+from orbitproof.verify.branches.conclusion_as_json import shortened
+from orbitproof.verify.branches.curve_conclusion import follow
+from orbitproof.verify.branches.its_curve import curve_given, names_its_curve
+from orbitproof.verify.branches.kinds import symmetric_curve
+from orbitproof.verify.branches.results import on_curve
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,
     CannotBeCheckedError,

@@ -19,7 +19,7 @@ from flint import arb
 from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, shown
-from orbitproof.verify.atlas.certificate import (
+from orbitproof.verify.branches.certificate import (
     ONE_A_LINE,
     SAID,
     SCHEMA,
@@ -28,9 +28,9 @@ from orbitproof.verify.atlas.certificate import (
     pieces_of,
     well_formed,
 )
-from orbitproof.verify.atlas.conclusion import Watch, conclusion_of
-from orbitproof.verify.atlas.kinds import BranchKind, kind_of
-from orbitproof.verify.atlas.results import Result, Settings, condition_of, covers, results_from_json
+from orbitproof.verify.branches.conclusion import Watch, conclusion_of
+from orbitproof.verify.branches.kinds import BranchKind, kind_of
+from orbitproof.verify.branches.results import Result, Settings, condition_of, covers, results_from_json
 from orbitproof.verify.certificate import (
     NOT_INTEGRATED,
     UNCHECKED_REASON,

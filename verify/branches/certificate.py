@@ -21,10 +21,10 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import BRANCH_SYSTEMS, record
 from orbitproof.shared.wording import counted
-from orbitproof.verify.atlas.document import BranchDocument, BranchStatement, Total
-from orbitproof.verify.atlas.kinds import kind_of
-from orbitproof.verify.atlas.listed import ListedInterval, ListedPoint
-from orbitproof.verify.atlas.results import Result, results_from_json
+from orbitproof.verify.branches.document import BranchDocument, BranchStatement, Total
+from orbitproof.verify.branches.kinds import kind_of
+from orbitproof.verify.branches.listed import ListedInterval, ListedPoint
+from orbitproof.verify.branches.results import Result, results_from_json
 from orbitproof.verify.certificate import Certificate, sealed, stated, systems_with
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
 from orbitproof.verify.evidence import Reason, differs_here, software

@@ -13,9 +13,9 @@ from orbitproof.shared.claims.fields import PieceId, Title, Vector
 from orbitproof.shared.formats import FIELDS, CatalogueRows, InputError
 from orbitproof.shared.stored import Rational, rules
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, TITLE, ReversibleSystem, fits, shown
-from orbitproof.verify.atlas.its_curve import curve_given, names_its_curve
-from orbitproof.verify.atlas.kinds import symmetric_curve
-from orbitproof.verify.atlas.results import on_curve
+from orbitproof.verify.branches.its_curve import curve_given, names_its_curve
+from orbitproof.verify.branches.kinds import symmetric_curve
+from orbitproof.verify.branches.results import on_curve
 from orbitproof.verify.certificate import Certificate, Examination, Finding, Given, digest, in_all_data, sealed
 from orbitproof.verify.certificate.document import Document, RestsOn
 from orbitproof.verify.certificate.stored_balls import from_json

@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, cast
 
 from orbitproof.shared.claims import AnyAtlas, AnyPiece, Atlas
-from orbitproof.verify.atlas.document import BranchStatement, PeriodicCurveStatement
-from orbitproof.verify.atlas.results import Result, Settings
+from orbitproof.verify.branches.document import BranchStatement, PeriodicCurveStatement
+from orbitproof.verify.branches.results import Result, Settings
 from orbitproof.verify.certificate.kind import Kind
 from orbitproof.verify.certificate.kinds import kind_named
 from orbitproof.verify.certificate.levels import Finding

@@ -13,7 +13,7 @@ from flint import arb, ctx
 from orbitproof.shared.formats import FIELDS, CatalogueRows, CatalogueTable, InputError
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import UNITS, shown
-from orbitproof.verify.atlas.catalogue import CertifiedRow, orbits_of
+from orbitproof.verify.branches.catalogue import CertifiedRow, orbits_of
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.evidence import enclose, exact_value, is_below

@@ -13,11 +13,11 @@ from orbitproof.shared.claims.web import How, Web, WebArc
 from orbitproof.shared.formats.web import web_from_json
 from orbitproof.shared.stored import rules
 from orbitproof.shared.wording import counted
-from orbitproof.verify.atlas.certified import certified_point
-from orbitproof.verify.atlas.curve_conclusion import follow, partner
-from orbitproof.verify.atlas.kinds import symmetric_curve
-from orbitproof.verify.atlas.listed import ListedInterval
-from orbitproof.verify.atlas.rests_on import Part, RestingError, keys_of
+from orbitproof.verify.branches.certified import certified_point
+from orbitproof.verify.branches.curve_conclusion import follow, partner
+from orbitproof.verify.branches.kinds import symmetric_curve
+from orbitproof.verify.branches.listed import ListedInterval
+from orbitproof.verify.branches.rests_on import Part, RestingError, keys_of
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,
     Certificate,

@@ -6,7 +6,7 @@ from fractions import Fraction
 from typing import Any
 
 from orbitproof.shared.numbers import format_exact
-from orbitproof.verify.atlas.whole_as_json import named_balls, whole_to_json
+from orbitproof.verify.branches.whole_as_json import named_balls, whole_to_json
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.curve import Conclusion, ProvedCurve
 from orbitproof.verify.distances import Ranges
