@@ -17,7 +17,7 @@ from support.told import in_full
 
 from orbitproof.explore.numerics import working_context
 from orbitproof.explore.points import refine_at
-from orbitproof.explore.refinement.double_resonance import _Place
+from orbitproof.explore.refinement.double_resonance import _Equations
 from orbitproof.shared.claims import DOUBLE_RESONANCE, Candidate
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import candidate_from_json, candidate_to_json, read_claims, validate_document
@@ -352,7 +352,7 @@ def test_a_claim_is_written_and_read() -> None:
 def test_the_equations_of_the_search_vanish_at_the_certified_point() -> None:
     (candidate,) = read_claims(CLAIM)
     assert isinstance(candidate, Candidate)
-    place = _Place(CR3BP, {}, 4, 1, working_context(80))
+    place = _Equations(CR3BP, {}, 4, 1, working_context(80))
     kernel, image = place.jets(candidate.centre, 1)
     values = [*(jet.coefficients[0] for jet in kernel), place.defect(image, 1).coefficients[0]]
     assert max(map(abs, values)) < 1e-15

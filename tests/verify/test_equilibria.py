@@ -292,7 +292,7 @@ def test_a_single_eigenvalue_that_may_be_on_the_axis_is_refused() -> None:
     q = [acb(1), acb(0, -1), acb(0)]
     for width, is_known in ((0, True), (2, False)):
         matrix = [[arb(0), arb(-1), arb(0)], [arb(1), arb(0), arb(0)], [arb(0), arb(0), arb(-1, width)]]
-        place = proved_hopf._Place(arb(1), q, proved_hopf.Derivatives(matrix, [], [], []))
+        place = proved_hopf._ImaginaryPair(arb(1), q, proved_hopf.Derivatives(matrix, [], [], []))
         checklist = Checklist()
         if is_known:
             assert proved_hopf._check_others(checklist, place).left == 1
@@ -465,7 +465,7 @@ def test_a_speed_or_a_coefficient_that_may_be_0_is_none() -> None:
         straight = [{places: arb(0) for places in row} for row in known.second]
         plain = replace(known, second=straight, third=[acb(0)] * 3)
         vector = [acb(enclose(u), enclose(v)) for u, v in zip(*claim.kernel, strict=True)]
-        at = [proved_hopf._Place(enclose(claim.frequency), vector, each) for each in (known, plain)]
+        at = [proved_hopf._ImaginaryPair(enclose(claim.frequency), vector, each) for each in (known, plain)]
         left, _ = proved_hopf._check_crossing(Checklist(), claim, at[0])
         with pytest.raises(NotEstablishedError, match="it may be 0"):
             proved_hopf._check_crossing(Checklist(), claim, at[1])

@@ -192,14 +192,14 @@ def numbers(value: Any) -> dict[str, Any]:
     return named
 
 
-_Place = tuple[Any, ...]
+_Path = tuple[Any, ...]
 
 
-def _said(place: _Place) -> str:
+def _said(place: _Path) -> str:
     return " ".join(map(str, place))
 
 
-def _numbers(value: Any, place: _Place) -> Iterator[tuple[_Place, Any]]:
+def _numbers(value: Any, place: _Path) -> Iterator[tuple[_Path, Any]]:
     if isinstance(value, acb):
         value = {"real": value.real, "imaginary": value.imag}
     if is_dataclass(value):
