@@ -12,6 +12,7 @@ from typing import Any, get_type_hints
 
 from flint import acb, arb
 from support import periodic_bifurcation_cases as bifurcations
+from support import periodic_cases
 from support.claims import known
 from support.metamorphic_cases import ROWS
 from support.told import in_full
@@ -260,6 +261,20 @@ def _all() -> Iterator[tuple[str, str | None]]:
     yield "periodic-area", told(area)
     yield "periodic-area where c varies", told(replace(area, parameter="c"))
     yield from _of_other_systems()
+    yield from _forced()
+
+
+def _forced() -> Iterator[tuple[str, str | None]]:
+    """Of a system with a force: how many of its periods an orbit has, if that is known."""
+    orbit, fold, period = periodic_cases.locked(Q(7, 3)), bifurcations.forced_fold(), 4 * arb.pi()
+    torus = replace(
+        fold, kind="periodic-torus", kernel=((Q(1), Q(0), Q(0)), (Q(0), Q(1), Q(0))), multiplier=(Q(3, 5), Q(4, 5))
+    )
+    yield "forced", told(orbit, period=period * 3 / 7)
+    yield "forced / not known how often", told(orbit, period=period * arb(3, 3) / 7)
+    yield "forced-fold", told(fold, period=period / 3, parameter=arb(3, 2**-30))
+    yield "forced-fold / where k varies", told(replace(fold, parameter="k"), period=period / 3)
+    yield "forced-torus", told(torus, period=period / 3, parameter=arb(3, 2**-30))
 
 
 def _of_other_systems() -> Iterator[tuple[str, str | None]]:

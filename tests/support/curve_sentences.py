@@ -12,6 +12,7 @@ from typing import Any
 from flint import arb
 from support.box_sentences import Told, ball, points
 from support.metamorphic_cases import CURVES
+from support.periodic_cases import LOCKED
 from support.springs import SPRINGS
 
 from orbitproof.shared.claims import Claim, Covers
@@ -548,6 +549,11 @@ def periodic_curves() -> Told:
         _periodic(replace(of_a, system=HOSTILE, claim=replace(of_a.claim, parameter="P", increasing=("H",)))),
     )
     yield "periodic-arc / periods not known", _periodic(atlas, period=NAN)
+    along = replace(atlas.claim, normal=(Q(0), Q(1), Q(0), Q(0)), parameter="k", increasing=("k",), covers=None)
+    forced = replace(atlas, system=LOCKED, parameters={"r": Q(3)}, claim=along)
+    yield "forced-arc", _periodic(forced, period=4 * arb.pi() / 3)
+    of_speed = replace(forced, parameters={"k": Q(3)}, claim=replace(along, parameter="r", increasing=("r",)))
+    yield "forced-arc where the speed of the force varies", _periodic(of_speed, period=4 * arb.pi() / 3)
     counts = [
         Counts(2, 0, 0),
         Counts(1, 0, 1),

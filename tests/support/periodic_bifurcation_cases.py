@@ -6,7 +6,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from support.periodic_cases import LORENZ, ONE, ZERO, unit
+from support.periodic_cases import LOCKED, LORENZ, ONE, ZERO, unit
 
 from orbitproof.shared.formats import PeriodicBifurcation, define_system
 from orbitproof.shared.systems import System
@@ -194,6 +194,12 @@ def folding(b: Any = 1, c: Any = 1, **more: Any) -> PeriodicBifurcation:
     """The fold of `FOLDING` through (1, 0), where y = 0 is crossed upwards."""
     given: dict[str, Any] = {"parameters": numbers(b=b, c=c), "parameter": "a", **more}
     return bifurcation(FOLDING, "periodic-fold", 1, [ONE, ZERO], [ONE], **given)
+
+
+def forced_fold(**more: Any) -> PeriodicBifurcation:
+    """A claim about `LOCKED`, of which nothing is true but its form; the speed of the force varies."""
+    given: dict[str, Any] = {"parameters": {"r": Fraction(3), "k": ONE}, "parameter": "r", **more}
+    return bifurcation(LOCKED, "periodic-fold", 1, [ONE, ZERO, ONE, ZERO], [ONE, ZERO, ZERO], **given)
 
 
 def doubling(b: Any = 0, c: Any = 1, d: Any = 0, e: Any = 0, **more: Any) -> PeriodicBifurcation:

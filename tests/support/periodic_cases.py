@@ -155,3 +155,24 @@ def shifted(claim: PeriodicOrbit, place: int, by: Fraction) -> PeriodicOrbit:
     """The box moved in one of its directions."""
     centre = tuple(x + row[place] * by for x, row in zip(claim.centre, claim.frame, strict=True))
     return replace(claim, centre=centre)
+
+
+LOCKED = define_system(
+    {
+        "name": "locked",
+        "state": "x y",
+        "parameters": "r k",
+        "where": {"s": "1 - x**2 - y**2"},
+        "field": {
+            "x": "x*s - r*y/2 + k*(x*cos(r*t) + y*sin(r*t) - x)",
+            "y": "y*s + r*x/2 + k*(x*sin(r*t) - y*cos(r*t) - y)",
+        },
+    }
+)
+"""z = x + iy follows half the angle of the force: z' = z (1 - |z|^2 + ir/2) + k (exp(irt) conj(z) - z)."""
+
+
+def locked(r: Fraction, **more: Any) -> PeriodicOrbit:
+    """z = exp(irt/2), of twice the period of the force, on the section y = 0."""
+    parameters = {"r": r, "k": Fraction(1, 4)}
+    return in_plane(LOCKED, 1, [ONE, ZERO, ONE, ZERO], Fraction(1, 2**70), parameters=parameters, **more)

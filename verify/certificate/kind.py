@@ -124,6 +124,7 @@ class BoxKind(Kind, Generic[Claim, Found, Results]):
         picture: which one shows it: "box", "birth", "meeting", "orbit", "stable orbit", "periodic orbit",
             "bifurcation"; "" for none.
         attributes: what a `Certificate` says of the results beside their point; the rest is as of what is not proved.
+        besides: what else the screen tells of the results, in short lines.
         missing: how many digits the results lack, of so many that are wanted.
         in_words: the theorem in short.
         in_full: so that it stands alone: system, box, theorem, what its words mean, what was found.
@@ -146,6 +147,7 @@ class BoxKind(Kind, Generic[Claim, Found, Results]):
     normal_form_section: str = "9.5"
     picture: str = ""
     attributes: Callable[[Results], dict[str, Any]]
+    besides: Callable[[Claim, Results], Iterable[str]] = lambda claim, found: ()
     missing: Callable[[Results, int], int]
     in_words: Callable[[Any], str]
     in_full: Callable[[Claim, Any, Results], str]

@@ -16,6 +16,7 @@ from orbitproof.verify.periodic.box import (
 )
 from orbitproof.verify.periodic.enclosures import Linearised, PeriodicEnclosures, SectionReturn, stops_of
 from orbitproof.verify.periodic.following import enclose_periodic
+from orbitproof.verify.periodic.force import PeriodsOfForce, of_orbit, periods_of_force
 from orbitproof.verify.periodic.multipliers import Multipliers, eigenvalues_of, multipliers_of, on_level
 from orbitproof.verify.periodic.proved_periodic import (
     PeriodicResults,

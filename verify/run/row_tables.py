@@ -9,6 +9,7 @@ from orbitproof.shared.formats import BoxClaim, as_options
 from orbitproof.shared.printed_tables import filled, fitted, terminal_width
 from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate import MEANINGS, Certificate, Level, Recheck
+from orbitproof.verify.certificate.kinds import kind_of
 from orbitproof.verify.evidence import certain_digits
 from orbitproof.verify.run.other_boxes import remark
 
@@ -33,18 +34,20 @@ def verdict_text(
             continue
         when = "by an earlier run" if candidate.id in kept else f"in {certificate.computation.seconds:.1f} s"
         lines.append(f"{shown(certificate.id)}: {certificate.verdict} {when}")
-        for text in _found(certificate):
+        for text in _found(certificate, candidate):
             lines += filled(text, terminal_width(), "  ", "    ")
     unfinished = names if len(names) <= _NAMED else [f"{len(names)} candidates"]
     lines += [f"{each}: not finished" for each in unfinished]
     return "\n".join(lines)
 
 
-def _found(certificate: Certificate) -> Iterator[str]:
+def _found(certificate: Certificate, candidate: BoxClaim) -> Iterator[str]:
     """What a certificate proves, or why it proves nothing; then about which box, if that is another than was given."""
     yield ", ".join(filter(None, (certificate.claimed, certificate.on_side)))
     if certificate.parameter is not None:
         yield f"{certificate.parameter_name} = {certain_digits(certificate.parameter, _SHOWN_DIGITS)}"
+    if certificate.proved:
+        yield from kind_of(candidate).besides(candidate, certificate.results)
     orbit = certificate.orbit or certificate.periodic
     if orbit is not None and orbit.level is not None and orbit.level_name != certificate.parameter_name:
         yield f"{orbit.level_name} = {certain_digits(orbit.level, _SHOWN_DIGITS)}"

@@ -17,7 +17,7 @@ from orbitproof.verify.periodic import (
 )
 from orbitproof.verify.poincare import IntegratorSettings
 from orbitproof.verify.theorems import linearised  # noqa: F401 (how its functions are stored)
-from orbitproof.verify.words.periodic import periodic_in_full, periodic_in_words
+from orbitproof.verify.words.periodic import force_in_words, periodic_in_full, periodic_in_words
 from orbitproof.verify.words.row_in_full import in_lines
 
 
@@ -40,6 +40,7 @@ KIND = BoxKind(
     said=lambda k, kind: "periodic orbit",
     picture="periodic orbit",
     attributes=lambda found: {"parameter_name": "period", "parameter": found.period},
+    besides=lambda claim, found: force_in_words(claim, found.point, found.period),
     missing=missing_of_period,
     in_words=periodic_in_words,
     in_full=lambda claim, theorem, found: in_lines(periodic_in_full(claim, periodic_in_words(theorem), found)),

@@ -18,6 +18,7 @@ from orbitproof.verify.periodic_bifurcation import (
 )
 from orbitproof.verify.poincare import IntegratorSettings
 from orbitproof.verify.theorems import linearised  # noqa: F401 (how its functions are stored)
+from orbitproof.verify.words.periodic import force_in_words
 from orbitproof.verify.words.periodic_torus import torus_in_full, torus_in_words
 from orbitproof.verify.words.row_in_full import in_lines
 
@@ -48,6 +49,7 @@ KIND = BoxKind(
         "side": found.side,
     },
     variables=variables_of,
+    besides=lambda claim, found: force_in_words(claim, found.point, found.period, found.parameter),
     missing=missing_of_either,
     in_words=torus_in_words,
     in_full=lambda claim, theorem, found: in_lines(torus_in_full(claim, torus_in_words(theorem), found)),

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
 
 from flint import acb, arb
 
 from orbitproof.shared.formats import InSection, PeriodicOrbit
-from orbitproof.shared.systems import Program, System
+from orbitproof.shared.systems import FORCE_AT_START, Program, System
 from orbitproof.verify.claim import keyed_in_words, names_in_words
 from orbitproof.verify.evidence import certain_digits, decimal_interval, dot, enclose, exact_text, located, symmetric
-from orbitproof.verify.periodic import Multipliers, PeriodicResults, PeriodicTheorem
+from orbitproof.verify.periodic import Multipliers, PeriodicResults, PeriodicTheorem, PeriodsOfForce, of_orbit
 from orbitproof.verify.words.formulas import equations, functions_in_lines
 
 _DIGITS = 40
@@ -101,11 +101,43 @@ def periodic_found(claim: PeriodicOrbit, found: PeriodicResults) -> Iterator[str
     place = ", ".join(located(name, ball, _DIGITS) for name, ball in keyed_in_words(claim.system, found.point).items())
     yield f"The point of the orbit in the box has {place}."
     yield f"The least period lies in {decimal_interval(found.period, _DIGITS)}."
+    yield from force_in_full(claim, found.point, found.period)
     yield from multipliers_in_words(found.multipliers)
     if found.multipliers.is_attracting:
         yield "The orbit is asymptotically stable, with asymptotic phase."
     elif found.multipliers.outside:
         yield "The orbit is unstable."
+
+
+def force_in_words(
+    claim: InSection, point: Mapping[str, arb], period: arb, parameter: arb | None = None
+) -> Iterator[str]:
+    """What the least period is exactly, if there is a force; `parameter` as of `of_orbit`."""
+    known = of_orbit(claim, point, period, parameter)
+    if known is not None:
+        yield f"the period is {exactly_in_words(known)}"
+
+
+def force_in_full(
+    claim: InSection, point: Mapping[str, arb], period: arb, parameter: arb | None = None
+) -> Iterator[str]:
+    """The same in a sentence, with its reason."""
+    known = of_orbit(claim, point, period, parameter)
+    if known is not None:
+        yield f"It is {exactly_in_words(known)}{FORCE_TURNS}"
+
+
+FORCE_TURNS = ": {} and {} are the cosine and the sine of an angle that changes at this speed.".format(*FORCE_AT_START)
+"""Why a period is one of the force."""
+
+
+def exactly_in_words(known: PeriodsOfForce) -> str:
+    """A period by the speed at which the force turns."""
+    if isinstance(known.rate, Fraction):
+        rate = f"omega = {exact_text(known.rate)}"
+    else:
+        rate = located("omega", known.rate, _DIGITS)
+    return f"exactly {known.number} x 2 pi/omega, where {rate} is the speed of the force"
 
 
 def multipliers_in_words(found: Multipliers, known: int | None = None) -> Iterator[str]:

@@ -9,6 +9,7 @@ from orbitproof.verify.claim import keyed_in_words, names_in_words
 from orbitproof.verify.evidence import decimal_interval, exact_text, located
 from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults, PeriodicBifurcationTheorem
 from orbitproof.verify.words.periodic import (
+    force_in_full,
     integral_in_words,
     linear_in_words,
     multipliers_in_words,
@@ -112,6 +113,7 @@ def periodic_bifurcation_found(claim: PeriodicBifurcation, found: PeriodicBifurc
     place = ", ".join(located(name, ball, _DIGITS) for name, ball in keyed_in_words(claim.system, found.point).items())
     yield f"The bifurcation is where {located(varying, found.parameter, _DIGITS)}; its point has {place}."
     yield f"The least period of its orbit lies in {decimal_interval(found.period, _DIGITS)}."
+    yield from force_in_full(claim, found.point, found.period, found.parameter)
     if found.is_fixed is not None:
         moved = f"S moves the orbit by half its period; it crosses the section in {2 * claim.crossings} points."
         yield "The orbit lies in the fixed set of S." if found.is_fixed else moved

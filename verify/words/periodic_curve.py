@@ -9,6 +9,7 @@ from flint import arb
 from orbitproof.shared.formats import PeriodicAtlas
 from orbitproof.verify.claim import keyed_in_words, names_in_words
 from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text, range_text
+from orbitproof.verify.periodic import periods_of_force
 from orbitproof.verify.periodic_curve import (
     CountedPart,
     Counts,
@@ -18,7 +19,14 @@ from orbitproof.verify.periodic_curve import (
     number_of_multipliers,
 )
 from orbitproof.verify.words.formulas import equations
-from orbitproof.verify.words.periodic import field_in_lines, integral_in_words, linear_in_words, program_in_words
+from orbitproof.verify.words.periodic import (
+    FORCE_TURNS,
+    exactly_in_words,
+    field_in_lines,
+    integral_in_words,
+    linear_in_words,
+    program_in_words,
+)
 
 _DIGITS = 18
 _TAKEN = ("c", "f", "h", "i", "j", "m", "s", "u")
@@ -56,6 +64,9 @@ def periodic_curve_in_words(theorem: PeriodicCurveTheorem, curve: ProvedPeriodic
         paragraphs += turns_in_words(names.get(claim.parameter, claim.parameter), curve.turns, bool(claim.increasing))
     if curve.period.is_finite():
         paragraphs.append(f"All least periods lie in {range_text(curve.period, 4)}.")
+        known = periods_of_force(system, atlas.parameters, curve.ends["start"], curve.period)
+        if known is not None:
+            paragraphs.append(f"Each is {exactly_in_words(known)}{FORCE_TURNS}")
     paragraphs += _multipliers(atlas, names.get(claim.parameter or "", claim.parameter or ""), curve.multipliers)
     paragraphs.append("That there are no other periodic orbits nearby, with other numbers of crossings, is not said.")
     return "\n".join(paragraphs)

@@ -8,7 +8,7 @@ from orbitproof.shared.formats import PeriodicBifurcation
 from orbitproof.verify.claim import keyed_in_words
 from orbitproof.verify.evidence import decimal_interval, is_positive, located
 from orbitproof.verify.periodic_bifurcation import TorusResults, TorusTheorem
-from orbitproof.verify.words.periodic import multipliers_in_words
+from orbitproof.verify.words.periodic import force_in_full, multipliers_in_words
 from orbitproof.verify.words.periodic_bifurcation import setting_with_interval, varying_in_words
 
 _DIGITS = 40
@@ -56,6 +56,7 @@ def torus_found(claim: PeriodicBifurcation, found: TorusResults) -> Iterator[str
     place = ", ".join(located(name, ball, _DIGITS) for name, ball in keyed_in_words(claim.system, found.point).items())
     yield f"The bifurcation is where {located(varying, found.parameter, _DIGITS)}; its point has {place}."
     yield f"The least period of its orbit lies in {decimal_interval(found.period, _DIGITS)}."
+    yield from force_in_full(claim, found.point, found.period, found.parameter)
     real, imaginary = (decimal_interval(part, _DIGITS) for part in (found.multiplier.real, found.multiplier.imag))
     yield f"Two multipliers are conjugate numbers of absolute value 1, one of them in {real} + i {imaginary}."
     yield from multipliers_in_words(found.multipliers)
