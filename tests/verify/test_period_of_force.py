@@ -19,6 +19,7 @@ from orbitproof.verify.certificate import certify, recheck
 from orbitproof.verify.evidence import enclose
 from orbitproof.verify.periodic import PeriodsOfForce, of_orbit, periods_of_force
 from orbitproof.verify.run.row_tables import verdict_text
+from orbitproof.verify.words.periodic import exactly_in_words
 
 ANY = {"r": Q(1), "k": Q(1)}
 START = {"force_cos": arb(1), "force_sin": arb(0, 1e-9)}
@@ -95,6 +96,18 @@ def test_a_rate_that_is_no_fraction_lies_in_a_ball() -> None:
     assert varying.number == 3
     assert isinstance(varying.rate, arb)
     assert varying.rate.contains(3)
+
+
+def test_a_rate_that_is_a_long_fraction_lies_in_a_ball() -> None:
+    """Its 80,000 digits are not written."""
+    rate, value = "(r**100)**50", 1 + Q(1, 10**16)
+    own = with_own(f"({rate})*(-force_sin + g*force_cos)", f"({rate})*(force_cos + g*force_sin)")
+    long = found(own, r=value)
+    assert long is not None
+    assert isinstance(long.rate, arb)
+    assert "where omega in [1.0000000000" in exactly_in_words(long)
+    with ctx.workprec(200):
+        assert long.rate.overlaps(enclose(value) ** 5000)
 
 
 def test_nothing_is_said_where_more_integers_than_one_are_possible_or_none_is() -> None:

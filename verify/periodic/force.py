@@ -99,13 +99,14 @@ def _turns(circle: Program) -> bool:
 
 
 def _rate(circle: Program, parameters: Mapping[str, Fraction | arb]) -> Fraction | arb:
-    """|c|, exactly if no root is taken and all values are exact."""
+    """|c|, exactly if no root is taken, all values are exact and c is not longer than a ball."""
     start = {name: Fraction(value) for name, value in FORCE_AT_START.items()}
     arguments = [{**parameters, **start}[name] for name in circle.inputs]
     try:
         if all(isinstance(value, Fraction) for value in arguments):
             exact: Fraction = circle.evaluate(arguments, Fraction, _exact_power)[1]
-            return abs(exact)
+            if (exact.numerator * exact.denominator).bit_length() <= _PRECISION:
+                return abs(exact)
     except (ValueError, ZeroDivisionError):
         # In balls the root is taken, and what is divided by 0 is not finite.
         pass
