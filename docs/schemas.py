@@ -34,7 +34,7 @@ class Candidates:
 
 @dataclass(frozen=True)
 class Certificates:
-    """Those of candidates.
+    """A file of certificates of candidates.
 
     Attributes:
         software: names and versions of what last wrote the file: orbitproof, python, python-flint, FLINT, numpy.

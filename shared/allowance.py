@@ -28,7 +28,7 @@ class Allowance:
     """
 
     def __init__(self, process: int, seconds: float) -> None:
-        """It begins now."""
+        """The time begins now; `seconds` is how much there is."""
         self._process, self._seconds = process, seconds
         self._first = self._last = processor_seconds(process)
         self._looked, self._idle = time.monotonic(), 0.0

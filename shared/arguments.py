@@ -87,7 +87,7 @@ def as_command_says(error: InputError) -> str:
 
 
 class _FileError(ArgumentError):
-    """One that names its file."""
+    """A refused argument whose message names its file."""
 
 
 @contextmanager

@@ -26,7 +26,7 @@ _LOOK_SECONDS = 0.05
 
 @dataclass
 class _Files:
-    """Of one command: what was written, and what is to be written at its end to what is no regular file."""
+    """The files of one command: what was written, and what is to be written at its end to what is no regular file."""
 
     written: dict[Path, None] = field(default_factory=dict)
     waiting: dict[Path, bytes] = field(default_factory=dict)

@@ -7,7 +7,7 @@ from shutil import get_terminal_size
 from textwrap import TextWrapper
 
 _WIDTH = 80
-"""Of what is no terminal and has no COLUMNS."""
+"""The width of what is no terminal and has no COLUMNS."""
 _LEAST = 40
 _JOINT = "\0=\0"
 

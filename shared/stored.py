@@ -36,7 +36,7 @@ class Unread:
 
 @dataclass(frozen=True)
 class ToldBy:
-    """Of several types: where an object says which it is of, as ``Annotated[A | B, ToldBy(("claim", "kind"))]``."""
+    """Where an object says which of several types it has, as ``Annotated[A | B, ToldBy(("claim", "kind"))]``."""
 
     path: tuple[str, ...]
 

@@ -63,13 +63,13 @@ class _Watched:
         return getattr(self._stream, name)
 
     def write(self, text: str) -> int:
-        """As of every stream; what comes from a file does nothing to a terminal."""
+        """Write the text; what comes from a file does nothing to a terminal."""
         with self._watched():
             self._stream.write(printable(text, "\n\t"))
         return len(text)
 
     def flush(self) -> None:
-        """As of every stream."""
+        """Write what is kept back."""
         with self._watched():
             self._stream.flush()
 

@@ -25,7 +25,7 @@ FARTHER = 2**0.5
 """Ratio of successive amplitudes away from the bifurcation."""
 
 RESOLVED, BARELY_RESOLVED = 1e-3, 3e-2
-"""See `BranchTracer.resolved`; the second where nothing better is found, on orbits that pass near a collision."""
+"""Tolerances for `BranchTracer.resolved`; the second where nothing better is found, near a collision."""
 
 
 class _SmallerPeriod(CorrectionFailure):

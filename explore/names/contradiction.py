@@ -8,4 +8,4 @@ class NoOrbit(Exception):
 
 
 class Contradiction(NoOrbit):
-    """It leads to an orbit of which something else is so than what is said; one line, with both numbers."""
+    """The entry leads to an orbit of which something else is so than what is said; one line, with both numbers."""

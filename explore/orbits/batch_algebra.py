@@ -63,7 +63,7 @@ def characteristic_coefficients(matrices: Matrices) -> Matrix:
 
 
 def stability_indices(parameters: np.ndarray) -> Vector:
-    """Of N orbits with the stability parameters (N, n), as `explore.orbits.stability.stability_index`."""
+    """The indices of N orbits with the stability parameters (N, n), as `explore.orbits.stability.stability_index`."""
     root = np.sqrt(parameters * parameters - 1)
     sizes = np.max(np.maximum(np.abs(parameters + root), np.abs(parameters - root)), axis=1, initial=1.0)
     return np.asarray(0.5 * (sizes + 1 / sizes))

@@ -117,7 +117,7 @@ class _Equations:
         return equilibrium_at(self.problem.system, z[:-1], self.values(z[-1]))
 
     def derivative(self, here: Equilibrium) -> Matrix:
-        """Of f by z / scale, shape (N, N + 1)."""
+        """The derivative of f by z / scale, shape (N, N + 1)."""
         n = len(here.point)
         return np.column_stack([here.matrix, here.slopes[:, n + self.place]]) * self.scale
 

@@ -40,11 +40,11 @@ class EquilibriumEquations:
 
     @property
     def size(self) -> int:
-        """N."""
+        """N, the number of coordinates of the state."""
         return len(self.system.given_state)
 
     def vectors(self, unknowns: Sequence[Any]) -> list[Sequence[Any]]:
-        """u, or u and v."""
+        """The real eigenvector u, or real and imaginary part u and v, among the unknowns."""
         n, first = self.size, self.size + len(self.kernel)
         return [unknowns[first + j * n : first + (j + 1) * n] for j in range(len(self.kernel))]
 

@@ -17,7 +17,7 @@ _KINDS = {
 
 
 def heading_of(atlas: AnyAtlas) -> str:
-    """Its id, kind, system and mass, which the check of its certificate is about; its title is anybody's words."""
+    """The id, kind, system and mass of an atlas, which its check is about; its title is free text."""
     mu = atlas.parameters.get("mu")
     masses = [name for name, value in MASS_PARAMETERS.items() if value == mu and name not in atlas.id.lower()]
     mass = "".join(f", {'-'.join(part.capitalize() for part in name.split('-'))}" for name in masses[:1])

@@ -43,7 +43,7 @@ def pictures_of(entry: Checked) -> tuple[Picture, ...]:
 
 
 def _of_web(entry: Checked) -> tuple[Picture, ...]:
-    """None of a web of another system than the three-body problem."""
+    """The pictures of a web; none if its system is not the three-body problem."""
     curves = [Curve.of(each.certificate) for each in entry.rests_on if each.part == ARC]
     try:
         figure = draw_web(entry.certificate, {curve.atlas.id: curve for curve in curves})
@@ -62,7 +62,7 @@ def _of_catalogue(entry: Checked) -> tuple[Picture, ...]:
 
 
 def _of_row(entry: Checked) -> tuple[Picture, ...]:
-    """The one that its kind names."""
+    """The picture of a row that its kind names."""
     drawn = _BY_NAME.get(box_kind(entry.certificate.kind).picture)
     return () if drawn is None else drawn(entry)
 
@@ -145,7 +145,7 @@ def _of_periodic(entry: Checked) -> tuple[Picture, ...]:
 
 
 def _of_periodic_bifurcation(entry: Checked) -> tuple[Picture, ...]:
-    """None of an orbit that is too unstable to be drawn in double precision."""
+    """The picture of the orbit; none if it is too unstable to be drawn in double precision."""
     name = entry.certificate.id
     try:
         drawn = draw_periodic_bifurcation(entry.candidate, entry.certificate.results)

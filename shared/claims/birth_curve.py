@@ -62,7 +62,7 @@ class BirthCurveClaim:
         )  # fmt: skip
 
     def normal(self, system: System) -> tuple[Fraction, ...]:
-        """That of the plane."""
+        """The normal of the plane of the section, shape (N,)."""
         return tuple(Fraction(int(name == self.section)) for name in system.given_state)
 
     @property

@@ -31,7 +31,7 @@ class AroundPoint(WithoutSymmetry):
 
     @property
     def crossings(self) -> int:
-        """As of other claims about boxes: nothing is followed for longer than once."""
+        """1: nothing is followed for longer than once. Other claims about boxes have the number too."""
         return 1
 
     @property

@@ -143,7 +143,7 @@ class PeriodicAtlas:
         return pieces_of(Piece, self.pieces)
 
     def birth_pieces(self) -> tuple[BirthPiece, ...]:
-        """None."""
+        """None: no piece begins at a birth."""
         return ()
 
     def surface_pieces(self) -> tuple[SurfacePiece, ...]:
@@ -151,7 +151,7 @@ class PeriodicAtlas:
         return ()
 
     def libration_pieces(self) -> tuple[LibrationPiece, ...]:
-        """None."""
+        """None: no piece begins at a libration point."""
         return ()
 
 

@@ -63,7 +63,7 @@ class WithoutSymmetry:
 
     @property
     def k(self) -> int:
-        """As of other claims about boxes: no multiplicity."""
+        """1: no multiplicity. Other claims about boxes have one."""
         return 1
 
     @property

@@ -89,7 +89,7 @@ def requirements(lines: Sequence[str]) -> dict[str, dict[str, str]]:
 
 
 def installed(package: str) -> str | None:
-    """Its version; `None` if it is not there."""
+    """The version of a distribution; `None` if it is not there."""
     try:
         return metadata.version(package)
     except metadata.PackageNotFoundError:

@@ -62,7 +62,7 @@ class Grading:
 
     @cached_property
     def outer_factors(self) -> Factors:
-        """The other ones."""
+        """The pairs with the constant."""
         return tuple(tuple(pair for pair in pairs if 0 in pair) for pairs in self.factors)
 
     def grade(self, exponents: Exponents) -> int:

@@ -223,7 +223,7 @@ def missing_of_orbit(found: OrbitResults, digits: int) -> int:
 
 
 def _missing(balls: Sequence[arb], digits: int) -> int:
-    """Of balls that do not contain 0."""
+    """How many certain digits the balls that do not contain 0 lack at the most."""
     return max((digits - count_certain_digits(ball) for ball in balls if excludes_zero(ball)), default=0)
 
 

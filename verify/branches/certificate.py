@@ -189,5 +189,5 @@ class Lines:
         return self._known[id(entry)][1]
 
     def unknown(self, results: Sequence[Any]) -> list[Any]:
-        """Those that were not written yet."""
+        """The results that were not written yet."""
         return [result for result in results if id(result) not in self._known]

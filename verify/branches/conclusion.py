@@ -20,7 +20,7 @@ Watch = Callable[[Sequence[str], str], AbstractContextManager[Callable[[str], No
 with each before it begins."""
 
 _BITS = 53
-"""Of what is done with balls between the chapters, which set their own precision, and of what is stored of it."""
+"""Bits of what is done with balls between the chapters, which set their own precision, and of what is stored of it."""
 
 
 def conclusion_of(

@@ -20,7 +20,7 @@ from orbitproof.verify.evidence import Reason
 
 
 def _kinds(*names: str) -> Rules:
-    """That an atlas claims one of these."""
+    """The rule that an atlas claims one of these."""
     claim = {"type": "object", "required": ["kind"], "properties": {"kind": {"enum": names}}}
     return rules(required=("claim",), properties={"claim": claim})
 

@@ -65,7 +65,7 @@ _BITS = (128, 192, 288)
 _SPARE = Fraction(1, 4)
 """Angles are stored wider by this share of their radius: with more bits steps are more, and bounds a little larger."""
 _MORE_BITS = 32
-"""Of another integration; what it does not confirm is followed with the bits above."""
+"""Bits of another integration; what it does not confirm is followed with the bits above."""
 _ORDER = 2
 """Order of the list: points with k = 1 are all that is wanted."""
 _MOST_ORBITS = 6
@@ -131,7 +131,7 @@ the curve; and that of small orbits of a curve that reaches a libration point, o
 
 
 def extent_of(certificate: Certificate) -> str:
-    """Of how many orbits it is, in words."""
+    """Of how many orbits it holds the index, in words."""
     return f"index of {counted(len(certificate.orbits), 'orbit')}"
 
 

@@ -133,7 +133,7 @@ class Means:
 
 
 def _means(given: Given) -> Means:
-    """Those that are given, or what does one after the other here."""
+    """The means that are given, or what checks one certificate after the other here."""
     means: Means = (
         Means(lambda entries, far: [recheck(e, far) for e in entries]) if given.means is None else given.means
     )

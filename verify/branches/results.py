@@ -41,7 +41,7 @@ def result_from_json(kind: type[Result], entry: Mapping[str, Any], place: str) -
 
 
 def on_curve(atlas: Atlas, results: Sequence[Result]) -> list[CurveIntervalResult]:
-    """Those that are about the pieces of a curve itself, and not about the birth of its orbits."""
+    """The results about the pieces of a curve itself, and not about the birth of its orbits."""
     names = {piece.id for piece in atlas.curve_pieces()}
     return [cast("CurveIntervalResult", result) for result in results if result.piece in names]
 

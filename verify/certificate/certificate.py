@@ -150,7 +150,7 @@ class Certificate:
 
     @cached_property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
-        """Those that were looked at, in order, with their enclosures; their statements are the maker's words."""
+        """The hypotheses looked at, in order, with their enclosures; their statements are the maker's words."""
         concluded = self.document if "hypotheses" in self.document else self.document.get("conclusion") or {}
         return from_json(tuple[Hypothesis, ...], concluded.get("hypotheses", []), "hypotheses")
 
@@ -216,7 +216,7 @@ class Certificate:
 
     @property
     def called(self) -> str:
-        """It in a sentence."""
+        """What the certificate is called within a sentence."""
         return kind_named(self.kind).called.format(shown(self.id))
 
     def _found_as(self, name: str) -> Results:

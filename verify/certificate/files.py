@@ -83,7 +83,7 @@ class Lines(Protocol):
         """An entry on one line."""
 
     def unknown(self, results: Sequence[Any]) -> list[Any]:
-        """Those that were not written yet."""
+        """The results that were not written yet."""
 
 
 def write_certificate(path: Path, document: Mapping[str, Any], lines: Lines | None = None) -> None:

@@ -56,7 +56,7 @@ FURTHER: Mapping[str, str] = {
     **{name: atlas.__module__.rpartition(".")[2] for name, atlas in ATLASES_WITHOUT_REVERSOR.items()},
     **{name: name for name in (WEB, INDEX, CATALOGUE)},
 }
-"""The others, by the kinds of claims about branches as atlases say them, or what is joined."""
+"""The other kinds of theorems, by the kinds of claims about branches as atlases say them, or what is joined."""
 
 
 @cache

@@ -337,7 +337,7 @@ def _integration(entry: Certificate, given: Given, examination: Examination) -> 
 
 
 def _settings(stored: Found) -> Iterator[IntegratorSettings]:
-    """Of integrations one after the other.
+    """The settings of the integrations, one after the other.
 
     The first may choose other coordinates than those of the stored tables; the third has their order too: in other
     coordinates, and in a higher order, true enclosures can be wider. The last is the one that the certificate says it

@@ -22,7 +22,7 @@ _MOST_BITS = 20_000
 """Bits of the coefficients of a polynomial, as of the numbers in a formula (`shared.systems.formulas`)."""
 _MOST_DEGREE = 10_000
 _MOST_WORDS = 2 * 10**7
-"""Of 64 bits, in the product of two polynomials before equal terms are collected."""
+"""The largest number of words of 64 bits, in the product of two polynomials before equal terms are collected."""
 _MOST_WORK = 10**9
 """Words of all products together."""
 
@@ -206,7 +206,7 @@ class AlongFlow:
 
 
 def _bits(polynomial: fmpq_mpoly) -> int:
-    """Of its coefficients, written as integers over one denominator."""
+    """Bits of a polynomial's coefficients, written as integers over one denominator."""
     longest, common = 0, 1
     for value in polynomial.coeffs():
         denominator = int(value.q)

@@ -53,7 +53,7 @@ def level_program(system: ReversibleSystem, sign: int) -> Program:
 
 
 def check_level(checklist: Checklist, candidate: Candidate) -> None:
-    """That w follows from the level at all points of the box; S leaves the sheet alone (`adapted-frames`)."""
+    """Check that w follows from the level at all points of the box; S leaves the sheet alone (`adapted-frames`)."""
     fixed = candidate.system.fixed_level
     if fixed is not None and fixed.between is not None:
         from orbitproof.verify.claim.fixed_level import check_interval

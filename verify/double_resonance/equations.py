@@ -82,7 +82,7 @@ class ResonanceEquations:
         return [[self._by(jet, i + 1)[zero] for i in range(self.size - 1)] for jet in self._kernel(where, 1)]
 
     def across_slopes(self, where: Sequence[arb]) -> Matrix:
-        """Those in `across`: n rows of n."""
+        """The columns of `slopes` in `across`: n rows of n."""
         return [[row[i] for i in self.across] for row in self.slopes(where)]
 
     def stability_matrix(self, where: Sequence[arb]) -> Matrix:

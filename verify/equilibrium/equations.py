@@ -14,7 +14,7 @@ from orbitproof.verify.equilibrium.enclosures import HopfEnclosures, pairs
 from orbitproof.verify.evidence import dot, enclose, symmetric
 
 Vector = Sequence[Any]
-"""Of balls, real or complex."""
+"""A vector of balls, real or complex."""
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from orbitproof.verify.newton.jets import plus, unit
 
 Number = arb | acb
 Vector = Sequence[Any]
-"""Of numbers, real or complex."""
+"""A vector of numbers, real or complex."""
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,7 @@ class Interval:
 
 
 def intervals_of(curve: ProvedCurve, found: ProvedList) -> tuple[Interval, ...]:
-    """Those on which no stability parameter is 1, in the plane or across it (Lemma 35.4)."""
+    """The intervals on which no stability parameter is 1, in the plane or across it (Lemma 35.4)."""
     whole = found.found
     if found.across is not None:
         across = found.across.found
@@ -64,7 +64,7 @@ def intervals_of(curve: ProvedCurve, found: ProvedList) -> tuple[Interval, ...]:
 
 
 def intervals_with_orbits(atlas: Atlas, curve: ProvedCurve, found: ProvedList) -> tuple[Interval, ...]:
-    """Those whose points stand for orbits of the CR3BP: of axial ones where eps2 > 0 (section 35.4)."""
+    """The intervals whose points are orbits of the CR3BP: of axial ones where eps2 > 0 (section 35.4)."""
     intervals = intervals_of(curve, found)
     if atlas.system is not LIFTED:
         return intervals

@@ -29,7 +29,7 @@ def reaches_rest(atlas: Atlas) -> bool:
 def index_of_small_orbits(
     evidence: Evidence, system: ReversibleSystem, parameters: Mapping[str, Fraction]
 ) -> tuple[int, ...]:
-    """Of planar orbits in the plane and across it, of vertical ones the index (Lemma 35.6).
+    """The index of planar orbits in the plane and across it, of vertical ones that of all (Lemma 35.6).
 
     Raises `ValueError` for other systems; a requirement of `evidence` fails where it is not known.
     """

@@ -96,7 +96,7 @@ class _Twist:
     odd: bool
 
     def sign(self, tau: arb) -> int:
-        """Of Theta, at all points of a ball; 0 if it is not known."""
+        """The sign of Theta at all points of a ball; 0 if it is not known."""
         return next((found for found in (sign(each.value(tau)) for each in self.functions) if found), 0)
 
     def factor(self, segment: Segment, tau: arb) -> int:

@@ -20,12 +20,12 @@ _SHARP, _ISOLATED = Fraction(1, 2**42), Fraction(1, 2**6)
 """What is known worse than by the first, of level or half period, is looked at closer, if tau is known by the second.
 """
 _SHORT = Fraction(1, 2**5)
-"""Of tau: where a twist is undecided on no more than that, a closer look decides."""
+"""A length in tau: where a twist is undecided on no more than that, a closer look decides."""
 _AROUND = 4
 """A closer look goes so many times as far as an exception is uncertain: beyond it the first one excludes another, and
 with few powers of sigma little is known on a longer interval."""
 _LEAST = Fraction(1, 2**16)
-"""Of tau: and no less far than that."""
+"""A length in tau: and no less far than that."""
 
 
 def twist_open_on(piece: Piece, result: CurveIntervalResult) -> str:

@@ -30,7 +30,7 @@ class Reversibility:
 
 
 def reversibility(results: Sequence[CurveIntervalResult]) -> Reversibility | None:
-    """Of all proved intervals; `None` without functions. Raises `ValueError` if a D is not enclosed with 0."""
+    """What all proved intervals say; `None` without functions. Raises `ValueError` if a D is not enclosed with 0."""
     shares, bounds = [], []
     proved = [result for result in results if result.is_proved and isinstance(result.twist, TwistFunctions)]
     for result in proved:

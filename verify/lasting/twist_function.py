@@ -63,7 +63,7 @@ class _Ring(Generic[T]):
 
 @dataclass(frozen=True)
 class NormalForm(Generic[T]):
-    """Of a reversible map of the plane, as functions along a curve (29.3), (29.4).
+    """The normal form of a reversible map of the plane, as functions along a curve (29.3), (29.4).
 
     Attributes:
         twist: Theta; where -1 < s < 1 and s is not -1/2, it has the sign of (1 + 2 s) tau. Of an odd map Theta_0, with

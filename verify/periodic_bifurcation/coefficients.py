@@ -15,7 +15,7 @@ from orbitproof.verify.periodic_bifurcation.extended_system import BifurcationPo
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Of speed s + bend y^2 = 0, the equation of the new orbits up to terms of higher order, and of the multiplier.
+    """speed s + bend y^2 = 0 holds on the new orbits up to terms of higher order; `pairing` is for the multiplier.
 
     Attributes:
         speed: of s; not 0.
@@ -34,7 +34,7 @@ class Coefficients:
 
 
 def fold_coefficients(equations: PointEquations, place: BifurcationPoint, normal: Sequence[arb]) -> Coefficients:
-    """Of l . E_s s + l . E_2(w, w) y^2 / 2 (Lemma 25.2). Raises `ZeroDivisionError` where l is not enclosed."""
+    """l . E_s s + l . E_2(w, w) y^2 / 2 at a fold (Lemma 25.2). Raises `ZeroDivisionError` where l is not enclosed."""
     slopes = equations.slopes(place.where)
     covector = _covector(equations, place, 1, normal)
     bent = equations.curvatures(place.where, [*place.kernel, arb(0)])
@@ -43,7 +43,7 @@ def fold_coefficients(equations: PointEquations, place: BifurcationPoint, normal
 
 
 def flip_coefficients(equations: PointEquations, place: BifurcationPoint, normal: Sequence[arb]) -> Coefficients:
-    """Of gamma s + c y^2 (Lemma 25.3). Raises `ZeroDivisionError` where l or the curve of orbits is not enclosed."""
+    """gamma s + c y^2 at a flip (Lemma 25.3). Raises `ZeroDivisionError` where l or the curve is not enclosed."""
     slopes = equations.slopes(place.where)
     covector = _covector(equations, place, -1, normal)
     regular = equations.minus(1, slopes)

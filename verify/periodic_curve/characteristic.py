@@ -23,7 +23,7 @@ _INSIDE = 1 / BEYOND
 _SHARE = REACH * _INSIDE
 """dsigma/dtau."""
 _MOST, _BITS = 6, 192
-"""Of larger matrices the minors are too many; bits with which stored functions are compared."""
+"""The largest matrix whose minors are not too many; bits with which stored functions are compared."""
 
 
 @dataclass(frozen=True)

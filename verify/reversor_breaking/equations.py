@@ -36,7 +36,7 @@ class Kernel:
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Of psi(h, y) = gamma (h - h*) + beta y^2 + .. (Lemma 27.2).
+    """The first terms of psi(h, y) = gamma (h - h*) + beta y^2 + .. (Lemma 27.2).
 
     Attributes:
         gamma, beta: the derivative by h, and half the second one by y.

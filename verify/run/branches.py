@@ -129,7 +129,7 @@ class AtlasRun:
         self._plans[piece] = self._plan(self._pieces[piece])
 
     def _as_it_counts(self, result: Result) -> Result:
-        """Of several results over the same s that of the shortest interval counts (18.5), so it has to decide more."""
+        """A result; in vain if it decides less: over the same s that of the shortest interval counts (18.5)."""
         return in_vain(result) if self._is_look(result) and result.is_proved and self._lacks(result) else result
 
     def _is_look(self, result: Result) -> bool:

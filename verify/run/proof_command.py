@@ -36,7 +36,7 @@ def add_checking_options(parser: ArgumentParser, recheck: str, integrate: str, j
 
 
 def limits_of(workplace: Workplace) -> CheckLimits:
-    """Of one check."""
+    """The limits of one check."""
     return CheckLimits(workplace.timeout, workplace.memory, LONG_CHECK_SECONDS)
 
 

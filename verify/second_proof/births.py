@@ -148,7 +148,7 @@ class _Proof(HalfOrbits):
         )  # fmt: skip
 
     def coefficients(self, half: Half, rows: Sequence[Jet], w: Vector) -> tuple[Hypothesis, Hypothesis, arb]:
-        """That M is regular, that gamma and beta are not 0, and kappa. README, Lemma 15."""
+        """Whether M is regular, whether gamma and beta are not 0, and kappa. README, Lemma 15."""
         even, odd = self.parts(rows)
         along = [*even, self.claim.system.level(half.start)]
         matrix, size = self.slopes(along), len(half.start)

@@ -34,7 +34,7 @@ class Torsion(NamedTuple):
 
     @property
     def determinant(self) -> arb:
-        """Of tau; its sign does not depend on the vectors."""
+        """The determinant of tau; its sign does not depend on the vectors."""
         (a, b), (c, d) = self.rows
         return a * d - b * c
 

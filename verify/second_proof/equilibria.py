@@ -119,7 +119,7 @@ class OfEquilibrium(Newton):
         return [row[()] for row in rows]
 
     def names(self) -> list[str]:
-        """Of all unknowns."""
+        """The names of all unknowns."""
         return list(self.statement.names)
 
     def box(self) -> Vector:

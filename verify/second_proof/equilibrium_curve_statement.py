@@ -52,7 +52,7 @@ class CurveStatement:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the coordinates."""
+        """The names of the coordinates."""
         return (str(self.field.varying), *self.field.names)
 
     def rates(self, state: Sequence[Jet]) -> list[Jet]:

@@ -21,7 +21,7 @@ from .proof import NotProved, dot
 BITS = 192
 MOST_BOXES, DEEPEST, BISECTIONS = 2_000, 16, 40
 SHORTEST = 2.0**-40
-"""Of a box, in the units of the coordinates."""
+"""A length of a box, in the units of the coordinates."""
 
 
 @dataclass(frozen=True)
@@ -82,11 +82,11 @@ class _OnPlane(Newton):
         return [*(row[()] for row in rows), dot(self.normal, self.centre) - self.height]
 
     def names(self) -> list[str]:
-        """Of all unknowns."""
+        """The names of all unknowns."""
         return list(self.statement.names)
 
     def zero(self) -> Vector:
-        """It, enclosed. Raises `CannotFollow`."""
+        """The zero, enclosed. Raises `CannotFollow`."""
         # Nothing rests on where Newton's method begins.
         for _ in range(4):
             _, rows = self.evaluated(self.centre, 1)
@@ -132,7 +132,7 @@ class Box:
         return tau if inside else None
 
     def placed(self, zero: Sequence[arb]) -> arb:
-        """The same. Raises `CannotFollow`."""
+        """Tau of a zero that is in the box. Raises `CannotFollow` if that is not certain."""
         if (tau := self.place(zero)) is None:
             raise CannotFollow("a zero is not shown to be in its box")
         return tau

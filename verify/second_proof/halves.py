@@ -179,7 +179,7 @@ class HalfOrbits(Newton):
         return Half(start, end), [*rows, *self.more(Half(start, end), around, degree)]
 
     def more(self, half: Half, around: Sequence[arb], degree: int) -> list[Jet]:
-        """The other equations."""
+        """The equations besides those of a symmetric orbit."""
         raise NotImplementedError
 
     def slopes(self, rows: Sequence[Jet]) -> list[Vector]:
@@ -187,7 +187,7 @@ class HalfOrbits(Newton):
         return [[row[v,] for v in self.columns] for row in rows]
 
     def names(self) -> list[str]:
-        """Of all unknowns."""
+        """The names of all unknowns."""
         known = [self.claim.system.state[i] for i in self.places]
         return [*known, "T", *(f"w {i}" for i in range(len(self.centre) - self.time - 1))]
 

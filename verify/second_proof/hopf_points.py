@@ -69,7 +69,7 @@ class _Hopf(OfEquilibrium):
         self.centre = [*self.centre, *start, *(value.mid() for value in self.borders[0])]
 
     def names(self) -> list[str]:
-        """Of all unknowns."""
+        """The names of all unknowns."""
         return [*super().names(), "a", "kappa", *(f"u {i}" for i in range(self.size))]
 
     def slopes(self, rows: Sequence[Jet], vector: Sequence[arb]) -> list[Vector]:

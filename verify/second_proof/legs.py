@@ -245,7 +245,7 @@ class Legs(Newton):
         return self.defects(rows)
 
     def names(self) -> list[str]:
-        """Of all unknowns."""
+        """The names of all unknowns."""
         legs = range(len(self.shares))
         points = [f"{name} {i}" if i else name for i in legs for name in self.statement.names]
         more = ["mu"] * (self.statement.slopes is not None)

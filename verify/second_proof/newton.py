@@ -43,7 +43,7 @@ class Newton:
         raise NotImplementedError
 
     def names(self) -> list[str]:
-        """Of all unknowns."""
+        """The names of all unknowns."""
         raise NotImplementedError
 
     def prepare(self, rows: Sequence[Jet]) -> None:

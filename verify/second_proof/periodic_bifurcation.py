@@ -150,7 +150,7 @@ class VaryingLegs(Legs):
         return [list(line) for line in zip(*(form(rows, self.full(vector), unit) for unit in units), strict=True)]
 
     def coordinates(self, vector: Sequence[arb]) -> Vector:
-        """Those in the box of a vector along the section, given by its components in the state."""
+        """Coordinates in the box of a vector along the section, given by its components in the state."""
         orbit = self.statement
         lines = [[*map(ball, row), ball(a)] for row, a in zip(orbit.frame, orbit.normal, strict=True)]
         return solved(lines, vector[: self.size])[:-1]
@@ -256,7 +256,7 @@ class _Proof(VaryingLegs):
         return True, [Hypothesis("in Fix(S)", inside, {"factor": factor} | dict(zip(self.names(), moves, strict=True)))]
 
     def coefficients(self, rows: Sequence[Jet], vector: Sequence[arb]) -> tuple[Hypothesis, arb, arb]:
-        """That alpha and beta, or gamma and c, are not 0; kappa; c/(l J' W), 0 for a fold. README, 10.4, 10.5."""
+        """Whether alpha and beta, or gamma and c, are not 0; kappa; c/(l J' W), 0 for a fold. README, 10.4, 10.5."""
         sigma, size = self.claim.sigma, self.size
         kernel, by_a = self.full(vector), [row[self.varied,] for row in rows]
         left = self.left_kernel(rows)

@@ -38,7 +38,7 @@ class CurveInTube:
         return result
 
     def across(self, element: Series, variable: int) -> Series:
-        """Its derivative in omega_variable on the curve (18.3)."""
+        """The derivative of a function in omega_variable on the curve (18.3)."""
         _, variables, errors = _parts(element)
         return function(self._arithmetic, variables[variable], errors[1] + 2 * self.size * errors[2])
 

@@ -31,7 +31,7 @@ _ACROSS = ("w", "w'")
 _NARROW = 48
 """Points off the curve are followed at a distance of 2^-48 from it: only derivatives are of use."""
 _BELOW_ERROR, _LEAST_BITS, _LEAST_ORDER = 24, 60, 24
-"""Of points that are known with an error so many bits beyond it are followed, and so many at least."""
+"""Bits with which points are followed: so many beyond the error they are known with, and so many at least."""
 
 
 def is_enough(tube: TubeOfOrbits) -> bool:

@@ -49,7 +49,7 @@ class IntervalEnd:
 
     @staticmethod
     def of(bound: Bound, chain: Chain) -> IntervalEnd:
-        """Of an end of an interval, exactly."""
+        """The stored form of an end of an interval, exactly."""
         piece = chain.stretches[bound.stretch].tube.piece.id
         return IntervalEnd(tuple(map(short_name, bound.what)), piece, (bound.lower, bound.upper))
 

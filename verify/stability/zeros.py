@@ -24,17 +24,17 @@ class Enclosed(Protocol):
     """A function of tau with enclosures on parts of the interval."""
 
     def value(self, part: arb) -> arb:
-        """Of its values."""
+        """An enclosure of its values."""
 
     def slope(self, part: arb) -> arb:
-        """Of its derivative."""
+        """An enclosure of its derivative."""
 
 
 class EnclosedTwice(Enclosed, Protocol):
     """A function that is enclosed with its second derivative too."""
 
     def curvature(self, part: arb) -> arb:
-        """Of its second derivative."""
+        """An enclosure of its second derivative."""
 
 
 @dataclass(frozen=True)

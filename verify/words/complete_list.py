@@ -214,13 +214,13 @@ def part(atlas: Atlas) -> str:
 
 
 def _rest(atlas: Atlas, unknown: Sequence[StableInterval]) -> str:
-    """That no other orbits are stable."""
+    """The words that no other orbits are stable."""
     of = " of this half" if half(atlas) else ""
     return f"and of the others{of}, but for the places named below, none are" if unknown else f"and no others{of} are"
 
 
 def _ends(stable: Sequence[StableInterval]) -> str:
-    """That ends of the curve belong to an interval: nothing changes there."""
+    """The words for ends of the curve that belong to an interval: nothing changes there."""
     bounds = [bound for entry in stable for bound in (entry.begin, entry.end)]
     return " unless they are ends of the curve" if any(map(_is_end, bounds)) else ""
 

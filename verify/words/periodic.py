@@ -141,7 +141,7 @@ def exactly_in_words(known: PeriodsOfForce) -> str:
 
 
 def multipliers_in_words(found: Multipliers, known: int | None = None) -> Iterator[str]:
-    """Those that are 1 for every orbit, one that is known where an orbit bifurcates, and the others, in lines."""
+    """The multipliers that are 1 for every orbit, one that is known where an orbit bifurcates, and the others."""
     if found.trivial == 1:
         yield "One multiplier is 1, that of the direction of the flow."
     else:
