@@ -50,8 +50,9 @@ def new_orbits(
         symmetries = linear_symmetries(problem, name)
     try:
         start = replace(
-            old, period=times * old.period, arc=arc_of(problem.system, old.point, times * old.period, old.values)
-        )
+            old, period=times * old.period, arc=arc_of(problem.system, old.point, times * old.period, old.values),
+            nodes=None,
+        )  # fmt: skip
         family = FamilyEquations(problem, name, scale_of(start, name, bounds), bifurcation.level, symmetries)
         begin = FamilyMember(start, bifurcation.member.value, _new_direction(bifurcation, family))
         first = _first(bifurcation, family, begin, control.initial)

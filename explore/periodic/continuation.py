@@ -44,6 +44,8 @@ largest one before."""
 _GROWN = 2.0
 """Steps are measured anew where an orbit is so many times as large as the one that they were measured by."""
 
+_OPEN = 1e-8
+"""An orbit that closes no better, relative to its size, amplifies errors too much for one shot."""
 _LONGER, _SLOW = 2.5, 0.05
 """Period and least speed, by those of the first orbit and by the greatest, from which orbits come close to a saddle."""
 
@@ -124,7 +126,10 @@ def continue_orbit(
         symmetries = linear_symmetries(problem, name)
     if level is None and orbit.level is not None:
         level = Fraction(orbit.level)
-    family = FamilyEquations(problem, name, scale_of(orbit, name, bounds), None if name is None else level, symmetries)
+    family = FamilyEquations(
+        problem, name, scale_of(orbit, name, bounds), None if name is None else level,
+        symmetries if orbit.segments == 1 else (), segments=orbit.segments,
+    )  # fmt: skip
     first = family.member_of(orbit)
     if family.rate(first) < 0:
         # Rounding chooses the sign of a tangent; the order of the family and the numbers in it do not depend on it.
@@ -147,7 +152,8 @@ def continue_orbit(
 
 def scale_of(orbit: ClosedOrbit, name: str | None, bounds: tuple[float, float]) -> Vector:
     width = [] if name is None else [bounds[1] - bounds[0]]
-    return np.concatenate([np.full(len(orbit.point), orbit.size), [orbit.period], width])
+    m = orbit.segments
+    return np.concatenate([np.full(m * len(orbit.point), orbit.size * m**0.5), [orbit.period], width])
 
 
 def _part(progress: Callable[[float], None] | None, number: int, parts: int) -> Callable[[float], None] | None:
@@ -214,39 +220,55 @@ def _follow(
             raise PeriodicFailure("it turns too fast")
         if np.max(np.abs(now.orbit.point - before.orbit.point)) > _FARTHEST * now.orbit.size:
             raise PeriodicFailure("its orbits shrink to a point")
+        if family.segments == 1 and now.orbit.gap > _OPEN and family.segments_for(now.orbit) > 1:
+            raise NoStep("its orbits are too unstable for one shot")
         passed = passage(family, before, now, length, length > PATIENCE)
         return (now, passed), min(control.maximum, length * (1.4 if angle < control.turning / 3 else 1.0))
 
-    try:
+    while True:
         steps = walked(advance, control.initial, control.minimum, (PeriodicFailure, UnresolvedError))
-        for now, passed in islice(steps, max(0, control.most - 1)):
-            found += passed.bifurcations
-            if passed.end is not None:
-                return f"{passed.end}, near {now.value:.8g}"
-            members.append(now)
-            if progress is not None:
-                progress(_share(start.value, now.value, bounds, len(members) / control.most))
-            largest = max(largest, now.orbit.size)
-            if now.orbit.size < asked * largest:
-                asked /= 2
-                end = _hopf_end(family, now, hopf, strict=True)
+        try:
+            for now, passed in islice(steps, max(0, control.most - 1 - len(members))):
+                found += passed.bifurcations
+                if passed.end is not None:
+                    return f"{passed.end}, near {now.value:.8g}"
+                members.append(now)
+                if progress is not None:
+                    progress(_share(start.value, now.value, bounds, len(members) / control.most))
+                largest = max(largest, now.orbit.size)
+                if now.orbit.size < asked * largest:
+                    asked /= 2
+                    end = _hopf_end(family, now, hopf, strict=True)
+                    if end is not None:
+                        return end
+                if now.orbit.size < _SHRUNK * family.size:
+                    return _hopf_end(family, now, hopf) or f"shrinks to an equilibrium near {now.value:.6g}"
+                if not low <= now.value <= high:
+                    return f"reaches {now.value:.6g}"
+                if abs(now.value - start.value) < 1e-9 * (high - low) and _is_back(start, now) and len(members) > 3:
+                    return "is closed"
+                if grows and now.orbit.size > _GROWN * family.size:
+                    family, members[-1] = _rescaled(family, now, bounds)
+            return f"has {control.most} orbits, the most that were asked for, at {last().value:.6g}"
+        except NoStep as failure:
+            if last().orbit.size < _SMALL * largest:
+                end = _hopf_end(family, last(), hopf)
                 if end is not None:
                     return end
-            if now.orbit.size < _SHRUNK * family.scale[0]:
-                return _hopf_end(family, now, hopf) or f"shrinks to an equilibrium near {now.value:.6g}"
-            if not low <= now.value <= high:
-                return f"reaches {now.value:.6g}"
-            if abs(now.value - start.value) < 1e-9 * (high - low) and _is_back(start, now) and len(members) > 3:
-                return "is closed"
-            if grows and now.orbit.size > _GROWN * family.scale[0]:
-                family, members[-1] = _rescaled(family, now, bounds)
-    except NoStep as failure:
-        if last().orbit.size < _SMALL * largest:
-            end = _hopf_end(family, last(), hopf)
-            if end is not None:
-                return end
-        return f"ends near {last().value:.10g}: {failure}{near_rest(start.orbit, last().orbit)}"
-    return f"has {control.most} orbits, the most that were asked for, at {last().value:.6g}"
+            finer = _in_segments(family, last())
+            if finer is None:
+                return f"ends near {last().value:.10g}: {failure}{near_rest(start.orbit, last().orbit)}"
+            family, again = finer
+            members[-1:] = [again] if members else []
+            start = start if members else again
+
+
+def _in_segments(family: FamilyEquations, member: FamilyMember) -> tuple[FamilyEquations, FamilyMember] | None:
+    """A family shot in more segments, and an orbit of it, if that may lead on."""
+    try:
+        return family.in_segments(member)
+    except PeriodicFailure:
+        return None
 
 
 def _rescaled(

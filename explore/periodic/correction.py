@@ -27,6 +27,7 @@ from orbitproof.explore.periodic.flow import (
     whole_state,
 )
 from orbitproof.explore.periodic.section import AffineSection
+from orbitproof.explore.periodic.segments import Segments, nodes_of, segments_for, shot
 from orbitproof.shared.systems import Program, System, with_slope
 
 _STALLED, _STALLED_TOLERANCE = 4, 1e-7
@@ -101,6 +102,7 @@ class ClosedOrbit:
         multipliers: complex, without the 1 of the direction of the flow and, with a first integral, the second 1;
             the largest first.
         error: length of the last Newton step, relative to the size of the orbit.
+        nodes: shape (m, N), the first states of its segments, if it was shot in several; the first one is the point.
     """
 
     point: Vector
@@ -110,6 +112,12 @@ class ClosedOrbit:
     level: float | None
     multipliers: Vector
     error: float
+    nodes: Matrix | None = None
+
+    @property
+    def segments(self) -> int:
+        """In how many it was shot."""
+        return 1 if self.nodes is None else len(self.nodes)
 
     @property
     def loop(self) -> Matrix:
@@ -120,6 +128,11 @@ class ClosedOrbit:
     def size(self) -> float:
         """Diameter of the orbit in its widest coordinate."""
         return float(np.max(np.ptp(self.loop, axis=0)))
+
+    @property
+    def gap(self) -> float:
+        """Between its ends as they are integrated, relative to its size."""
+        return float(np.max(np.abs(self.arc.end - self.point))) / (self.size or 1.0)
 
     def distance_from(self, point: Sequence[float]) -> float:
         """About how far a point is from the orbit, from the chords between its states."""
@@ -139,40 +152,40 @@ def correct(
     """The periodic orbit near a guess.
 
     Arguments:
-        point: shape (N,), near the orbit.
+        point: shape (N,), near the orbit; or (m, N), the first states of m segments.
         period: near its period.
         section: where the point shall lie; `None`: on the plane through the guess across the flow.
         level: of the first integral, if the system has one; `None`: that of the guess.
 
     Raises `PeriodicFailure`.
     """
-    system, values = problem.system, problem.values
-    x, time = np.array(point, dtype=float), float(period)
-    if not (np.all(np.isfinite(x)) and np.isfinite(time) and time > 0):
+    values, nodes, time = problem.values, np.atleast_2d(np.array(point, dtype=float)), float(period)
+    if not (np.all(np.isfinite(nodes)) and np.isfinite(time) and time > 0):
         raise PeriodicFailure("the guess is not finite, or its period is not positive")
-    start, before, shortest, stalled = time, np.inf, np.inf, 0
+    (m, n), start, before, shortest, stalled = nodes.shape, time, np.inf, np.inf, 0
     try:
-        normal, offset = _phase(problem, x, section)
+        normal, offset = _phase(problem, nodes[0], section)
         if level is None:
-            level = problem.level(x, values)
+            level = problem.level(nodes[0], values)
         for _ in range(CLOSING.steps):
-            arc = arc_of(system, x, time, values)
-            size = float(np.max(np.ptp(arc.samples, axis=0))) or 1.0
+            segments = shot(problem.system, nodes, time, values)
+            size = float(np.max(np.ptp(segments.whole.samples, axis=0))) or 1.0
+            x, elsewhere = nodes[0], np.zeros((m - 1) * n + 1)
             matrix = np.vstack([
-                np.column_stack([arc.by_state - np.eye(len(x)), arc.velocity]), np.append(normal, 0.0)
+                np.column_stack([segments.by_nodes, segments.by_time]), np.append(normal, elsewhere)
             ])  # fmt: skip
-            residual = np.append(arc.end - x, normal @ x - offset)
+            residual = np.append(segments.gaps, normal @ x - offset)
             if level is not None:
                 slopes, _ = problem.level_slopes(x, values)
-                matrix = np.vstack([matrix, np.append(slopes, 0.0)])
+                matrix = np.vstack([matrix, np.append(slopes, elsewhere)])
                 residual = np.append(residual, (problem.level(x, values) or 0.0) - level)
-            scale = np.append(np.full(len(x), size), time)
+            scale = np.append(np.full(m * n, size), time)
             step = -np.linalg.lstsq(matrix * scale, residual, rcond=None)[0]
             length = float(np.max(np.abs(step)))
             if not np.isfinite(length):
                 raise PeriodicFailure("Newton's method broke down")
             taken = step * (_LONGEST / max(length, _LONGEST)) * scale
-            x, time = x + taken[:-1], time + float(taken[-1])
+            nodes, time = nodes + taken[:-1].reshape(m, n), time + float(taken[-1])
             if not start / 3 < time < 3 * start:
                 raise PeriodicFailure("Newton's method leaves the neighbourhood of the guess")
             if CLOSING.judge(length, before)[0]:
@@ -183,15 +196,37 @@ def correct(
             before, shortest = length, min(shortest, length)
         else:
             raise PeriodicFailure(f"Newton's method did not converge in {CLOSING.steps} steps (last step {length:.1e})")
+        x = nodes[0]
         if size < _EQUILIBRIUM * max(1.0, float(np.max(np.abs(x)))):
             raise PeriodicFailure("Newton's method found an equilibrium")
-        for least in (*_shorter_periods(problem, arc, x, time, size), time):
-            found = _closed(problem, x, least, values, length)
-            if np.max(np.abs(found.arc.end - x)) < _REPEATS * size:
-                return found
+        shorter = () if m > 1 else _shorter_periods(problem, segments.whole, x, time, size)
+        for least in (*shorter, time):
+            segments = shot(problem.system, nodes, least, values)
+            if np.max(np.abs(segments.gaps)) < _REPEATS * size:
+                return closed_orbit(problem, nodes, least, values, segments, length)
         raise PeriodicFailure("the orbit is too unstable for float64: it does not close")
     except FlowFailure as failure:
         raise PeriodicFailure(str(failure)) from None
+
+
+def correct_in_segments(
+    problem: PeriodicProblem, point: Sequence[float] | Vector, period: float, level: float | None = None
+) -> ClosedOrbit:
+    """The periodic orbit near a guess (`correct`), in several segments if one shot over the period does not find it.
+
+    Raises `PeriodicFailure`.
+    """
+    try:
+        return correct(problem, point, period, None, level)
+    except PeriodicFailure as failure:
+        try:
+            loop = arc_of(problem.system, point, period, problem.values).samples
+        except FlowFailure:
+            raise failure from None
+        number = segments_for(problem.system, loop, period, problem.values)
+        if number == 1:
+            raise
+        return correct(problem, nodes_of(loop, number), period, None, level)
 
 
 def _phase(problem: PeriodicProblem, x: Vector, section: AffineSection | None) -> tuple[Vector, float]:
@@ -239,20 +274,30 @@ def _passes(problem: PeriodicProblem, arc: Arc, x: Vector, time: float, distance
     return list((where + share)[near] * time / (SAMPLES - 1))
 
 
-def _closed(problem: PeriodicProblem, x: Vector, time: float, values: Vector, error: float) -> ClosedOrbit:
-    arc = arc_of(problem.system, x, time, values)
-    found = multipliers(problem, x, arc, values)
-    return ClosedOrbit(x, time, values, arc, problem.level(x, values), found, error)
+def closed_orbit(
+    problem: PeriodicProblem, nodes: Matrix, time: float, values: Vector, segments: Segments, error: float
+) -> ClosedOrbit:
+    """The orbit of segments that close, with its multipliers."""
+    level, found = problem.level(nodes[0], values), _multipliers(problem, nodes, segments, values)
+    kept = nodes if len(nodes) > 1 else None
+    return ClosedOrbit(nodes[0], time, values, segments.whole, level, found, error, kept)
 
 
-def multipliers(problem: PeriodicProblem, x: Vector, arc: Arc, values: Vector) -> Vector:
-    """The multipliers without the trivial ones: of the return map, on the level if there is a first integral."""
-    direction = arc.velocity / np.linalg.norm(arc.velocity)
-    fixed = [direction]
-    if problem.system.first_integral_program is not None:
-        slopes, _ = problem.level_slopes(x, values)
-        fixed.append(slopes / np.linalg.norm(slopes))
-    # An orthonormal basis of what is left; the monodromy matrix acts on it modulo the direction of the flow.
-    basis = np.linalg.svd(np.array(fixed))[2][len(fixed) :]
-    found = np.linalg.eigvals(basis @ arc.by_state @ basis.T) if len(basis) else np.zeros(0)
+def _multipliers(problem: PeriodicProblem, nodes: Matrix, segments: Segments, values: Vector) -> Vector:
+    """The multipliers without the trivial ones: of the return map, on the level if there is a first integral.
+
+    A segment maps what is across the flow to what is across it at its end: of such maps the product is taken.
+    """
+    bases = []
+    for node, before in zip(nodes, [segments.arcs[-1], *segments.arcs], strict=False):
+        fixed = [before.velocity / np.linalg.norm(before.velocity)]
+        if problem.system.first_integral_program is not None:
+            slopes, _ = problem.level_slopes(node, values)
+            fixed.append(slopes / np.linalg.norm(slopes))
+        # An orthonormal basis of what is left; the derivative of the flow acts on it modulo the flow's direction.
+        bases.append(np.linalg.svd(np.array(fixed))[2][len(fixed) :])
+    product = np.eye(len(bases[0]))
+    for arc, here, there in zip(segments.arcs, bases, [*bases[1:], bases[0]], strict=True):
+        product = there @ arc.by_state @ here.T @ product
+    found = np.linalg.eigvals(product) if len(product) else np.zeros(0)
     return found[np.argsort(-np.abs(found), kind="stable")].astype(complex)

@@ -1,6 +1,6 @@
 """The equations of a family of periodic orbits: in a parameter, or over the levels of a first integral, in float64.
 
-The unknowns are the point, the period and the parameter.
+The unknowns are the first states of all segments, the first of them the point, the period and the parameter.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ import numpy as np
 
 from orbitproof.explore.flow import FlowFailure
 from orbitproof.explore.numerics import ALONG
-from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, multipliers
-from orbitproof.explore.periodic.flow import Matrix, Vector, arc_of
+from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, closed_orbit
+from orbitproof.explore.periodic.flow import Matrix, Vector
+from orbitproof.explore.periodic.segments import nodes_of, segments_for, shot
 from orbitproof.explore.periodic.symmetries import Symmetry, keeps_volume
 
 
@@ -33,11 +34,12 @@ class FamilyEquations:
 
     Attributes:
         name: of the parameter; `None` for the level of the first integral.
-        scale: shape of the unknowns (N, 1 and, with a parameter, 1 more), in which steps are measured.
+        scale: shape of the unknowns (N for each segment, 1 and, with a parameter, 1 more), in which steps are measured.
         level: of the first integral, if a parameter varies on it; exact.
         symmetries: of the vector field, that orbits may have.
         symmetry, parts: of its orbits, if only such are meant: S phi_(T/parts)(x) = x is solved, which is regular
             where other orbits branch off.
+        segments: in how many orbits are shot; several only if all orbits are meant.
     """
 
     problem: PeriodicProblem
@@ -47,11 +49,17 @@ class FamilyEquations:
     symmetries: tuple[Symmetry, ...]
     symmetry: Symmetry | None = None
     parts: int = 1
+    segments: int = 1
 
     @property
     def place(self) -> int | None:
         """Number of the parameter among all; `None` if the level varies."""
         return None if self.name is None else list(self.problem.system.parameters).index(self.name)
+
+    @property
+    def size(self) -> float:
+        """That of the orbit by which steps are measured: many states that move make a step no longer than one does."""
+        return float(self.scale[0]) / self.segments**0.5
 
     @cached_property
     def conservative(self) -> bool:
@@ -71,24 +79,26 @@ class FamilyEquations:
     def equations(self, z: Vector, phase: tuple[Vector, Vector]) -> tuple[Vector, Matrix, ClosedOrbit]:
         """What is zero on the family, its derivatives by z / scale, and the orbit, for what it is worth."""
         normal, origin = phase
-        n = len(normal)
-        x, time, values = z[:n], float(z[n]), self.values(z)
-        arc = arc_of(self.problem.system, x, time, values)
-        part = arc if self.parts == 1 else arc_of(self.problem.system, x, time / self.parts, values)
-        image = np.eye(n) if self.symmetry is None else self.symmetry.matrix
-        columns = [image @ part.by_state - np.eye(n), image @ part.velocity[:, None] / self.parts]
+        m, n = self.segments, len(normal)
+        nodes, time, values = z[: m * n].reshape(m, n), float(z[m * n]), self.values(z)
+        whole = shot(self.problem.system, nodes, time, values)
+        image = None if self.symmetry is None else self.symmetry.matrix
+        part = whole
+        if image is not None or self.parts > 1:
+            part = shot(self.problem.system, nodes, time / self.parts, values, image)
+        columns = [part.by_nodes, part.by_time[:, None] / self.parts]
         if self.place is not None:
-            columns.append(image @ part.by_parameters[:, [self.place]])
+            columns.append(part.by_parameters[:, [self.place]])
         rows = [np.hstack(columns), np.append(normal, np.zeros(len(z) - n))[None]]
-        residual = [image @ part.end - x, [normal @ (x - origin)]]
+        x = nodes[0]
+        residual = [part.gaps, [normal @ (x - origin)]]
         if self.level is not None:
             by_state, by_values = self.problem.level_slopes(x, values)
             assert self.place is not None
-            rows.append(np.concatenate([by_state, [0.0], [by_values[self.place]]])[None])
+            rows.append(np.concatenate([by_state, np.zeros(len(z) - n - 1), [by_values[self.place]]])[None])
             residual.append([(self.problem.level(x, values) or 0.0) - float(self.level)])
-        found = multipliers(self.problem, x, arc, values)
-        orbit = ClosedOrbit(x, time, values, arc, self.problem.level(x, values), found, 0.0)
-        size = np.concatenate([self.scale[:n] ** -1, [1.0] * (len(np.concatenate(residual)) - n)])
+        orbit = closed_orbit(self.problem, nodes, time, values, whole, 0.0)
+        size = np.concatenate([self.scale[: m * n] ** -1, [1.0] * (len(np.concatenate(residual)) - m * n)])
         return size * np.concatenate(residual), size[:, None] * np.vstack(rows) * self.scale, orbit
 
     def phase(self, orbit: ClosedOrbit) -> tuple[Vector, Vector]:
@@ -106,9 +116,7 @@ class FamilyEquations:
 
     def member_of(self, orbit: ClosedOrbit) -> FamilyMember:
         """A periodic orbit as a member."""
-        z = np.append(orbit.point, orbit.period)
-        z = z if self.place is None else np.append(z, orbit.values[self.place])
-        _, matrix, again = self.equations(z, self.phase(orbit))
+        _, matrix, again = self.equations(z := self.unknowns(orbit), self.phase(orbit))
         return self.member(z, again, matrix, None)
 
     def rate(self, member: FamilyMember) -> float:
@@ -128,7 +136,7 @@ class FamilyEquations:
 
         Raises `PeriodicFailure`.
         """
-        start = self.unknowns(before)
+        start = self.unknowns(before.orbit)
         phase, predicted = self.phase(before.orbit), start + length * before.tangent * self.scale
         z, last = predicted.copy(), np.inf
         try:
@@ -139,7 +147,7 @@ class FamilyEquations:
                 step = -np.linalg.lstsq(bordered, np.append(residual, here), rcond=least)[0]
                 z = z + step * self.scale
                 size = float(np.max(np.abs(step)))
-                if not np.isfinite(size) or size > 10 * abs(length) + 1e-3 or not z[len(phase[0])] > 0:
+                if not np.isfinite(size) or size > 10 * abs(length) + 1e-3 or not z[self.segments * len(phase[0])] > 0:
                     break
                 if ALONG.judge(size, last)[0]:
                     # The tangent lies in the plane across the flow at the new point, from where the next step goes on.
@@ -150,7 +158,33 @@ class FamilyEquations:
             raise PeriodicFailure(str(failure)) from None
         raise PeriodicFailure("Newton's method does not converge")
 
-    def unknowns(self, member: FamilyMember) -> Vector:
-        """z of an orbit."""
-        z = np.append(member.orbit.point, member.orbit.period)
-        return z if self.place is None else np.append(z, member.orbit.values[self.place])
+    def unknowns(self, orbit: ClosedOrbit) -> Vector:
+        """z of an orbit; where it was shot in another number of segments, about."""
+        nodes = orbit.point if self.segments == 1 else orbit.nodes
+        if nodes is None or orbit.segments != self.segments != 1:
+            nodes = nodes_of(orbit.loop, self.segments)
+        z = np.append(nodes, orbit.period)
+        return z if self.place is None else np.append(z, orbit.values[self.place])
+
+    def segments_for(self, orbit: ClosedOrbit) -> int:
+        """In how many segments an orbit is to be shot."""
+        return segments_for(self.problem.system, orbit.loop, orbit.period, orbit.values)
+
+    def in_segments(self, member: FamilyMember) -> tuple[FamilyEquations, FamilyMember] | None:
+        """The equations in as many segments as errors along an orbit ask for, and that orbit; `None` if in no more.
+
+        Symmetries of orbits are not looked for then. Raises `PeriodicFailure`.
+        """
+        orbit, n, old = member.orbit, len(member.orbit.point), self.segments
+        number = self.segments_for(orbit)
+        if number <= old:
+            return None
+        scale = np.append(np.full(number * n, self.size * number**0.5), self.scale[old * n :])
+        finer = replace(self, segments=number, scale=scale, symmetries=())
+        try:
+            there = finer.corrected(finer.member_of(orbit), 0.0)
+        except FlowFailure as failure:
+            raise PeriodicFailure(str(failure)) from None
+        shared = [*range(n), *range(-len(self.scale) + old * n, 0)]
+        ahead = (there.tangent * finer.scale)[shared] / self.scale[shared] @ member.tangent[shared] > 0
+        return finer, there if ahead else replace(there, tangent=-there.tangent)

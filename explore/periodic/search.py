@@ -15,11 +15,18 @@ from orbitproof.explore.engines import Progress
 from orbitproof.explore.flow import FlowFailure
 from orbitproof.explore.periodic.births import families
 from orbitproof.explore.periodic.continuation import PeriodicFamily, StepControl
-from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, correct
+from orbitproof.explore.periodic.correction import (
+    ClosedOrbit,
+    PeriodicFailure,
+    PeriodicProblem,
+    correct,
+    correct_in_segments,
+)
 from orbitproof.explore.periodic.flow import growth_of_bounds, velocity_at
 from orbitproof.explore.periodic.nearly import equilibrium_of, follow, nearby_orbits, recurrences
 from orbitproof.explore.periodic.refinement import GROWTH_ALLOWED, PeriodicTask, digits_of_centre, refine_periodic
 from orbitproof.explore.periodic.section import AffineSection, sections, through_the_middle
+from orbitproof.explore.periodic.segments import nodes_of
 from orbitproof.explore.periodic.symmetries import Symmetry, is_symmetry
 from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.formats import PeriodicOrbit
@@ -137,7 +144,9 @@ def find_periodic(request: PeriodicRequest, progress: Progress) -> Iterator[Foun
     value = None if level is None else float(level)
     if request.period is not None:
         progress("Newton's method", None)
-        yield _claimed(problem, correct(problem, request.start, request.period, None, value), request.section, level)
+        yield _claimed(
+            problem, correct_in_segments(problem, request.start, request.period, value), request.section, level
+        )
         return
     x: Sequence[float] = request.start
     if request.transient > 0:
@@ -255,7 +264,7 @@ def _on_section(
         velocity = velocity_at(problem.system, orbit.loop[index], problem.values)
         return float(abs(normal @ velocity) / (np.linalg.norm(velocity) or 1.0))
 
-    start = orbit.loop[max(where, key=steepness)]
+    start = nodes_of(orbit.loop, orbit.segments, max(where, key=steepness))
     value = None if level is None else float(level)
     moved = correct(problem, start, orbit.period, chosen, value)
     return FoundOrbit(problem, moved, chosen, len(chosen.crossings(moved.loop)), level)
