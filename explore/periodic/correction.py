@@ -32,6 +32,8 @@ from orbitproof.shared.systems import Program, System, with_slope
 
 _STALLED, _STALLED_TOLERANCE = 4, 1e-7
 """Steps below this that have not become shorter for so many in a row are rounding, as for orbits near a double one."""
+_STALLED_IN_SEGMENTS = 1e-4
+"""The same for segments, which close all the same: one parameter may have orbits that differ by no more."""
 _LONGEST = 0.2
 """Longest step, relative to the size of the orbit."""
 _REPEATS = 1e-6
@@ -191,7 +193,7 @@ def correct(
             if CLOSING.judge(length, before)[0]:
                 break
             stalled = stalled + 1 if length > 0.75 * shortest else 0
-            if stalled >= _STALLED and length < _STALLED_TOLERANCE:
+            if stalled >= _STALLED and length < (_STALLED_TOLERANCE if m == 1 else _STALLED_IN_SEGMENTS):
                 break
             before, shortest = length, min(shortest, length)
         else:
@@ -210,23 +212,29 @@ def correct(
 
 
 def correct_in_segments(
-    problem: PeriodicProblem, point: Sequence[float] | Vector, period: float, level: float | None = None
+    problem: PeriodicProblem,
+    loop: Matrix,
+    period: float,
+    section: AffineSection | None = None,
+    level: float | None = None,
+    segments: int = 1,
+    first: int = 0,
 ) -> ClosedOrbit:
-    """The periodic orbit near a guess (`correct`), in several segments if one shot over the period does not find it.
+    """The periodic orbit near a loop (`correct`), in more segments if it is not found in so many.
+
+    Arguments:
+        loop: shape (K, N), states at equal times over the period, both ends included.
+        first: number of the state that is the guess of the point.
 
     Raises `PeriodicFailure`.
     """
     try:
-        return correct(problem, point, period, None, level)
-    except PeriodicFailure as failure:
-        try:
-            loop = arc_of(problem.system, point, period, problem.values).samples
-        except FlowFailure:
-            raise failure from None
+        return correct(problem, nodes_of(loop, segments, first), period, section, level)
+    except PeriodicFailure:
         number = segments_for(problem.system, loop, period, problem.values)
-        if number == 1:
+        if number <= segments:
             raise
-        return correct(problem, nodes_of(loop, number), period, None, level)
+        return correct(problem, nodes_of(loop, number, first), period, section, level)
 
 
 def _phase(problem: PeriodicProblem, x: Vector, section: AffineSection | None) -> tuple[Vector, float]:

@@ -19,14 +19,12 @@ from orbitproof.explore.periodic.correction import (
     ClosedOrbit,
     PeriodicFailure,
     PeriodicProblem,
-    correct,
     correct_in_segments,
 )
-from orbitproof.explore.periodic.flow import growth_of_bounds, velocity_at
+from orbitproof.explore.periodic.flow import arc_of, growth_of_bounds, velocity_at
 from orbitproof.explore.periodic.nearly import equilibrium_of, follow, nearby_orbits, recurrences
 from orbitproof.explore.periodic.refinement import GROWTH_ALLOWED, PeriodicTask, digits_of_centre, refine_periodic
 from orbitproof.explore.periodic.section import AffineSection, sections, through_the_middle
-from orbitproof.explore.periodic.segments import nodes_of
 from orbitproof.explore.periodic.symmetries import Symmetry, is_symmetry
 from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.formats import PeriodicOrbit
@@ -144,9 +142,12 @@ def find_periodic(request: PeriodicRequest, progress: Progress) -> Iterator[Foun
     value = None if level is None else float(level)
     if request.period is not None:
         progress("Newton's method", None)
-        yield _claimed(
-            problem, correct_in_segments(problem, request.start, request.period, value), request.section, level
-        )
+        try:
+            loop = arc_of(problem.system, request.start, request.period, problem.values).samples
+        except FlowFailure as failure:
+            raise PeriodicFailure(str(failure)) from None
+        orbit = correct_in_segments(problem, loop, request.period, None, value)
+        yield _claimed(problem, orbit, request.section, level)
         return
     x: Sequence[float] = request.start
     if request.transient > 0:
@@ -264,9 +265,9 @@ def _on_section(
         velocity = velocity_at(problem.system, orbit.loop[index], problem.values)
         return float(abs(normal @ velocity) / (np.linalg.norm(velocity) or 1.0))
 
-    start = nodes_of(orbit.loop, orbit.segments, max(where, key=steepness))
+    first = max(where, key=steepness)
     value = None if level is None else float(level)
-    moved = correct(problem, start, orbit.period, chosen, value)
+    moved = correct_in_segments(problem, orbit.loop, orbit.period, chosen, value, orbit.segments, first)
     return FoundOrbit(problem, moved, chosen, len(chosen.crossings(moved.loop)), level)
 
 
