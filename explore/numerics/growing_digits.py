@@ -10,6 +10,7 @@ from typing import Any
 
 import mpmath
 
+from orbitproof.explore.numerics.newton import STALLED
 from orbitproof.explore.numerics.precision import fraction, working_context
 from orbitproof.shared.numbers import round_dyadic
 
@@ -100,7 +101,7 @@ def newton_with_digits(
 
     Raises `rule.failure`, and what `equations` raises.
     """
-    unknowns, bits, iterations = list(guess), rule.first_bits, []
+    unknowns, bits, lost, iterations = list(guess), rule.first_bits, 0, []
     enough = goal if enough is None else enough
     for step in range(1, _MOST_STEPS + 1):
         if progress is not None:
@@ -113,9 +114,14 @@ def newton_with_digits(
             raise rule.failure("Newton's method leaves the neighbourhood of the guess")
         length = max(float(abs(change)) for change in correction)
         iterations.append((bits, length))
-        guard = rule.guard_bits + ceil(log2(max(here.spread, 1.0)))
-        if bits >= goal + guard and length < 2.0**-enough:
-            return Solution(unknowns, tuple(iterations), here)
+        guard = rule.guard_bits + max(lost, ceil(log2(max(here.spread, 1.0))))
+        if bits >= goal + guard:
+            if length < 2.0**-enough:
+                return Solution(unknowns, tuple(iterations), here)
+            if [bits] == [each for each, before in iterations[-2:-1] if STALLED * before < length < 1]:
+                # Errors grow on the way by more than the spread tells, and decay again.
+                lost = ceil(bits + log2(length))
+                guard = rule.guard_bits + lost
         known = -rule.growth * log2(max(length, 2.0**-bits))
         bits = min(max(bits, ceil(known) + guard), goal + guard)
     raise rule.failure(f"Newton's method did not converge in {_MOST_STEPS} steps")
