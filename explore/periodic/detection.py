@@ -28,6 +28,8 @@ _ZERO = 1e-6
 """Gaps below this, relative to the size of the orbit, are rounding."""
 _TOGETHER = 1e-4
 """Multipliers that differ by less where one of them meets the circle do so together."""
+_FLAT = 1e-10
+"""A rate at which a parameter of a family shot in segments changes no more than by rounding, in the units of steps."""
 _FLIP = 1e-2
 _NEARBY, _SECANTS = 1e-4, 6
 _SINGULAR = 1e-4
@@ -120,11 +122,17 @@ def passage(family: FamilyEquations, before: FamilyMember, now: FamilyMember, le
     if patient:
         _check_resolved(before, now, crossed, family.conservative)
     found: list[Bifurcation] = []
-    if family.rate(before) * family.rate(now) < 0:
+    rates, turning = (family.rate(before), family.rate(now)), family.rate
+    turns = rates[0] * rates[1] < 0
+    if family.segments > 1 and max(map(abs, rates)) < _FLAT:
+        # The parameter changes by rounding alone, as on canards: multipliers tell.
+        over_one = [old for kind, _, old in crossed if kind == BRANCH]
+        turns, turning = bool(over_one), _test(BRANCH, over_one[0] if over_one else 1.0, family.conservative)
+    if turns:
         birth = _birth(family, before, now, length)
         if birth is not None:
             return Passage([birth], "ends where its orbits are born from " + _PARENT[birth.kind])
-        member = _located(family, before, now, length, family.rate)
+        member = _located(family, before, now, length, turning)
         found.append(_bifurcation(family, FOLD, member, _nearest(member.orbit.multipliers, 1.0)))
     taken = {each.kind for each in found}
     for kind, goal, old in crossed:
