@@ -15,6 +15,7 @@ from .correction import ClosedOrbit as ClosedOrbit
 from .correction import PeriodicFailure as PeriodicFailure
 from .correction import PeriodicProblem as PeriodicProblem
 from .correction import correct as correct
+from .correction import correct_in_segments as correct_in_segments
 from .detection import BRANCH as BRANCH
 from .detection import DOUBLING as DOUBLING
 from .detection import FOLD as FOLD
