@@ -102,3 +102,19 @@ def test_numbers_are_read_exactly() -> None:
     assert fraction(-working_context(60).mpf("0.15625")) == Fraction(-5, 32)
     with pytest.raises(ValueError, match="not finite"):
         fraction(working_context(60).nan)
+
+
+def test_bits_that_are_lost_on_the_way_are_made_up_for() -> None:
+    """Errors of the equations are 2^45 times those of the arithmetic, and the spread does not tell."""
+    signs: list[int] = []
+
+    def noisy(point: Sequence[Fraction], context: Any) -> Linearised:
+        here = square(point, context)
+        signs.append(-1 if len(signs) % 2 else 1)
+        return Linearised(
+            here.residual + context.matrix([signs[-1] * context.ldexp(1, 45 - context.prec)]), here.matrix, 1.0
+        )
+
+    found = newton_with_digits(noisy, [Fraction(1.4142)], GOAL, RULE)
+    assert abs(found.unknowns[0] - ROOT) < Fraction(1, 10**55)
+    assert GOAL + 45 < found.bits < GOAL + 2 * 45
