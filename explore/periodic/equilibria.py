@@ -10,14 +10,14 @@ from fractions import Fraction
 import numpy as np
 
 from orbitproof.explore.flow import FlowFailure
+from orbitproof.explore.numerics import NewtonRule
 from orbitproof.explore.periodic.correction import PeriodicFailure, PeriodicProblem
 from orbitproof.explore.periodic.flow import Matrix, Vector, velocity_at
 from orbitproof.shared.systems import System, with_functions
 
 _COMPLEX = {"sin": cmath.sin, "cos": cmath.cos, "exp": cmath.exp, "log": cmath.log}
 _SHIFT = 1e-30
-_MOST_STEPS, _HALVINGS = 60, 12
-_TOLERANCE, _STALLED = 1e-13, 1e-8
+_RULE, _HALVINGS = NewtonRule(tolerance=1e-13, accepted=1e-8, steps=60), 12
 _AT_REST = 1e-7
 _FALLS_BY = 1e-3
 _STARTS, _SEED = 300, 11
@@ -96,14 +96,13 @@ def equilibrium_near(problem: PeriodicProblem, start: Sequence[float] | Vector) 
     system, values, x = problem.system, problem.values, np.array(start, dtype=float)
     try:
         speed, before = velocity_at(system, x, values), np.inf
-        for _ in range(_MOST_STEPS):
+        for _ in range(_RULE.steps):
             slopes = field_slopes(system, x, values)[:, : len(x)]
             step = -np.linalg.lstsq(slopes, speed, rcond=None)[0]
             length = float(np.linalg.norm(step)) / (1 + float(np.linalg.norm(x)))
             if not np.isfinite(length):
                 break
-            # A step that is hardly shorter than the one before is rounding.
-            if length < _TOLERANCE or (length < _STALLED and length > before / 2):
+            if _RULE.judge(length, before)[0]:
                 # Where the derivatives are singular a step may be short though the field is not small.
                 if np.linalg.norm(speed) > _AT_REST * np.linalg.norm(slopes) * (1 + np.linalg.norm(x)):
                     break

@@ -20,18 +20,15 @@ from functools import cached_property
 import numpy as np
 
 from orbitproof.explore.flow import Matrices, Matrix, Vector, flow_batch
+from orbitproof.explore.numerics import NewtonRule
 from orbitproof.shared.systems import CR3BP
 
 PLANE = (0, 2, 3, 5)
 """Indices of x, z, vx, vz in the state."""
 
-STEPS = 12
-CONVERGED = 1e-9
-"""Largest residual of the equations, nondimensional, at which a curve counts as found once Newton's method gains no
-more digits. Orbits that pass near a primary leave rounding errors of some 1e-10 in it; what the curve is worth is
-measured apart (`measured`)."""
-
-ROUNDING = 1e-12
+RULE = NewtonRule(tolerance=1e-12, accepted=3e-9, steps=12)
+"""For the largest residual of the equations, nondimensional. Orbits that pass near a primary leave rounding errors of
+some 1e-10 in it; what the curve is worth is measured apart (`measured`)."""
 
 
 class NoCurve(Exception):
@@ -210,20 +207,17 @@ def correct(guess: InvariantCurve, normal: Vector) -> InvariantCurve:
     Raises `NoCurve`.
     """
     curve, last = guess, np.inf
-    for _ in range(STEPS):
+    for _ in range(RULE.steps):
         residual, jacobian, times, late = equations(curve)
         size = max(float(np.abs(residual).max()), late)
-        if size < CONVERGED and size > 0.1 * last:
+        found, lost = RULE.judge(size, last)
+        if found:
             return curve.with_unknowns(curve.unknowns, times)
-        if not size < 1e3 or (size > last and last > 1e-6 and size > 10 * last):
+        if lost:
             break
         offset = float(normal @ (curve.unknowns - guess.unknowns))
-        step, *_ = np.linalg.lstsq(np.vstack([jacobian, normal]), np.append(residual, offset), rcond=ROUNDING)
+        step, *_ = np.linalg.lstsq(np.vstack([jacobian, normal]), np.append(residual, offset), rcond=1e-12)
         curve, last = curve.with_unknowns(curve.unknowns - step, times), size
-        if size < ROUNDING:
-            return curve
-    if last < CONVERGED:
-        return curve
     raise NoCurve(f"Newton's method does not converge: the equations hold to {last:.1e}")
 
 
