@@ -37,6 +37,12 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import ReversibleSystem, System
 from orbitproof.verify import enclose
+from orbitproof.verify.birth_curve import conclude_births
+from orbitproof.verify.curve import conclude
+from orbitproof.verify.equilibrium_curve import conclude_equilibria
+from orbitproof.verify.lasting import conclude_lasting
+from orbitproof.verify.periodic_curve import conclude_periodic
+from orbitproof.verify.stability import conclude_list
 
 SMALL = (Q(1, 2**92), Q(1, 2**56))
 TINY = Q(1, 2**50)
@@ -199,12 +205,14 @@ class Curve:
     Attributes:
         settings: of the integrator.
         complete: the list up to this order is asked for; `lasting`: which orbits are stable for ever, too.
+        conclude: what its results give together.
     """
 
     atlas: Atlas | PeriodicAtlas
     settings: Mapping[str, int]
     complete: int | None = None
     lasting: bool = False
+    conclude: Callable[[Any, Any], Any] = conclude
 
 
 FAST = {"precision": 64, "order": 24, "width": 12}
@@ -262,7 +270,11 @@ def listed() -> Curve:
     """Orbits along a hard spring, y at rest: the stability parameter varies with the amplitude."""
     system = replace(springs.SPRINGS, squared_distance=None, distance_name=None)
     atlas = _arc(system, (Q(9, 8), Q(0)), Q(1, 8), [[Q(0)]], parameters={"w": Q(3)})
-    return Curve(atlas, {"precision": 96, "order": 30, "width": 16}, 4, True)
+    return Curve(atlas, {"precision": 96, "order": 30, "width": 16}, 4, True, _lasting)
+
+
+def _lasting(atlas: Atlas, results: Any) -> Any:
+    return conclude_lasting(atlas, results, conclude_list(atlas, results, conclude(atlas, results), 4))
 
 
 def with_sine() -> Curve:
@@ -275,8 +287,11 @@ def with_sine() -> Curve:
     return Curve(_arc(system, (Q(1), Q(1)), Q(1, 8), [half], parameters={"c": Q(1)}), FAST)
 
 
-def _free(atlas: PeriodicAtlas, precision: int = 64, order: int = 24, width: int = 14, top: int = 1) -> Curve:
-    return Curve(atlas, {"precision": precision, "order": order, "width": width, "top": top})
+def _free(
+    atlas: Any, precision: int = 64, order: int = 24, width: int = 14, top: int = 1, conclude: Any = conclude_periodic
+) -> Curve:
+    settings = {"precision": precision, "order": order, "width": width, "top": top}
+    return Curve(atlas, settings, conclude=conclude)
 
 
 CURVES: Mapping[str, Callable[[], Curve]] = {
@@ -291,8 +306,8 @@ CURVES: Mapping[str, Callable[[], Curve]] = {
     "periodic-arc-levels": lambda: _free(periodic_curves.levels_atlas()),
     "periodic-arc-tilted": lambda: _free(periodic_curves.tilted_atlas()),
     "periodic-arc-on-level": lambda: _free(periodic_curves.on_level_atlas()),
-    "equilibrium-arc": lambda: _free(equilibrium_cases.curve_of_equilibria(), 96, 24, 20, 2),
-    "birth-arc": lambda: _free(birth_cases.slaved_born(), 80, 24, 16, 1),
+    "equilibrium-arc": lambda: _free(equilibrium_cases.curve_of_equilibria(), 96, 24, 20, 2, conclude_equilibria),
+    "birth-arc": lambda: _free(birth_cases.slaved_born(), 80, 24, 16, 1, conclude_births),
     "periodic-arc-functions": lambda: _free(functions.faster_atlas(), 80, 30, 20, 2),
     "periodic-arc-functions-levels": lambda: _free(functions.levels_atlas()),
 }

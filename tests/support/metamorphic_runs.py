@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 from unittest import mock
 
@@ -23,22 +23,16 @@ from support.metamorphic_cases import CASES, Case, Curve, Enclosed, system_of
 from support.metamorphic_changes import changes
 from support.metamorphic_results import Named, differences
 
-from orbitproof.shared.formats import Atlas, BirthAtlas, Candidate, EquilibriumAtlas, PeriodicAtlas
+from orbitproof.shared.formats import Atlas, BirthAtlas, Candidate, PeriodicAtlas
 from orbitproof.shared.systems import description
 from orbitproof.verify import enclose
-from orbitproof.verify.birth_curve import conclude_births
 from orbitproof.verify.branches import conclusion_of, make_atlas_certificate
 from orbitproof.verify.branches.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate, Limits, Recheck, certify, recheck
-from orbitproof.verify.curve import conclude
-from orbitproof.verify.equilibrium_curve import conclude_equilibria
 from orbitproof.verify.evidence import Proved
-from orbitproof.verify.lasting import conclude_lasting
-from orbitproof.verify.periodic_curve import conclude_periodic
 from orbitproof.verify.run.branches import limits_of
 from orbitproof.verify.run.second_proofs import compare
 from orbitproof.verify.second_proof import CannotFollow, second_proof
-from orbitproof.verify.stability import conclude_list
 
 LIMITS = Limits(max_precision=512)
 
@@ -97,24 +91,10 @@ def _curve(case: Curve) -> Told:
     limits = limits_of(atlas, case.complete, 1, None, False, case.lasting, **given)
     results = go(atlas, prove_task, limits)[0].results
     document = make_atlas_certificate(atlas, results, conclusion_of(atlas, results, [], lambda _: [], case.complete))
-    outcome: Any = _outcome(case, results)
+    outcome = case.conclude(atlas, results).outcome
     if isinstance(outcome, Proved):
         return Told("proved", outcome.results, json.loads(json.dumps(document)), case)
     return Told(f"{outcome.reason.condition}: {outcome.reason.message}", None, document, case)
-
-
-def _outcome(case: Curve, results: Any) -> Any:
-    if isinstance(case.atlas, BirthAtlas):
-        return conclude_births(case.atlas, results).outcome
-    if isinstance(case.atlas, EquilibriumAtlas):
-        return conclude_equilibria(case.atlas, results).outcome
-    if isinstance(case.atlas, PeriodicAtlas):
-        return conclude_periodic(case.atlas, results).outcome
-    whole = conclude(case.atlas, results)
-    if case.complete is None:
-        return whole.outcome
-    listed = conclude_list(case.atlas, results, whole, case.complete)
-    return (conclude_lasting(case.atlas, results, listed) if case.lasting else listed).outcome
 
 
 def _enclosed(case: Enclosed) -> Told:
@@ -131,7 +111,7 @@ def _enclosed(case: Enclosed) -> Told:
 def changed(case: Case, change: Change) -> Case:
     """A case told otherwise."""
     if isinstance(case, Curve):
-        return Curve(changed_atlas(case.atlas, change), case.settings, case.complete, case.lasting)
+        return replace(case, atlas=changed_atlas(case.atlas, change))
     if isinstance(case, Enclosed):
         time = None if case.time is None else case.time * change.time
         section = None if case.section is None else changed_section(case.section, change)
