@@ -154,12 +154,11 @@ def _both_ways(operation: Operation) -> tuple[Callable[[Variable, object], Varia
 
     def emit(recorder: _Recorder, left: object, right: object) -> Variable:
         a, b = recorder.lift(left), recorder.lift(right)
+        if operation == "div" and right == 0:
+            raise ZeroDivisionError("a quotient by 0")
         return recorder.emit(Instruction(operation, (a.index, b.index)))
 
-    return (
-        lambda self, other: emit(self.recorder, self, other),
-        lambda self, other: emit(self.recorder, other, self),
-    )
+    return (lambda self, other: emit(self.recorder, self, other), lambda self, other: emit(self.recorder, other, self))
 
 
 class Variable:
@@ -191,7 +190,7 @@ def record(function: Callable[..., Sequence[Any]], *groups: Sequence[str]) -> Pr
     """Record `function`, called with one list of variables per group of names.
 
     Outputs that are plain constants are allowed. Raises `TypeError` for an inexact constant or an
-    unsupported operation, `ValueError` for two inputs of one name.
+    unsupported operation, `ValueError` for two inputs of one name, `ZeroDivisionError` for a quotient by 0.
     """
     names = tuple(name for group in groups for name in group)
     recorder = _Recorder(names)
