@@ -83,7 +83,8 @@ def add_parser(commands: Any) -> None:
     begin.add_argument(
         "--triangular",
         choices=TRIANGULAR,
-        help="of cr3bp: a small orbit about a triangular point, of the short- or long-period family",
+        metavar="FAMILY",
+        help=f"of cr3bp: a small orbit about a triangular point, of the family {', '.join(TRIANGULAR)}",
     )
     begin.add_argument(
         "--from-branches",

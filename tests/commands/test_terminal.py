@@ -14,6 +14,7 @@ import pytest
 from support.claims import known
 
 from orbitproof.explore.__main__ import main as explore
+from orbitproof.explore.commands.arguments import parser
 from orbitproof.figures.__main__ import main as figures
 from orbitproof.shared.formats import write_candidates
 from orbitproof.shared.output import files_of_a_command
@@ -95,6 +96,15 @@ def test_lines_fit_a_terminal_and_no_number_is_broken(name: str, capsys: Any, mo
     if name not in WIDE:
         assert max(map(len, narrow.splitlines())) <= 80
     assert numbers(narrow) - {time for time in numbers(narrow) if f"in {time} s" in narrow} <= numbers(wide)
+
+
+def test_the_help_of_every_command_of_the_search_fits_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    (commands,) = (action for action in parser()._actions if action.dest == "command")
+    assert isinstance(commands.choices, dict)
+    lines = {name: each.format_help().splitlines() for name, each in commands.choices.items()}
+    assert {name: line for name, each in lines.items() for line in each if len(line) > 80} == {}
+    assert len(lines) > 10
 
 
 @pytest.mark.parametrize("name", COMMANDS)

@@ -42,6 +42,7 @@ from orbitproof.verify.certificate import (
 )
 from orbitproof.verify.curve import ProvedCurve, conclude, derived_parameter
 from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotProved, Proved
+from orbitproof.verify.functions import BoundedFunction
 from orbitproof.verify.index import (
     CountedOrbit,
     HalfTurns,
@@ -643,6 +644,15 @@ def test_every_angle_stands_among_the_enclosures_of_its_hypothesis() -> None:
         found = {each.name: each.enclosures for each in outcome(name, counted(name)[2]).hypotheses}
         assert len(found["counts"]) == 2 * 2 * blocks
         assert len(found["parity"]) == 2 * blocks
+
+
+def test_a_parity_is_not_wrong_where_the_sign_is_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
+    curve, found_list, orbits = counted(LOOP)
+    monkeypatch.setattr(BoundedFunction, "value", lambda *_: arb(0, 1))
+    found = conclude_index(case(LOOP)[0], curve, found_list, orbits)
+    assert isinstance(found, NotProved)
+    assert found.reason.condition == "parity"
+    assert "the sign of det(1 - Sigma) is not known" in found.reason.message
 
 
 def test_without_a_list_the_index_of_single_orbits_is_known() -> None:

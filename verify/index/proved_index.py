@@ -185,6 +185,7 @@ def _check_parity(checklist: Checklist, curve: ProvedCurve, found: ProvedList, o
                     value = segment.at(arb(1)).value(enclose(segment.tau(orbit.s)))
                     evidence.record(f"{where}{block}: det(1 - Sigma)", value)
                     wanted = -1 if (turns.index - turns.planes) % 2 else 1
+                    evidence.require(sign(value) != 0, f"{where}: the sign of det(1 - Sigma) is not known")
                     evidence.require(sign(value) == wanted, f"{where}: the index {turns.index} has not its parity")
 
 
