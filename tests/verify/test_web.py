@@ -34,7 +34,7 @@ from support.stored import values
 from orbitproof import verify
 from orbitproof.shared.claims import Claim, Covers
 from orbitproof.shared.claims.web import BRANCHES, ENDS, PASSES, Meeting, Web, WebArc
-from orbitproof.shared.formats import InputError, read_atlas
+from orbitproof.shared.formats import InputError, define_system, read_atlas
 from orbitproof.shared.formats.web import read_web, web_from_json
 from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.__main__ import main
@@ -297,6 +297,14 @@ def test_the_level_of_a_point_needs_all_coordinates_of_its_state() -> None:
     assert level_at(held, {"x": arb(1), "z": arb(0)}).overlaps(level)  # type: ignore[arg-type]
     known.defined = ("sin_x",)
     assert not level_at(held, point).is_finite()  # type: ignore[arg-type]
+
+
+def test_the_level_of_a_point_about_zero_is_known() -> None:
+    circle = {"name": "c", "state": "x y", "field": {"x": "y", "y": "-x"}, "R": {"y": -1}, "section": "y"}
+    system = define_system({**circle, "first_integral": "x**2 + y**2"})
+    level = level_at(SimpleNamespace(system=system, parameters={}), {"x": arb(0, 1)})  # type: ignore[arg-type]
+    assert level.contains(1)
+    assert level.is_finite()
 
 
 def test_levels_that_are_not_known_somewhere_are_not_known(monkeypatch: pytest.MonkeyPatch) -> None:

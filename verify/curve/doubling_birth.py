@@ -99,4 +99,4 @@ def _at_other_point(h: arb, state: Mapping[str, arb]) -> tuple[dict[str, arb], d
 
 def _from_hill_units(h: arb, at: Mapping[str, arb]) -> dict[str, arb]:
     """(x, z, vy) of a point (xi, zeta, veta) by 17.1."""
-    return {"x": 1 - h**3 + h * at["xi"], "z": h * at[HEIGHT], "vy": h * at["veta"]}
+    return {"x": 1 - h * h * h + h * at["xi"], "z": h * at[HEIGHT], "vy": h * at["veta"]}

@@ -16,7 +16,7 @@ from orbitproof.verify.curve.followed import Follow
 from orbitproof.verify.curve.gluing import Chain
 from orbitproof.verify.curve.other_point import meets_section_once
 from orbitproof.verify.curve.piece_result import IntervalResult
-from orbitproof.verify.evidence import Checklist, Evidence, all_finite, enclose, is_positive
+from orbitproof.verify.evidence import Checklist, Evidence, all_finite, enclose, is_positive, power
 
 SIZE = "eps2"
 """The family parameter: the square of the speed across the plane with which an orbit leaves the axis."""
@@ -168,8 +168,6 @@ def lifted_jacobi_constant(parameters: Mapping[str, Fraction], point: Mapping[st
     integral, zero = CR3BP.first_integral_program, arb(0)
     assert integral is not None
     state = [point.get(name, zero) for name in CR3BP.state]
-    (value,) = integral.evaluate(
-        [*state, enclose(parameters["mu"])], enclose, lambda base, power: base ** enclose(power)
-    )
+    (value,) = integral.evaluate([*state, enclose(parameters["mu"])], enclose, power)
     level = arb(value) - point.get(SIZE, zero)
     return level if all_finite([level]) else arb(float("nan"))

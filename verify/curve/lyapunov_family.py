@@ -12,7 +12,7 @@ from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, 
 from orbitproof.verify.curve.bifurcations_on_it import LACKS_COORDINATES, CertifiedPoint
 from orbitproof.verify.curve.libration_point import derived_parameter
 from orbitproof.verify.curve.vertical_family import vertical_jacobi_constant, vertical_point
-from orbitproof.verify.evidence import IntegrationFailure, enclose, excludes_zero
+from orbitproof.verify.evidence import IntegrationFailure, enclose, excludes_zero, power
 
 
 def point_name(system: ReversibleSystem) -> str | None:
@@ -99,7 +99,5 @@ def jacobi_constant(
         return None
     zero = arb(0)
     state = [x_l + point["eps"], zero, zero, zero, point["eps"] * point["vy"], zero]
-    (value,) = integral.evaluate(
-        [*state, enclose(parameters["mu"])], enclose, lambda base, power: base ** enclose(power)
-    )
+    (value,) = integral.evaluate([*state, enclose(parameters["mu"])], enclose, power)
     return arb(value)

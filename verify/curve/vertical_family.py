@@ -13,7 +13,7 @@ from orbitproof.verify.curve.bifurcations_on_it import CertifiedPoint
 from orbitproof.verify.curve.followed import Partner, Point
 from orbitproof.verify.curve.gluing import Chain
 from orbitproof.verify.curve.libration_point import derived_parameter
-from orbitproof.verify.evidence import Checklist, IntegrationFailure, enclose, is_positive
+from orbitproof.verify.evidence import Checklist, IntegrationFailure, enclose, is_positive, power
 
 SIZE = "eps2"
 """The family parameter: the square of the speed across the plane where the orbit crosses the axis."""
@@ -73,7 +73,7 @@ def vertical_jacobi_constant(system: ReversibleSystem, parameters: Mapping[str, 
         return None
     size, zero = point[SIZE], arb(0)
     state = [x_l + size * point["x"], zero, zero, zero, size * point["vy"], zero, enclose(parameters["mu"])]
-    (value,) = integral.evaluate(state, enclose, lambda base, power: base ** enclose(power))
+    (value,) = integral.evaluate(state, enclose, power)
     return arb(value) - size
 
 

@@ -18,7 +18,7 @@ from orbitproof.verify.curve import (
     point_name,
     vertical_point,
 )
-from orbitproof.verify.evidence import enclose, hull
+from orbitproof.verify.evidence import enclose, hull, power
 from orbitproof.verify.stability import point_over
 from orbitproof.verify.web.indices import Indices
 
@@ -121,9 +121,7 @@ def level_at(atlas: Atlas, point: Mapping[str, arb]) -> arb:
     # What R negates is 0 on Fix(R).
     known = {name: arb(0) for name in system.state} | {k: enclose(v) for k, v in system.normalised.items()}
     known |= {**point, **{name: enclose(value) for name, value in atlas.parameters.items()}}
-    (value,) = integral.evaluate(
-        [known[name] for name in integral.inputs], enclose, lambda base, power: base ** enclose(power)
-    )
+    (value,) = integral.evaluate([known[name] for name in integral.inputs], enclose, power)
     return arb(value)
 
 
