@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from math import log2
+from math import factorial, log2
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -18,7 +19,7 @@ from orbitproof.explore.periodic.flow import Matrix, Vector, arc_of, velocity_at
 from orbitproof.explore.periodic.hopf import Hopf
 from orbitproof.explore.periodic.section_curve import CurvePoint, NewtonCurve
 from orbitproof.shared.claims import BirthAtlas, BirthCurveClaim
-from orbitproof.shared.systems import ParameterRange, System, blown_up
+from orbitproof.shared.systems import ParameterRange, System, blown_up, blown_up_program, with_functions
 
 _FIRST, _LEAST, _NARROWER = 1.0, 2.0**-10, 0.5
 """Half-widths of the first piece that are tried, in units of the scale of the amplitude."""
@@ -26,6 +27,8 @@ _OF_SIZE = 0.1
 """That scale, in units of the size of the equilibrium."""
 _ROUNDING = 1e-6
 """An equilibrium nearer to the origin tells nothing of the size of orbits."""
+_SHIFT, _TERMS, _NEAR = 1e-30, 40, 0.1
+_COMPLEX = {"sin": cmath.sin, "cos": cmath.cos, "exp": cmath.exp, "log": cmath.log}
 _SHRINKS = 1e-3
 """The curve ends where the amplitude grows so little, in units of the scales."""
 
@@ -34,7 +37,8 @@ _SHRINKS = 1e-3
 class BirthCurve(NewtonCurve):
     """The equations of a curve: f(c, a) = 0, and y comes back to itself under the field in units of the amplitude.
 
-    Coordinates are a, the amplitude, c, and y but for its coordinates on the plane and at the amplitude.
+    Coordinates are a, the amplitude, c, and y but for its coordinates on the plane and at the amplitude. What is
+    integrated has further coordinates for the functions in the field, like the field in plain arithmetic.
 
     Attributes:
         place: of the parameter that varies, among all.
@@ -62,23 +66,35 @@ class BirthCurve(NewtonCurve):
     @property
     def across(self) -> list[int]:
         """Places of the coordinates of y that are unknown."""
-        return [i for i in range(len(self.problem.system.state)) if i not in (self.section, self.amplitude)]
+        return [i for i in range(len(self.problem.system.given_state)) if i not in (self.section, self.amplitude)]
+
+    def inputs(self, place: Vector) -> Vector:
+        """Those of the field in units of the amplitude: y, all parameters, the amplitude, c; complex."""
+        system, values = self.problem.system, self.problem.values.astype(complex)
+        n, missing = len(system.given_state), [0j] * len(system.defined)
+        values[self.place], amplitude, y = place[0], complex(place[1]), np.zeros(n, dtype=complex)
+        y[self.amplitude], y[self.across] = 1.0, place[2 + n :]
+        rest, found = with_functions(system, [*place[2 : 2 + n], *missing], values, _COMPLEX), list(y)
+        for each, argument in zip(system.defined, system.argument_programs, strict=True):
+            (before,) = argument.evaluate([*rest, *values])
+            known = [*found, *missing[len(found) - n :], *values, amplitude, *rest]
+            (slope,) = blown_up_program(argument, len(rest)).evaluate(known)
+            found.append(slope * _mean_slope(each.function, before, amplitude * slope))
+        return np.array([*found, *values, amplitude, *rest])
 
     def linearised(self, place: Vector, period: float) -> tuple[Vector, Matrix]:
         """What is zero on the curve, and its derivatives by coordinates in units of their scales and log T."""
-        system, n = self.problem.system, len(self.problem.system.state)
-        values = self.problem.values
+        system, n, m = self.problem.system, len(self.problem.system.given_state), len(self.problem.system.state)
+        values, rest = self.problem.values, place[2 : 2 + n]
         values[self.place] = place[0]
-        rest, y = place[2 : 2 + n], np.zeros(n)
-        y[self.amplitude], y[self.across] = 1.0, place[2 + n :]
-        arc = arc_of(self.field, y, period, np.concatenate([values, place[1 : 2 + n]]))
-        slopes, count = field_slopes(system, rest, values), len(values)
+        inputs = self.inputs(place).real
+        by_place = np.array([self.inputs(place + shift).imag / _SHIFT for shift in np.eye(2 * n) * 1j * _SHIFT]).T
+        arc = arc_of(self.field, inputs[:m], period, inputs[m:])
+        slopes, moved = field_slopes(system, rest, values), np.hstack([arc.by_state, arc.by_parameters]) @ by_place
         matrix = np.zeros((2 * n, 2 * n + 1))
         matrix[:n, 0], matrix[:n, 2 : 2 + n] = slopes[:, n + self.place], slopes[:, :n]
-        matrix[n:, 0], matrix[n:, 1 : 2 + n] = arc.by_parameters[:, self.place], arc.by_parameters[:, count:]
-        matrix[n:, 2 + n : -1] = (arc.by_state - np.eye(n))[:, self.across]
-        matrix[n:, -1] = arc.velocity * period
-        residual = np.concatenate([velocity_at(system, rest, values), arc.end - y])
+        matrix[n:, :-1], matrix[n:, -1] = (moved - by_place[:m])[:n], arc.velocity[:n] * period
+        residual = np.concatenate([velocity_at(system, rest, values), (arc.end - inputs[:m])[:n]])
         return residual, matrix * np.append(self.scales, 1.0)
 
 
@@ -95,8 +111,6 @@ def cover_birth(
     piece is found. Raises `PeriodicFailure` if there is none at all.
     """
     problem, system, control = hopf.problem, hopf.problem.system, control or CurveControl()
-    if system.defined:
-        raise PeriodicFailure("a field with sin, cos, exp or log is not followed from the birth of its orbits")
     section = int(np.argmax(np.abs(hopf.vector)))
     # On the plane the vector is imaginary in its coordinate, and its real part is y.
     turned = hopf.vector * 1j / hopf.vector[section]
@@ -107,7 +121,7 @@ def cover_birth(
     y = turned / turned.real[amplitude]
     # The velocity over the plane is that of Re(i omega q).
     direction = 1 if -y[section].imag > 0 else -1
-    place, n = list(system.parameters).index(hopf.name), len(system.state)
+    place, n = list(system.parameters).index(hopf.name), len(system.given_state)
     size = float(np.abs(hopf.point).max())
     size = size if size > _ROUNDING else 1.0
     unit = 2.0 ** round(log2(_OF_SIZE * size))
@@ -124,7 +138,7 @@ def cover_birth(
             break
     if not charts:
         raise PeriodicFailure("the amplitude does not grow")
-    state = system.state
+    state = system.given_state
     claim = BirthCurveClaim("birth-arc", state[section], direction, state[amplitude], hopf.name)  # type: ignore[arg-type]
     parameters = {key: exact for key, exact in problem.parameters.items() if key != hopf.name}
     title = f"Orbits of the {system.title} from their birth on along {hopf.name}"
@@ -160,3 +174,16 @@ def _grows(series: Matrix, frame: Matrix, half_width: float) -> bool:
         factor * slope for factor, slope in zip(frame[1, 1:], slopes, strict=True)
     )  # fmt: skip
     return bool(np.all(along > _SHRINKS * half_width))
+
+
+def _mean_slope(function: str, at: complex, change: complex) -> complex:
+    """(phi(e + d) - phi(e))/d, the derivative where d is 0, as in section 38.7."""
+    half = change / 2
+    middle, square = at + half, half * half
+    if function == "log":
+        ratio = half / middle
+        near = abs(ratio) < _NEAR
+        series = sum(ratio ** (2 * k) / (2 * k + 1) for k in range(_TERMS))
+        return (series if near else cmath.atanh(ratio) / ratio) / middle
+    sign, value = {"exp": (1, cmath.exp), "sin": (-1, cmath.cos), "cos": (-1, lambda u: -cmath.sin(u))}[function]
+    return value(middle) * sum((sign * square) ** k / factorial(2 * k + 1) for k in range(_TERMS))

@@ -42,11 +42,10 @@ class BirthCurveClaim:
 
     def refusal(self, system: System) -> Refusal | None:
         """What the claim cannot say of a system."""
-        if system.defined:
-            return "kind", "a field with sin, cos, exp or log has no such claim", "give a field in plain arithmetic"
         for field, named in (("section", self.section), ("amplitude", self.amplitude)):
-            if named not in system.state:
-                return field, f"{system.name} has no coordinate {named!r}", f"choose one of: {', '.join(system.state)}"
+            if named not in system.given_state:
+                known = ", ".join(system.given_state)
+                return field, f"{system.name} has no coordinate {named!r}", f"choose one of: {known}"
         if self.section == self.amplitude:
             return "amplitude", "is the coordinate of the section", "choose another one"
         return None

@@ -1,5 +1,6 @@
 from .amplitude import AMPLITUDE as AMPLITUDE
 from .amplitude import blown_up as blown_up
+from .amplitude import blown_up_program as blown_up_program
 from .completion import completed as completed
 from .completion import functions_in_floats as functions_in_floats
 from .completion import level_root as level_root

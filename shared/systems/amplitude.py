@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import Any
 
 from orbitproof.shared.systems.names import own_name
-from orbitproof.shared.systems.program import Program
+from orbitproof.shared.systems.program import Program, record
 from orbitproof.shared.systems.system import System, VectorField
 
 AMPLITUDE = own_name("amplitude")
@@ -22,18 +22,29 @@ AMPLITUDE = own_name("amplitude")
 def blown_up(system: System) -> VectorField:
     """F in plain arithmetic, called with y and with the parameters of the system, then eps, then c.
 
-    Raises `ValueError` for a system with coordinates that are functions of others.
+    Coordinates that are functions of others are some of those of y and c (section 38.7).
     """
-    if system.defined:
-        raise ValueError(f"{system.name}: a field with sin, cos, exp or log is not written in such units")
-    program, size, given = system.program, len(system.state), len(system.parameters)
+    return _in_units(system.program, len(system.state))
+
+
+def blown_up_program(program: Program, size: int) -> Program:
+    """(e(c + eps y) - e(c))/eps for a program e of a state of so many coordinates, and of parameters.
+
+    Inputs: y, the parameters, eps, c.
+    """
+    state, parameters = program.inputs[:size], program.inputs[size:]
+    rest = [own_name(f"{name} at rest") for name in state]
+    return record(_in_units(program, size), state, (*parameters, AMPLITUDE, *rest))
+
+
+def _in_units(program: Program, size: int) -> VectorField:
+    given = len(program.inputs) - size
 
     def field(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
         known, eps, rest = parameters[:given], parameters[given], parameters[given + 1 :]
         arguments = [_Pair(c, y, eps) for c, y in zip(rest, state, strict=True)]
         return _slopes(program, [*arguments, *(_Pair(value, None, eps) for value in known)], eps)
 
-    assert len(program.outputs) == size
     return field
 
 

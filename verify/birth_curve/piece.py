@@ -9,8 +9,9 @@ from fractions import Fraction
 from flint import arb
 
 from orbitproof.shared.claims import BirthAtlas, PeriodicCurveClaim, Piece
-from orbitproof.shared.systems import AMPLITUDE, blown_up, own_name, record
+from orbitproof.shared.systems import AMPLITUDE, blown_up_program, own_name
 from orbitproof.verify.algebra import Arithmetic, Series
+from orbitproof.verify.birth_curve.functions import slopes_at_start
 from orbitproof.verify.curve import (
     BEYOND,
     TUBE,
@@ -25,10 +26,10 @@ from orbitproof.verify.curve import (
     tube_points,
 )
 from orbitproof.verify.evidence import Checklist, Evidence, guarded, hull, is_positive
-from orbitproof.verify.maps import AffineSection
+from orbitproof.verify.periodic import functions_at_start, section_of
 from orbitproof.verify.periodic_curve import PeriodicLimits, require_piece
 from orbitproof.verify.periodic_curve.returns import FramingWideOracle, TubeOfOrbits, ranges
-from orbitproof.verify.poincare import PHYSICAL, at_start
+from orbitproof.verify.poincare import PHYSICAL, at_start, defined_values
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class _BornOrbits(TubeOfOrbits):
     """The points y of a tube on the plane y_k = 0, with y_j = 1, and their orbits under F.
 
     Attributes:
-        rest: c at the points of the tube.
+        rest: c at the points of the tube, all coordinates.
         parameters: those of the vector field there.
     """
 
@@ -63,23 +64,25 @@ class _BornOrbits(TubeOfOrbits):
         normal = claim.normal(system)
         self.claim = PeriodicCurveClaim("periodic-arc", normal, Fraction(0), claim.direction, 1, claim.parameter)
         self.system, self.arithmetic = system, arithmetic
-        self.section = AffineSection(normal, Fraction(0))
+        self.section = section_of(system, normal, Fraction(0))
         self.point = tube_points(arithmetic, atlas.coordinates, piece, interval, widths)
         exact = {claim.section: Fraction(0), claim.amplitude: Fraction(1)}
-        self.state = [
+        given = [
             arithmetic.constant(exact[name]) if name in exact else self.point[own_name(f"along {name}")]
-            for name in system.state
+            for name in system.given_state
         ]
-        self.rest = [self.point[name] for name in system.state]
         self.parameters = [
             self.point[name] if name == claim.parameter else arithmetic.constant(atlas.parameters[name])
             for name in system.parameters
         ]
-        self.constants = [*self.parameters, self.point[AMPLITUDE], *self.rest]
+        own, amplitude = [self.point[name] for name in system.given_state], self.point[AMPLITUDE]
+        self.rest = [*own, *defined_values(functions_at_start(system), own, self.parameters)]
+        self.state = [*given, *slopes_at_start(system, given, self.parameters, amplitude, self.rest)]
+        self.constants = [*self.parameters, amplitude, *self.rest]
 
     def equations(self, images: Sequence[Series]) -> list[Series]:
         """f(c), and the return of y less y but for its coordinate across the plane."""
-        at_rest = at_start(self.system.program, [*self.rest, *self.parameters])
+        at_rest = at_start(self.system.program, [*self.rest, *self.parameters])[: len(self.system.given_state)]
         closing = [
             image + point.scaled(Fraction(-1))
             for image, point in zip(images, self.others(self.state), strict=True)
@@ -88,10 +91,9 @@ class _BornOrbits(TubeOfOrbits):
 
 
 def require_claim(evidence: Evidence, atlas: BirthAtlas) -> None:
-    """Require that the claim is about a field in plain arithmetic, and names its coordinates and parameters."""
+    """Require that the claim names coordinates and parameters of the field."""
     claim, system = atlas.claim, atlas.system
-    evidence.require(not system.defined, "the field has functions, and is not written in units of the amplitude")
-    two = claim.section != claim.amplitude and {claim.section, claim.amplitude} <= {*system.state}
+    two = claim.section != claim.amplitude and {claim.section, claim.amplitude} <= {*system.given_state}
     evidence.require(two, "section and amplitude are no two coordinates of the state")
     evidence.require(claim.direction in (1, -1), "no such direction")
     given = claim.parameter in system.parameters and {*atlas.parameters, claim.parameter} == {*system.parameters}
@@ -134,8 +136,7 @@ def prove_birth_curve_piece(
         # Half of the bits are left at the highest grade.
         arithmetic = limits.arithmetic(widths, limits.precision // 2)
         orbits = _BornOrbits(atlas, piece, ((start + end) / 2, radius), widths, arithmetic)
-        system, rest = atlas.system, [own_name(f"{name} at rest") for name in atlas.system.state]
-        field = record(blown_up(system), system.state, (*system.parameters, AMPLITUDE, *rest))
+        field = blown_up_program(atlas.system.program, len(atlas.system.state))
         coordinates = orbits.section.coordinates(field)
         _check_direction(checklist, atlas, ranges(orbits.across(coordinates)))
         statement = "the orbits of the tube come back to the plane in the direction and are enclosed there"

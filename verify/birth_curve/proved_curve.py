@@ -35,6 +35,7 @@ from orbitproof.verify.evidence import (
     excludes_zero,
     is_positive,
 )
+from orbitproof.verify.periodic import check_functions_of
 from orbitproof.verify.periodic_curve import Turn, require_piece
 from orbitproof.verify.periodic_curve.turns import turns_of
 
@@ -45,7 +46,11 @@ class BirthCurveTheorem:
 
     atlas: BirthAtlas
 
-    hypotheses = ("pieces", "birth", "curve", "amplitude", "simple-pair")
+    @property
+    def hypotheses(self) -> tuple[str, ...]:
+        """As in `evidence.Theorem`."""
+        functions = ("functions",) if self.atlas.system.defined else ()
+        return (*functions, "pieces", "birth", "curve", "amplitude", "simple-pair")
 
 
 @dataclass(frozen=True)
@@ -97,6 +102,7 @@ def conclude_births(atlas: BirthAtlas, results: Sequence[IntervalResult]) -> Con
 def _check_curve(checklist: Checklist, atlas: BirthAtlas, results: Sequence[IntervalResult]) -> Chain:
     """Check that there is a curve; raises `NotEstablishedError` at the first hypothesis that is not shown."""
     claim, pieces = atlas.claim, atlas.curve_pieces()
+    check_functions_of(checklist, atlas.system)
     statement = "the claim names two coordinates and a parameter; the pieces have these coordinates, frames and tubes"
     with checklist.hypothesis("pieces", "38.1", statement, "write the atlas again") as evidence:
         evidence.require(claim.kind in BIRTH_CURVES, f"{claim.kind} is no claim about such a curve")
@@ -137,16 +143,17 @@ def _check_pair(checklist: Checklist, atlas: BirthAtlas, start: dict[str, arb]) 
     system, claim = atlas.system, atlas.claim
     statement = "the pair of eigenvalues where the curve begins is simple"
     with checklist.hypothesis("simple-pair", "38.5", statement, "a narrower tube of the first piece") as evidence:
-        size = len(system.state)
+        state = system.given_state
+        size = len(state)
         known = {name: enclose(value) for name, value in atlas.parameters.items()} | start
         units = [[arb(int(i == j)) for i in range(size)] for j in range(size)]
-        rates = expand(system, [start[x] for x in system.state], [known[name] for name in system.parameters], units, 1)
+        rates = expand(system, [start[x] for x in state], [known[name] for name in system.parameters], units, 1)
         matrix = arb_mat([[rate.slope(j) for j in range(size)] for rate in rates])
         exact = {claim.section: Fraction(0), claim.amplitude: Fraction(1)}
-        y = arb_mat([[enclose(exact[x]) if x in exact else start[own_name(f"along {x}")]] for x in system.state])
+        y = arb_mat([[enclose(exact[x]) if x in exact else start[own_name(f"along {x}")]] for x in state])
         moved = matrix * y
         # A^2 y = -omega^2 y, and y_j = 1.
-        square = evidence.record("omega^2", -(matrix * moved)[system.state.index(claim.amplitude), 0])
+        square = evidence.record("omega^2", -(matrix * moved)[state.index(claim.amplitude), 0])
         evidence.require(is_positive(square), "omega may be 0", needs_precision=True)
         if evidence.holds:
             omega = evidence.record("omega", square.sqrt())

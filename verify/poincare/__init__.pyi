@@ -16,6 +16,7 @@ from .derivatives import table_of as table_of
 from .early_end import EarlyEnd as EarlyEnd
 from .early_end import HalfReturns as HalfReturns
 from .functions import defined_values as defined_values
+from .functions import function_of as function_of
 from .half_orbit import check_half_orbit as check_half_orbit
 from .half_orbits import WIDE_PARTS as WIDE_PARTS
 from .half_orbits import HalfOrbits as HalfOrbits

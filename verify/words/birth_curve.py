@@ -20,7 +20,8 @@ def birth_curve_in_words(theorem: BirthCurveTheorem, curve: ProvedBirthCurve) ->
     atlas, claim, system = theorem.atlas, theorem.atlas.claim, theorem.atlas.system
     names = names_in_words(system)
     varying, section, amplitude = (names.get(x, x) for x in (claim.parameter, claim.section, claim.amplitude))
-    state = ", ".join(names.get(name, name) for name in system.state)
+    given_state = system.given_state
+    state = ", ".join(names.get(name, name) for name in given_state)
     first, last = curve.ends["start"], curve.ends["end"]
     given = ", ".join(
         f"{name} = {exact_text(value)}" for name, value in keyed_in_words(system, atlas.parameters).items()
@@ -30,10 +31,10 @@ def birth_curve_in_words(theorem: BirthCurveTheorem, curve: ProvedBirthCurve) ->
         f"Consider the {system.title}{f' with {given}' if given else ''}.\nThere is a smooth curve without "
         f"self-intersections of values of {varying}, equilibria ({state}) and periodic orbits. It begins at "
         f"{varying} = {decimal_interval(first[claim.parameter], _DIGITS)} with the equilibrium "
-        f"{_point([first[name] for name in system.state])}. There the derivative of the vector field has the simple "
+        f"{_point([first[name] for name in given_state])}. There the derivative of the vector field has the simple "
         f"eigenvalues i omega and -i omega, omega in {interval_text(omega, _DIGITS)}, and no other eigenvalue is a "
         f"multiple of i omega, 0 included. While {varying} changes, the real part of this pair changes with a speed "
-        f"that is not 0, as Hopf's theorem takes it.{_others(curve, len(system.state))}",
+        f"that is not 0, as Hopf's theorem takes it.{_others(curve, len(given_state))}",
         f"At every other point of the curve the orbit is periodic. In its least period it crosses the plane where "
         f"{section} is that of the equilibrium exactly once in the direction in which {section} "
         f"{'grows' if claim.direction > 0 else 'falls'}, and it does so where {amplitude} is greater than that of the "
@@ -43,7 +44,7 @@ def birth_curve_in_words(theorem: BirthCurveTheorem, curve: ProvedBirthCurve) ->
         "the amplitude, the equilibrium, and the point of the orbit less the equilibrium in units of the amplitude, "
         "there are no other such orbits near the curve but those of its continuation next to its ends.",
         f"The curve ends at {varying} = {decimal_interval(last[claim.parameter], _DIGITS)} with the equilibrium "
-        f"{_point([last[name] for name in system.state])} and the orbit through {_point(_crossing(theorem, last))}.",
+        f"{_point([last[name] for name in given_state])} and the orbit through {_point(_crossing(theorem, last))}.",
     ]
     start, end = first[claim.parameter], last[claim.parameter]
     if is_below(start, end) or is_below(end, start):
@@ -61,7 +62,7 @@ def _crossing(theorem: BirthCurveTheorem, end: Mapping[str, arb]) -> list[arb]:
     exact = {claim.section: arb(0), claim.amplitude: arb(1)}
     return [
         known[name] + known[AMPLITUDE] * (exact[name] if name in exact else known[own_name(f"along {name}")])
-        for name in theorem.atlas.system.state
+        for name in theorem.atlas.system.given_state
     ]
 
 
