@@ -57,6 +57,17 @@ def circles_born(system: System | None = None, reach: Q = Q(1, 8), square: Q = Q
     return BirthAtlas(**{**given, **changes})
 
 
+def bent_circles(u: str, inverse: str, rest: Q, direction: int = -1) -> BirthAtlas:
+    """Circles about 0 of u(x) and y, of the square of the radius a; `inverse`: 1/u'(x), `rest`: where u is 0."""
+    where = {"u": u, "g": "a - u**2 - y**2"}
+    field = {"x": f"({inverse})*(g*u - y)", "y": "u + g*y"}
+    system = define_system({"name": "bent", "state": "x y", "parameters": "a", "where": where, "field": field})
+    rows, reach = [squares(Q(1, 32)), (rest,), (Q(0),)], Q(1, 32)
+    claim = BirthCurveClaim("birth-arc", "x", direction, "y", "a")  # type: ignore[arg-type]
+    given = piece(reach, rows, tube=(Q(1, 2**20),) * 3)
+    return BirthAtlas("bent", "circles in other coordinates", system, {}, claim, (given,))
+
+
 def slaved_born(reach: Q = Q(1, 8), b: Q = Q(2)) -> BirthAtlas:
     """a = eps^2/b = c_1, y_z = 3 eps/5."""
     rows = [squares(reach, 1 / b), squares(reach, 1 / b), (Q(0),), (Q(0),), (Q(3, 5) * reach, Q(3, 5) * reach)]

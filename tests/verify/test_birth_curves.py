@@ -13,11 +13,11 @@ from typing import Any
 import pytest
 from flint import arb, ctx
 from support import birth_cases as cases
-from support import equilibrium_cases
 
 from orbitproof.shared.claims import BirthAtlas
 from orbitproof.shared.formats import define_system
 from orbitproof.shared.systems import AMPLITUDE, Program, System, blown_up, own_name, record
+from orbitproof.verify.algebra import Arithmetic, Grading
 from orbitproof.verify.birth_curve import (
     BirthCurveTheorem,
     BirthLimits,
@@ -27,9 +27,18 @@ from orbitproof.verify.birth_curve import (
     proved_curve,
 )
 from orbitproof.verify.birth_curve import piece as proved_piece
+from orbitproof.verify.birth_curve.functions import mean_slope
 from orbitproof.verify.curve import IntervalResult, check_newton
 from orbitproof.verify.curve.tube import Tube
-from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Proved, enclose
+from orbitproof.verify.evidence import (
+    FUNCTIONS,
+    Checklist,
+    IntegrationFailure,
+    NotEstablishedError,
+    NotProved,
+    Proved,
+    enclose,
+)
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.words.birth_curve import birth_curve_in_words
 
@@ -135,9 +144,32 @@ def test_roots_are_divided_too() -> None:
         assert found == [(u - v) / eps for u, v in zip(*rates, strict=True)]
 
 
-def test_a_field_with_functions_is_refused() -> None:
-    with pytest.raises(ValueError, match="not written in such units"):
-        blown_up(equilibrium_cases.PENDULUM)
+@pytest.mark.quick
+@pytest.mark.parametrize("function", ["sin", "cos", "exp", "log"])
+def test_mean_slopes_of_functions_contain_those_of_the_points(function: str) -> None:
+    """Of sets of values and of changes, 0 included, from much higher precision."""
+    arithmetic, apply = Arithmetic(Grading((1,), 1), 100, 0, 4), FUNCTIONS[function]
+    for at, change in ((Q(1), Q(0)), (Q(5, 4), Q(1, 10**12)), (Q(3, 2), Q(3)), (Q(9, 4), Q(-3, 2)), (Q(1), Q(3, 4))):
+        for radius in (Q(0), Q(1, 64)):
+            with ctx.workprec(400):
+                found = mean_slope(function, arithmetic.constant(at).widened(radius), arithmetic.constant(change))
+                assert sum(found.errors) < (1.0 if radius else 2.0**-80)
+                ball = arb(found.coefs[0][0]) / 2**100 + arb(0, sum(found.errors))
+                for place in {at - radius, at, at + radius}:
+                    step = change or Q(1, 10**40)
+                    exact = (apply(enclose(place + step)) - apply(enclose(place))) / enclose(step)
+                    # Where the change is 0 it is the derivative, up to the step.
+                    assert (ball + (0 if change else arb(0, 1e-35))).contains(exact), (at, change, radius)
+
+
+def test_mean_slopes_are_enclosed_or_not_at_all() -> None:
+    """The ratio of two arguments of a logarithm is too large, or an argument is not positive."""
+    arithmetic = Arithmetic(Grading((1,), 1), 64, 0, 4)
+    for at, change in ((1, 50), (1, -2), (3, -3)):
+        with pytest.raises(IntegrationFailure):
+            mean_slope("log", arithmetic.constant(Q(at)), arithmetic.constant(Q(change)))
+    with pytest.raises(ValueError, match="no function of a field"):
+        mean_slope("tan", arithmetic.constant(Q(1)), arithmetic.constant(Q(1)))
 
 
 # Curves of closed form
@@ -160,6 +192,51 @@ def test_circles_from_their_birth_on() -> None:
         assert found.turns == ()
         assert (found.eigenvalues.left, found.eigenvalues.right) == (len(atlas.system.state) - 2, 0)
     assert found.ends["end"][own_name("along z")].overlaps(arb(3) / 20)
+
+
+BENT: dict[str, tuple[str, str, Q, int]] = {
+    "exp": ("exp(x) - 1", "exp(-x)", Q(0), -1),
+    "log": ("log(x)", "x", Q(1), -1),
+    "sin": ("sin(x)", "1/cos(x)", Q(0), -1),
+    "cos": ("cos(x)", "-1/sin(x)", Q(884279719003555, 562949953421312), 1),
+    "both": ("exp(sin(x)) - 1", "exp(-sin(x))/cos(x)", Q(0), -1),
+}
+"""Circles in other coordinates: that of x, its inverse derivative, where it is 0, and the direction."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BENT)
+def test_circles_in_coordinates_that_are_bent(name: str) -> None:
+    """A function of x and y go round on circles: all periods are 2 pi, and a = eps^2."""
+    atlas = cases.bent_circles(*BENT[name])
+    found = proved(atlas)
+    assert found.ends["end"]["a"].contains(arb(1) / 256)
+    assert found.ends["end"]["a"].rad() < 1e-14
+    assert abs(found.ends["start"]["x"] - (arb.pi() / 2 if name == "cos" else enclose(BENT[name][2]))) < 1e-14
+    assert found.frequency.contains(1)
+    assert found.period.overlaps(2 * arb.pi())
+    assert found.period.rad() < 1e-4
+    assert {"x", "y", "a", AMPLITUDE} == {*found.ends["start"]}
+
+
+@pytest.mark.slow
+def test_circles_in_bent_coordinates_are_no_others() -> None:
+    """About another point, the other way round, or on the other side."""
+    exact = cases.bent_circles("log(x)", "x", Q(1))
+    (piece,), claim = exact.curve_pieces(), exact.claim
+    elsewhere = replace(piece, centre=(*piece.centre[:2], Q(1, 2), *piece.centre[3:]))
+    assert why_not(replace(exact, claim=replace(claim, direction=1))) == "direction"
+    minus = cases.squares(Q(1, 32), Q(-1))
+    for wrong in (elsewhere, replace(piece, polynomial=(minus, *piece.polynomial[1:]))):
+        assert why_not(replace(exact, pieces=(wrong,))) in ("newton", "slope")
+
+
+def test_what_is_no_function_of_the_state_is_noticed() -> None:
+    """x' = x (..) keeps w = log(x) + k for any k, and no sine."""
+    atlas = cases.bent_circles("log(x)", "x", Q(1))
+    (log,) = atlas.system.defined
+    wrong = replace(atlas, system=replace(atlas.system, defined=(replace(log, function="exp"),)))
+    assert reason(wrong, []) == "functions"
 
 
 def test_the_parameter_may_turn_back() -> None:
@@ -224,8 +301,8 @@ def test_false_claims_about_a_piece_are_not_proved() -> None:
     assert why_not(replace(atlas, parameters={"a": Q(0)})) == "piece"
     for wrong in (replace(piece, tube=piece.tube[:-1]), replace(piece, frame=(piece.frame[0],) * 4)):
         assert why_not(replace(atlas, pieces=(wrong,))) == "piece"
-    with_functions = replace(atlas, system=equilibrium_cases.PENDULUM, claim=replace(claim, section="v", parameter="k"))
-    assert why_not(with_functions) == "piece"
+    bent = cases.bent_circles("log(x)", "x", Q(1))
+    assert why_not(replace(bent, claim=replace(bent.claim, section=bent.system.state[2]))) == "piece"
 
 
 def test_the_velocity_has_its_sign_on_all_parts_of_a_tube() -> None:
