@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import cmath
 from fractions import Fraction as Q
+from math import exp
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +13,7 @@ from flint import arb
 from support import birth_cases
 
 from orbitproof import explore
-from orbitproof.explore.periodic import PeriodicFailure, cover_birth
+from orbitproof.explore.periodic import birth_curve, cover_birth
 from orbitproof.explore.periodic.atlas import CurveControl
 from orbitproof.shared.claims import BirthAtlas
 from orbitproof.shared.formats import define_system, read_atlas, write_atlas
@@ -37,6 +39,11 @@ LIVES: dict[str, tuple[dict[str, Any], dict[str, Any], dict[str, Any], str, tupl
         {"name": "lure", "state": "x y z", "parameters": "alpha beta",
          "field": {"x": "y", "y": "z", "z": "-alpha*z - beta*y - x + x**2"}},
         {"x": 0, "y": 0, "z": 0}, {"alpha": "6/5", "beta": 1}, "alpha", (0.99, 1.4), 1.0,
+    ),
+    "reactor": (
+        {"name": "reactor", "state": "u v", "parameters": "D B c", "where": {"k": "D*(1 - u)*exp(v)"},
+         "field": {"u": "k - u", "v": "B*k - v - c*v"}},
+        {"u": 0.4, "v": 1.2}, {"D": "21/100", "B": 12, "c": 3}, "D", (0.2, 0.25), exp(-1.5),
     ),
 }  # fmt: skip
 """A system, a start, its parameters, the one that varies and its interval, and the Hopf point."""
@@ -83,13 +90,29 @@ def test_a_curve_of_circles_begins_where_they_are_born(tmp_path: Path) -> None:
     assert read_atlas(tmp_path / "a.json") == atlas
 
 
-def test_fields_with_functions_are_not_covered() -> None:
-    system = define_system(
-        {"name": "f", "state": "x y", "parameters": "a", "field": {"x": "a*sin(x) - y - x**3", "y": "x + a*y"}}
-    )
-    hopf = hopf_of(system, {"x": 0.0, "y": 0.0}, {"a": "-1/10"}, "a", (-0.5, 0.5))
-    with pytest.raises(PeriodicFailure, match="a field with sin, cos, exp or log"):
-        cover_birth(hopf, (-0.5, 0.5), "f")
+@pytest.mark.parametrize("function", ["sin", "cos", "exp", "log"])
+def test_mean_slopes_are_those_of_differences(function: str) -> None:
+    """And derivatives where there is no difference; their derivatives follow by a complex step."""
+    apply = getattr(cmath, function)
+    for at, change in ((1.25, 0.0), (1.0, 1e-3), (0.5, 2.0), (2.0, -1.5), (3.0, 0.75)):
+        found = birth_curve._mean_slope(function, complex(at), complex(change))
+        expected = (apply(at + change) - apply(at)) / change if change else apply(at + 1e-30j).imag / 1e-30
+        assert abs(found - expected) < 1e-12 + (change == 1e-3) * 1e-10
+        moved = birth_curve._mean_slope(function, complex(at), change + 1e-30j).imag / 1e-30
+        after, before = (birth_curve._mean_slope(function, complex(at), change + step) for step in (1e-5, -1e-5))
+        assert abs(moved - (after - before).real / 2e-5) < 1e-8
+
+
+@pytest.mark.slow
+def test_circles_in_bent_coordinates_are_covered() -> None:
+    """Those of log(x) and y: at the exact place, with further coordinates that begin as they must."""
+    system, bounds = birth_cases.bent_circles("log(x)", "x", Q(1)).system, (-0.5, 0.01)
+    hopf = hopf_of(system, {"x": 1.0, "y": 0.0}, {"a": "-1/10"}, "a", bounds)
+    atlas = cover_birth(hopf, bounds, "bent", CurveControl(most=1, widest=0.5)).atlas
+    assert isinstance(atlas, BirthAtlas)
+    found = proved(atlas, BirthLimits(precision=96, order=40, width=28, top=2))
+    assert found.frequency.contains(1)
+    assert found.period.overlaps(2 * arb.pi())
 
 
 @pytest.mark.slow
@@ -105,3 +128,30 @@ def test_orbits_are_proved_from_their_birth_on(name: str) -> None:
     assert found.ends["end"][AMPLITUDE] > arb(0.1)
     assert found.ends["end"][varies] < found.ends["start"][varies]
     assert abs(found.frequency - hopf.frequency) < 1e-8
+
+
+NEURON = {
+    "name": "neuron", "state": "v w", "parameters": "I a b e",
+    "field": {"v": "v - v**3/3 - w + I", "w": "e*(v + a - b*w)"},
+}  # fmt: skip
+FOLD = 0.473644106
+"""From scipy, where the return to v = -4/5 and the derivative of what it moves by vanish."""
+
+
+@pytest.mark.slow
+def test_orbits_are_proved_from_their_birth_on_through_a_fold() -> None:
+    """FitzHugh and Nagumo's neuron: born below, they turn back, and go on beyond the Hopf point, which is known."""
+    bounds = (0.4, 0.48)
+    given = {"I": "9/20", "a": "7/10", "b": "7/10", "e": "1/2"}
+    hopf = hopf_of(define_system(NEURON), {"v": -1.0, "w": -0.5}, given, "I", bounds)
+    covered = cover_birth(hopf, bounds, "neuron")
+    assert covered.reaches
+    assert isinstance(covered.atlas, BirthAtlas)
+    found = proved(covered.atlas, BirthLimits(precision=96, order=40, width=28, top=2))
+    (turn,) = found.turns
+    assert not turn.is_maximum
+    assert all(FOLD - 1e-8 < value < FOLD + 1e-4 for value in turn.values)
+    v = -(arb(13) / 20).sqrt()
+    start = found.ends["start"]
+    assert start["I"].overlaps(10 * v / 7 + 1 - v + v**3 / 3)
+    assert start["I"] < found.ends["end"]["I"]
