@@ -20,10 +20,7 @@ AMPLITUDE = own_name("amplitude")
 
 
 def blown_up(system: System) -> VectorField:
-    """F in plain arithmetic, called with y and with the parameters of the system, then eps, then c.
-
-    Coordinates that are functions of others are some of those of y and c (section 38.7).
-    """
+    """F in plain arithmetic, called with y and with the parameters of the system, then eps, then c; all coordinates."""
     return _in_units(system.program, len(system.state))
 
 
