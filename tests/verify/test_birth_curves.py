@@ -17,7 +17,7 @@ from support import birth_cases as cases
 from orbitproof.shared.claims import BirthAtlas
 from orbitproof.shared.formats import define_system
 from orbitproof.shared.systems import AMPLITUDE, Program, System, blown_up, own_name, record
-from orbitproof.verify.algebra import Arithmetic, Grading
+from orbitproof.verify.algebra import Arithmetic, Grading, WideArithmetic
 from orbitproof.verify.birth_curve import (
     BirthCurveTheorem,
     BirthLimits,
@@ -27,7 +27,7 @@ from orbitproof.verify.birth_curve import (
     proved_curve,
 )
 from orbitproof.verify.birth_curve import piece as proved_piece
-from orbitproof.verify.birth_curve.functions import mean_slope
+from orbitproof.verify.birth_curve.functions import mean_slope, slopes_at_start
 from orbitproof.verify.curve import IntervalResult, check_newton
 from orbitproof.verify.curve.tube import Tube
 from orbitproof.verify.evidence import (
@@ -40,6 +40,8 @@ from orbitproof.verify.evidence import (
     enclose,
 )
 from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.periodic import functions_at_start
+from orbitproof.verify.poincare import defined_values
 from orbitproof.verify.words.birth_curve import birth_curve_in_words
 
 FAST = BirthLimits(precision=80, order=24, width=16, top=1)
@@ -160,6 +162,20 @@ def test_mean_slopes_of_functions_contain_those_of_the_points(function: str) -> 
                     exact = (apply(enclose(place + step)) - apply(enclose(place))) / enclose(step)
                     # Where the change is 0 it is the derivative, up to the step.
                     assert (ball + (0 if change else arb(0, 1e-35))).contains(exact), (at, change, radius)
+
+
+def test_slopes_at_the_start_do_not_depend_on_time() -> None:
+    """Also where products of elements have more powers of sigma than are kept."""
+    system = define_system(
+        {"name": "f", "state": "x y", "parameters": "a", "field": {"x": "exp(exp(x)) + a*y", "y": "sin(x)*log(y + 2)"}}
+    )
+    arithmetic = WideArithmetic(Grading((1,), 1), 80, 20, 24, width=12)
+    x, y, a = (arithmetic.polynomial({(0,): [Q(1, k + m) / 8**k for k in range(13)]}) for m in (3, 4, 5))
+    own = defined_values(functions_at_start(system), [x, y], [a])
+    for each in (*own, *slopes_at_start(system, [x, y], [a], a, [x, y, *own])):
+        assert each.arithmetic is arithmetic
+        assert all(p.length() <= arithmetic.stride for p in each.coefs)
+        assert any(p.length() > 1 for p in each.coefs)
 
 
 def test_mean_slopes_are_enclosed_or_not_at_all() -> None:

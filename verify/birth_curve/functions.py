@@ -7,7 +7,7 @@ from fractions import Fraction
 from math import factorial
 
 from orbitproof.shared.systems import System, blown_up_program, record
-from orbitproof.verify.algebra import Series, convolve, fraction_above, geometric, inflate, total
+from orbitproof.verify.algebra import Series, convolve, fraction_above, geometric, inflate, total, without_time
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.periodic import functions_at_start
 from orbitproof.verify.poincare import at_start, function_of
@@ -26,6 +26,8 @@ def slopes_at_start(
 
     Raises `IntegrationFailure` where they are not enclosed.
     """
+    whole, amplitude = amplitude.arithmetic, without_time(amplitude)
+    y, parameters, rest = (list(map(without_time, each)) for each in (y, parameters, rest))
     found, missing = list(y), amplitude.arithmetic.constant(Fraction(0))
     for function, argument in functions_at_start(system):
         later = [missing] * (len(rest) - len(found))
@@ -33,7 +35,7 @@ def slopes_at_start(
         inputs = [*found, *later, *parameters, amplitude, *rest]
         (slope,) = at_start(blown_up_program(argument, len(rest)), inputs)
         found.append(slope * mean_slope(function, before, amplitude * slope))
-    return found[len(y) :]
+    return [Series(whole, each.coefs, each.errors) for each in found[len(y) :]]
 
 
 def mean_slope(function: str, at: Series, change: Series) -> Series:

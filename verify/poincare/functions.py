@@ -9,7 +9,7 @@ from math import factorial, log2
 from flint import arb, fmpz_poly
 
 from orbitproof.shared.systems import Program, System
-from orbitproof.verify.algebra import Series, at_start, convolve, geometric, inflate
+from orbitproof.verify.algebra import Series, at_start, convolve, geometric, inflate, without_time
 from orbitproof.verify.evidence import IntegrationFailure, enclose, exact_value
 
 _MOST_TERMS = 120
@@ -20,6 +20,7 @@ def function_of(name: str, argument: Series) -> Series:
 
     Raises `IntegrationFailure` unless its series converges well on the whole set.
     """
+    whole, argument = argument.arithmetic, without_time(argument)
     arithmetic = argument.arithmetic
     middle = Fraction(int(argument.coefs[0][0]), int(arithmetic.one))
     # Of the constant coefficient only what does not depend on the wide variable is the middle.
@@ -40,7 +41,8 @@ def function_of(name: str, argument: Series) -> Series:
         power = power * rest
     # All terms after these are rest^last + 1 times a coefficient times a power of rest.
     remainder = convolve(power.norm(), [1.0 + tail[0], *tail[1:]])
-    return result.with_errors([inflate(e + bound * r) for e, r in zip(result.errors, remainder, strict=True)])
+    errors = [inflate(e + bound * r) for e, r in zip(result.errors, remainder, strict=True)]
+    return Series(whole, result.coefs, errors)
 
 
 def defined_values(
