@@ -28,6 +28,7 @@ from orbitproof.verify.birth_curve import (
 )
 from orbitproof.verify.birth_curve import piece as proved_piece
 from orbitproof.verify.birth_curve.functions import mean_slope, slopes_at_start
+from orbitproof.verify.claim.functions import enclose_functions
 from orbitproof.verify.curve import IntervalResult, check_newton
 from orbitproof.verify.curve.tube import Tube
 from orbitproof.verify.evidence import (
@@ -164,11 +165,39 @@ def test_mean_slopes_of_functions_contain_those_of_the_points(function: str) -> 
                     assert (ball + (0 if change else arb(0, 1e-35))).contains(exact), (at, change, radius)
 
 
+NESTED = define_system(
+    {
+        "name": "f",
+        "state": "x y",
+        "parameters": "a",
+        "field": {"x": "exp(a*exp(x)/3) + a*y", "y": "sin(x*y)*log(y + 2)"},
+    }
+)
+
+
+def test_slopes_at_the_start_are_quotients_of_differences() -> None:
+    """Of functions of functions, for points, from balls at the equilibrium and beside it."""
+    arithmetic, (x, y, a, eps) = Arithmetic(Grading((1,), 1), 100, 0, 4), (Q(1, 3), Q(5, 4), Q(3, 2), Q(3, 4))
+    along = [Q(1, 2), Q(-2, 3)]
+    with ctx.workprec(200):
+        rest, there = (
+            enclose_functions(NESTED, [enclose(v) for v in point] + [arb(0)] * len(NESTED.defined), [enclose(a)])
+            for point in ((x, y), (x + eps * along[0], y + eps * along[1]))
+        )
+        own = [arithmetic.constant(value) for value in (x, y)]
+        held = [*own, *defined_values(functions_at_start(NESTED), own, [arithmetic.constant(a)])]
+        given, known = [arithmetic.constant(value) for value in along], [arithmetic.constant(a)]
+        found = slopes_at_start(NESTED, given, known, arithmetic.constant(eps), held)
+        assert len(found) == len(NESTED.defined) == 5
+        for each, before, after in zip(found, rest[2:], there[2:], strict=True):
+            assert sum(each.errors) < 2.0**-80
+            ball = arb(each.coefs[0][0]) / 2**100 + arb(0, sum(each.errors))
+            assert ball.overlaps((after - before) / enclose(eps))
+
+
 def test_slopes_at_the_start_do_not_depend_on_time() -> None:
     """Also where products of elements have more powers of sigma than are kept."""
-    system = define_system(
-        {"name": "f", "state": "x y", "parameters": "a", "field": {"x": "exp(exp(x)) + a*y", "y": "sin(x)*log(y + 2)"}}
-    )
+    system = NESTED
     arithmetic = WideArithmetic(Grading((1,), 1), 80, 20, 24, width=12)
     x, y, a = (arithmetic.polynomial({(0,): [Q(1, k + m) / 8**k for k in range(13)]}) for m in (3, 4, 5))
     own = defined_values(functions_at_start(system), [x, y], [a])
