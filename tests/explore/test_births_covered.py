@@ -147,7 +147,7 @@ def test_orbits_are_proved_from_their_birth_on_through_a_fold() -> None:
     covered = cover_birth(hopf, bounds, "neuron")
     assert covered.reaches
     assert isinstance(covered.atlas, BirthAtlas)
-    found = proved(covered.atlas, BirthLimits(precision=96, order=40, width=28, top=2))
+    found = proved(covered.atlas, BirthLimits())
     (turn,) = found.turns
     assert not turn.is_maximum
     assert all(FOLD - 1e-8 < value < FOLD + 1e-4 for value in turn.values)
