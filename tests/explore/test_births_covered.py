@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import cmath
 from fractions import Fraction as Q
-from math import exp
 from pathlib import Path
 from typing import Any
 
@@ -39,11 +38,6 @@ LIVES: dict[str, tuple[dict[str, Any], dict[str, Any], dict[str, Any], str, tupl
         {"name": "lure", "state": "x y z", "parameters": "alpha beta",
          "field": {"x": "y", "y": "z", "z": "-alpha*z - beta*y - x + x**2"}},
         {"x": 0, "y": 0, "z": 0}, {"alpha": "6/5", "beta": 1}, "alpha", (0.99, 1.4), 1.0,
-    ),
-    "reactor": (
-        {"name": "reactor", "state": "u v", "parameters": "D B c", "where": {"k": "D*(1 - u)*exp(v)"},
-         "field": {"u": "k - u", "v": "B*k - v - c*v"}},
-        {"u": 0.4, "v": 1.2}, {"D": "21/100", "B": 12, "c": 3}, "D", (0.2, 0.25), exp(-1.5),
     ),
 }  # fmt: skip
 """A system, a start, its parameters, the one that varies and its interval, and the Hopf point."""
