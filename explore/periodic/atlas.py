@@ -299,6 +299,8 @@ class Trace:
             if chart is None:
                 return found, f"no further piece: {why}"
             found.append(chart)
+            if why := self.ends_with(chart):
+                return found, why
             end = chart.ends[1]
             width = chart.half_width * (_WIDER if chart.series.shape[1] < _DEGREE - 4 else 1.0)
             width = min(width, self.control.widest)
@@ -307,6 +309,10 @@ class Trace:
             if len(found) > 1 and self._is_back(end):
                 return found, None
         return found, "beyond what was asked for"
+
+    def ends_with(self, chart: PieceInFloats) -> str:
+        """Why the curve ends with a piece; empty where it goes on."""
+        return ""
 
     def _next(self, end: CurvePoint, width: float) -> PieceInFloats:
         """The piece that begins at the end of another one. Raises `PeriodicFailure`."""

@@ -29,8 +29,10 @@ _ROUNDING = 1e-6
 """An equilibrium nearer to the origin tells nothing of the size of orbits."""
 _SHIFT, _TERMS, _NEAR = 1e-30, 40, 0.1
 _COMPLEX = {"sin": cmath.sin, "cos": cmath.cos, "exp": cmath.exp, "log": cmath.log}
-_SHRINKS = 1e-3
-"""The curve ends where the amplitude grows so little, in units of the scales."""
+_STRAIGHT = 1e-3
+"""Small orbits across which the section cuts no more than so much are not followed."""
+_NO_AMPLITUDE = 1e-3
+"""The curve ends where the amplitude is so small again, in units of its scale."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,7 @@ def cover_birth(
 ) -> CoveredCurve:
     """The curve of the orbits that are born at a Hopf point, as pieces from there on.
 
-    It ends with the first piece that reaches beyond `bounds`, where the amplitude does not grow, or where no further
+    It ends with the first piece that reaches beyond `bounds`, before the amplitude is 0 again, or where no further
     piece is found. Raises `PeriodicFailure` if there is none at all.
     """
     problem, system, control = hopf.problem, hopf.problem.system, control or CurveControl()
@@ -116,7 +118,7 @@ def cover_birth(
     turned = hopf.vector * 1j / hopf.vector[section]
     turned[section] = 1j
     amplitude = int(np.argmax(np.abs(turned.real)))
-    if abs(turned.real[amplitude]) < _SHRINKS:
+    if abs(turned.real[amplitude]) < _STRAIGHT:
         raise PeriodicFailure("the small orbits are nearly straight")
     y = turned / turned.real[amplitude]
     # The velocity over the plane is that of Re(i omega q).
@@ -129,22 +131,16 @@ def cover_birth(
     curve = BirthCurve(problem, place, scales, section, amplitude)
     start = np.concatenate([[hopf.value, 0.0], hopf.point, y.real[curve.across]])
     middle = _first(curve, start, hopf.period)
-    trace = Trace(curve, bounds, control, middle, progress)
+    trace = _FromBirth(curve, bounds, control, middle, progress)
     ahead, reason = trace.pieces(middle.ends[1])
-    charts = [middle, *ahead]
-    for number, chart in enumerate(charts):
-        if not _grows(chart.series, chart.frame, chart.half_width):
-            charts, reason = charts[:number], "the amplitude does not grow any further"
-            break
-    if not charts:
-        raise PeriodicFailure("the amplitude does not grow")
+    charts = [middle, *(chart for chart in ahead if not trace.ends_with(chart))]
     state = system.given_state
     claim = BirthCurveClaim("birth-arc", state[section], direction, state[amplitude], hopf.name)  # type: ignore[arg-type]
     parameters = {key: exact for key, exact in problem.parameters.items() if key != hopf.name}
     title = f"Orbits of the {system.title} from their birth on along {hopf.name}"
     pieces = tuple(piece_of(curve, f"p{number:03d}", chart, control) for number, chart in enumerate(charts, start=1))
     last = trace.value(charts[-1].ends[1])
-    ends = f"{hopf.name} = {hopf.value:.10g}: birth", f"{hopf.name} = {last:.10g}: {reason or 'it is closed'}"
+    ends = f"{hopf.name} = {hopf.value:.10g}: birth", f"{hopf.name} = {last:.10g}: {reason}"
     reaches = not bounds[0] <= last <= bounds[1]
     return CoveredCurve(BirthAtlas(identity, title, system, parameters, claim, pieces, {}), ends, reaches)
 
@@ -166,14 +162,15 @@ def _first(curve: BirthCurve, start: Vector, period: float) -> PieceInFloats:
     raise failure
 
 
-def _grows(series: Matrix, frame: Matrix, half_width: float) -> bool:
-    """Whether the amplitude grows all along a piece."""
-    places = np.linspace(-1.0, 1.0, 33)
-    slopes = [chebyshev.chebval(places, chebyshev.chebder(row)) for row in series]
-    along = frame[1, 0] * half_width + sum(
-        factor * slope for factor, slope in zip(frame[1, 1:], slopes, strict=True)
-    )  # fmt: skip
-    return bool(np.all(along > _SHRINKS * half_width))
+class _FromBirth(Trace):
+    """Piece after piece from a birth on, as long as there are orbits."""
+
+    def ends_with(self, chart: PieceInFloats) -> str:
+        """Why the curve ends before a piece."""
+        places = np.linspace(-1.0, 1.0, 33)
+        local = np.vstack([chart.half_width * places, *(chebyshev.chebval(places, row) for row in chart.series)])
+        amplitudes = chart.centre.place[1] / self.curve.scales[1] + chart.frame[1] @ local
+        return "" if amplitudes.min() > _NO_AMPLITUDE else "the amplitude is 0 again"
 
 
 def _mean_slope(function: str, at: complex, change: complex) -> complex:

@@ -19,7 +19,7 @@ class BirthCurveClaim:
 
     An orbit is written as x = c + eps y, c an equilibrium for the same value of the parameter. It crosses the plane
     where `section` has its value at c exactly once in the direction, at the point with y = 1 for `amplitude`; there
-    that coordinate of x differs from that of c by eps. The curve begins with eps = 0, and eps increases along it.
+    that coordinate of x differs from that of c by eps. The curve begins with eps = 0, and eps is positive along it.
 
     Attributes:
         kind: one of `BIRTH_CURVES`.

@@ -38,9 +38,9 @@ def birth_curve_in_words(theorem: BirthCurveTheorem, curve: ProvedBirthCurve) ->
         f"At every other point of the curve the orbit is periodic. In its least period it crosses the plane where "
         f"{section} is that of the equilibrium exactly once in the direction in which {section} "
         f"{'grows' if claim.direction > 0 else 'falls'}, and it does so where {amplitude} is greater than that of the "
-        f"equilibrium. The difference, the amplitude, increases strictly along the curve, from 0 to "
-        f"{decimal_interval(last[AMPLITUDE], _DIGITS)}. As it tends to 0 the orbits shrink to the equilibrium at which "
-        f"the curve begins, and their least periods tend to 2 pi/omega. In the coordinates of the atlas, {varying}, "
+        f"equilibrium. The difference, the amplitude, is 0 where the curve begins and "
+        f"{decimal_interval(last[AMPLITUDE], _DIGITS)} where it ends. Towards its beginning the orbits shrink to the "
+        f"equilibrium, and their least periods tend to 2 pi/omega. In the coordinates of the atlas, {varying}, "
         "the amplitude, the equilibrium, and the point of the orbit less the equilibrium in units of the amplitude, "
         "there are no other such orbits near the curve but those of its continuation next to its ends.",
         f"The curve ends at {varying} = {decimal_interval(last[claim.parameter], _DIGITS)} with the equilibrium "
