@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from math import prod
 from typing import Any
 
 from orbitproof.shared.systems.names import own_name
@@ -40,15 +41,12 @@ def _in_units(program: Program, size: int) -> VectorField:
     def field(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
         known, eps, rest = parameters[:given], parameters[given], parameters[given + 1 :]
         arguments = [_Pair(c, y, eps) for c, y in zip(rest, state, strict=True)]
-        return _slopes(program, [*arguments, *(_Pair(value, None, eps) for value in known)], eps)
+        arguments += [_Pair(value, None, eps) for value in known]
+        values = program.evaluate(arguments, lambda value: _Pair(value, None, eps), _Pair.power)
+        # A component that does not depend on the state is constant in c + eps y.
+        return [Fraction(0) if each.slope is None else each.slope for each in values]
 
     return field
-
-
-def _slopes(program: Program, arguments: Sequence[_Pair], eps: Any) -> list[Any]:
-    values = program.evaluate(arguments, lambda value: _Pair(value, None, eps), _Pair.power)
-    # A component that does not depend on the state is constant in c + eps y.
-    return [Fraction(0) if each.slope is None else each.slope for each in values]
 
 
 @dataclass(frozen=True)
@@ -106,21 +104,14 @@ class _Pair:
         if exponent == 0:
             return _Pair(self.base**exponent, 0 * self.slope, self.eps)
         root = self if exponent.denominator == 1 else self._root(exponent.denominator)
-        result = root
-        for _ in range(exponent.numerator - 1):
-            result = result * root
-        return result
+        return prod([root] * (exponent.numerator - 1), start=root)
 
     def _root(self, degree: int) -> _Pair:
         # u - u_0 = (w - w_0) (w^(k-1) + w^(k-2) w_0 + ..) for roots w, w_0 of degree k
         share = Fraction(1, degree)
         before, after = self.base**share, self.value**share
-        terms = [_product([after] * power + [before] * (degree - 1 - power)) for power in range(degree)]
+        terms = []
+        for power in range(degree):
+            first, *others = [after] * power + [before] * (degree - 1 - power)
+            terms.append(prod(others, start=first))
         return _Pair(before, self.slope / sum(terms[1:], terms[0]), self.eps)
-
-
-def _product(factors: Sequence[Any]) -> Any:
-    result = factors[0]
-    for each in factors[1:]:
-        result = result * each
-    return result
