@@ -149,6 +149,23 @@ def test_fresh_verifies_again_and_only_leaves_the_other_rows(
     assert len(counted) == 5
 
 
+def test_a_fresh_run_that_is_interrupted_leaves_what_was_proved(
+    finished: tuple[Path, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stub(candidates: Any, limits: Limits, jobs: int, progress: Any, finished: Any, engine: Any) -> None:
+        finished(not_proved(candidates[1], Reason("stub", "message", "remedy"), 0.0))
+        raise KeyboardInterrupt
+
+    source, target = copies(finished, tmp_path)
+    before = read(target)
+    monkeypatch.setattr(orbitproof.verify.run.rows, "certify_all", stub)
+    assert main([str(source), "-o", str(target), "--quiet", "--fresh"]) == INTERRUPTED
+    after = read(target)
+    assert after.pop(FALSE["id"])["reason"]["condition"] == "stub"
+    assert before.pop(FALSE["id"])
+    assert after == before
+
+
 def test_certificates_of_other_candidates_are_not_overwritten(
     finished: tuple[Path, Path], tmp_path: Path, capsys: Any, counted: list[str]
 ) -> None:

@@ -8,6 +8,7 @@ import re
 import shlex
 import signal
 import sys
+from contextlib import nullcontext
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -15,7 +16,7 @@ from typing import Any
 
 import pytest
 from support import atlas_work
-from support.atlas_runs import CURVE, ROOT, go, refused, write
+from support.atlas_runs import CURVE, ROOT, InOrder, go, refused, write
 from support.claims import known
 from support.closed_form_lists import line
 from support.forgeries import DATA, atlas_certificate, of_parabola, read
@@ -40,6 +41,7 @@ from orbitproof.verify.run import piece_order
 from orbitproof.verify.run.branch_command import _parser, main
 from orbitproof.verify.run.branch_tasks import RunLimits, attempts_of
 from orbitproof.verify.run.branches import AtlasRun
+from orbitproof.verify.run.workplace import Workplace
 
 
 def certificate_of(atlas: Atlas, work: Any) -> dict[str, Any]:
@@ -194,6 +196,49 @@ def test_results_of_other_software_are_not_kept(tmp_path: Path, capsys: Any) -> 
     write_certificate(target, certificate)
     assert main([write(tmp_path / "atlas.json"), "-o", str(target)], atlas_work.proving) == 0
     assert "[3/3]" in capsys.readouterr().err
+
+
+def test_a_proof_of_other_software_stays_until_there_is_a_new_one(
+    tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However often a run is interrupted, and where it ends without a proof."""
+    monkeypatch.setattr(Workplace, "engine", lambda *_: nullcontext(InOrder()))
+    target, beside, asked = tmp_path / "curve.json", tmp_path / "curve.json.unfinished", []
+    words = [write(tmp_path / "atlas.json"), "-o", str(target), "--quiet"]
+
+    def every_other(argument: Any, report: Any) -> Any:
+        asked.append(argument["piece"]["id"])
+        if len(asked) % 2 == 0:
+            raise KeyboardInterrupt
+        return atlas_work.proving(argument, report)
+
+    def of_other_software() -> bytes:
+        document = json.loads(target.read_text())
+        document["software"]["source"] = "sha256:other"
+        target.write_text(json.dumps(document | {"digest": digest(document)}))
+        return target.read_bytes()
+
+    assert main(words, atlas_work.proving) == 0
+    before = of_other_software()
+    for done in (1, 2):
+        assert main(words, every_other) == INTERRUPTED
+        assert f"interrupted: {done} of 3 pieces finished, saved in {beside}" in capsys.readouterr().err
+        assert target.read_bytes() == before
+    assert main(words, every_other) == 0
+    assert len(asked) == 5
+    assert not beside.exists()
+    assert read_certificate(target, "atlas-certificate").proved
+    assert target.read_bytes() != before
+
+    before = of_other_software()
+    assert main([*words, "--max-splits", "0"], atlas_work.failing) == 1
+    assert f"{target}: still holds the proof of before; what was found now: {beside}" in capsys.readouterr().err
+    assert target.read_bytes() == before
+    assert not read_certificate(beside, "atlas-certificate").proved
+    beside.write_text("{")
+    assert "or replace the file with --fresh" in refused(capsys, *words)
+    assert main([*words, "--fresh"], atlas_work.proving) == 0
+    assert not beside.exists()
 
 
 def test_an_interrupt_keeps_finished_pieces_and_the_same_command_goes_on(tmp_path: Path, capsys: Any) -> None:

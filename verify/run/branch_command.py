@@ -107,7 +107,7 @@ def _run(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:
         prove_pieces(run, workplace, work)
     except KeyboardInterrupt:
         tell(piece_table(run), [branch_as_json(run)])
-        return _ended(options, run)
+        return _ended(run)
     except InputError:
         if run.results:
             tell(piece_table(run))
@@ -117,15 +117,17 @@ def _run(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:
         certificate = conclude_run(run, bifurcations, workplace)
     except KeyboardInterrupt:
         tell("", [branch_as_json(run)])
-        return _ended(options, run)
+        return _ended(run)
     conclusion = conclusion_text(certificate.document)
     tell(wrapped(["", *conclusion.splitlines()]), [branch_as_json(run, certificate.document)])
+    if run.proved is not None and not certificate.proved:
+        print(f"{run.proved}: still holds the proof of before; what was found now: {run.output}", file=sys.stderr)
     return 0 if certificate.proved and certificate.is_whole else 1
 
 
-def _ended(options: argparse.Namespace, run: AtlasRun) -> int:
+def _ended(run: AtlasRun) -> int:
     total = len(run.atlas.pieces)
-    return interrupted(total - len(run.pending), total, "pieces finished", options.output if run.results else None)
+    return interrupted(total - len(run.pending), total, "pieces finished", run.output if run.results else None)
 
 
 def _recheck(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:

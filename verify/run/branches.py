@@ -67,12 +67,20 @@ class AtlasRun:
     """
 
     def __init__(
-        self, atlas: AnyAtlas, limits: RunLimits, earlier: Sequence[Result] = (), output: Path | None = None
+        self,
+        atlas: AnyAtlas,
+        limits: RunLimits,
+        earlier: Sequence[Result] = (),
+        output: Path | None = None,
+        proved: Path | None = None,
     ) -> None:
-        """`earlier` are results that count already; `output` is the file that keeps them."""
+        """`earlier` are results that count already; `output` is the file that keeps them.
+
+        `proved` is a file that holds a proof, which stays until this run has one: then it is written there.
+        """
         self.atlas = atlas
         self.limits = limits
-        self.output = output
+        self.output, self.proved = output, proved
         self._attempts = attempts_of(atlas, limits)
         self._all_attempts = all_attempts_of(atlas, limits)
         self._results: dict[str, list[Result]] = {piece.id: [] for piece in atlas.pieces}
@@ -315,26 +323,46 @@ def limits_of(
 def started(atlas: AnyAtlas, limits: RunLimits, output: Path | None = None, fresh: bool = False) -> AtlasRun:
     """A run that keeps its results in a file, and begins with what an earlier one left there unless `fresh`.
 
-    Raises `InputError` if the file cannot be written, or holds something else: nothing of it is overwritten.
+    A file that holds a proof is not written before there is a new one; until then results stand beside it. Raises
+    `InputError` if a file cannot be written, or holds something else: nothing of it is overwritten.
     """
     if output is None:
         return AtlasRun(atlas, limits)
     check_writable(output)
-    if not output.is_file() or fresh:
-        return AtlasRun(atlas, limits, (), output)
+    beside = output.with_name(f"{output.name}.unfinished")
+    stored = [_earlier(path, atlas, fresh) for path in (output, beside)]
+    attempts = all_attempts_of(atlas, limits)
+    found = [reusable(each, atlas, attempts, limits.stability, limits.lasting) for each in stored if each and not fresh]
+    earlier = max(found, key=len, default=[])
+    if stored[0] is None or not stored[0].proved:
+        return AtlasRun(atlas, limits, earlier, output)
+    check_writable(beside)
+    return AtlasRun(atlas, limits, earlier, beside, output)
+
+
+def _earlier(path: Path, atlas: AnyAtlas, fresh: bool) -> Certificate | None:
+    """What an earlier run of an atlas left in a file; `None` if there is no file.
+
+    For a file of anything else it raises `InputError`; with `fresh` it is `None`.
+    """
+    if not path.is_file():
+        return None
     try:
-        before = read_certificate(output, "atlas-certificate")
+        before = read_certificate(path, "atlas-certificate")
     except InputError as error:
+        if fresh:
+            return None
         raise ArgumentError("{0}; or replace the file with {fresh=True:--fresh}", error) from None
-    if before.atlas.id != atlas.id:
-        raise ArgumentError(
-            "{0}: holds the certificate of another atlas ({1!r}); choose another output, or replace the file with "
-            "{fresh=True:--fresh}",
-            output,
-            before.atlas.id,
-        )
-    earlier = reusable(before, atlas, all_attempts_of(atlas, limits), limits.stability, limits.lasting)
-    return AtlasRun(atlas, limits, earlier, output)
+    if before.atlas.id == atlas.id:
+        return before
+    if fresh:
+        return None
+    raise ArgumentError(
+        "{0}: holds the certificate of another atlas ({1!r}); choose another output, or replace the file with "
+        "{fresh=True:--fresh}",
+        path,
+        before.atlas.id,
+    )
 
 
 def prove_pieces(run: AtlasRun, workplace: Workplace, work: Work = prove_task) -> None:
@@ -343,6 +371,8 @@ def prove_pieces(run: AtlasRun, workplace: Workplace, work: Work = prove_task) -
     if run.kept:
         count = f"{len(run.kept)} of {len(run.atlas.pieces)}"
         display.message(f"{count} pieces settled already, kept; a fresh run proves them again")
+    if run.proved is not None and run.pending:
+        display.message(f"{run.proved}: holds a proof, and stays until there is a new one; results: {run.output}")
 
     lines = Lines()
 
@@ -369,6 +399,9 @@ def conclude_run(run: AtlasRun, bifurcations: Sequence[Certificate], workplace: 
         run.limits.combinations,
     )
     certificate = make_atlas_certificate(run.atlas, run.results, conclusion, bifurcations)
-    if run.output is not None:
+    if run.output is not None and run.proved is not None and certificate["verdict"] == "proved":
+        write_certificate(run.proved, certificate)
+        run.output.unlink(missing_ok=True)
+    elif run.output is not None:
         write_certificate(run.output, certificate)
     return Certificate(certificate)

@@ -117,16 +117,16 @@ class RowRun:
     ) -> None:
         """`output` is the file that keeps the certificates of `everything`.
 
-        With `again` all selected are made anew, with `replace` nothing that is in the file is kept. Raises
-        `InputError` if the file cannot be written, or holds something else: nothing of it is overwritten.
+        With `again` all selected are made anew; until one is, the file keeps what it has of it. Raises `InputError` if
+        the file cannot be written, or holds something else: with `replace` that is overwritten, else nothing is.
         """
         self.selected = selected
         self._everything, self._limits, self._output = everything, limits, output
         self.certificates: dict[str, Certificate] = {}
         if output is not None:
             check_writable(output)
-            if output.is_file() and not replace:
-                self.certificates = _earlier(output, everything)
+            if output.is_file():
+                self.certificates = _earlier(output, everything, replace)
         earlier = {} if again else self.certificates
         self.kept = frozenset(c.id for c in selected if c.id in earlier and is_answered(earlier[c.id], c))
         self.fresh: set[str] = set()
@@ -162,15 +162,17 @@ class RowRun:
             write_certificates(self._output, [self.certificates[n] for n in names if n in self.certificates])
 
 
-def _earlier(path: Path, candidates: Sequence[BoxClaim]) -> dict[str, Certificate]:
-    """The certificates of an earlier run. Nothing that belongs to other candidates is overwritten."""
+def _earlier(path: Path, candidates: Sequence[BoxClaim], replace: bool) -> dict[str, Certificate]:
+    """The certificates of an earlier run. Nothing that belongs to other candidates is overwritten, but to `replace`."""
     try:
         result = read_certificates(path)
     except InputError as error:
+        if replace:
+            return {}
         raise ArgumentError("{0}; or replace the file with {fresh=True:--fresh}", error) from None
     known = {candidate.id for candidate in candidates}
     foreign = [name for name in result if name not in known]
-    if foreign:
+    if foreign and not replace:
         raise ArgumentError(
             "{0}: holds certificates of other candidates ({1!r}); choose another output, or replace the file with "
             "{fresh=True:--fresh}",
