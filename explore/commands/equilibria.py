@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands import common
 from orbitproof.explore.commands.periodic_claims import Along, ClaimStore, Passed, kept_claims
-from orbitproof.explore.names import exact_number, given_values, own_system, symmetry_of
+from orbitproof.explore.names import exact_number, given_values, own_system, start_values, symmetry_of
 from orbitproof.shared.formats import InputError, check_writable, write_atlas, write_text
 from orbitproof.shared.help_text import add_command
 from orbitproof.shared.interrupts import INTERRUPTED
@@ -140,7 +140,7 @@ def run(options: argparse.Namespace) -> int:
             raise InputError(f"--parameter {name}={value}: outside {system.parameters[name]}; give a value inside")
     start = None
     if options.start is not None:
-        start = tuple(map(float, given_values("--start", options.start, system.given_state).values()))
+        start = tuple(map(float, start_values("--start", options.start, system).values()))
     along = _along(options, system, parameters)
     kept = kept_claims(options)
 

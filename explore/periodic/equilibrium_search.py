@@ -50,7 +50,7 @@ def find_equilibria(
     Raises `PeriodicFailure` if there is none.
     """
     if {*FORCE_AT_START} <= {*system.state}:
-        raise PeriodicFailure(f"{system.name} has a periodic force, and no equilibria: look for periodic orbits")
+        raise PeriodicFailure("there are none with a periodic force; look for periodic orbits: explore periodic")
     problem = PeriodicProblem(system, parameters)
     if start is not None:
         yield FoundEquilibrium(problem, equilibrium_near(problem, start))

@@ -314,10 +314,13 @@ def _of_force(found: FoundOrbit) -> list[str]:
         return []
     velocity = velocity_at(found.problem.system, point, found.problem.values)
     u, w = (names.index(name) for name in FORCE_AT_START)
-    rate = abs(point[u] * velocity[w] - point[w] * velocity[u])
-    times = round(found.orbit.period * rate / (2 * pi))
+    rate = point[u] * velocity[w] - point[w] * velocity[u]
+    times = round(found.orbit.period * abs(rate) / (2 * pi))
     # At rest in the middle of the circle there is no force.
-    return [f"  {times} x 2 pi/omega, the period of the force, omega = {rate:.12g}"] if times else []
+    if not times:
+        return []
+    own = f"exp({'-' * bool(rate > 0)}{f'{times} ' * (times > 1)}pi)"
+    return [f"  {times} x 2 pi/omega, the period of the force, omega = {abs(rate):.12g}; its multiplier is {own}"]
 
 
 def _multipliers(orbit: ClosedOrbit) -> list[str]:

@@ -241,6 +241,15 @@ def test_what_a_newcomer_writes_is_answered_with_what_to_write(
     assert remedy in said.err + said.out
 
 
+def test_equilibria_with_a_force_are_refused_with_what_to_look_for(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "forced.py"
+    path.write_text('name = "forced"\nstate = "x"\nparameters = "a"\nfield = {"x": "a*cos(t) - x"}\n')
+    assert explore_main(["equilibria", "--system", str(path), "--parameter", "a=1", "--start", "x=1", "--quiet"]) == 1
+    assert "look for periodic orbits: explore periodic" in capsys.readouterr().err
+
+
 def test_an_error_reply_saved_as_a_catalogue_is_told_as_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "reply.json"
     path.write_text('{"code": "400", "message": "unknown parameter", "moreInfo": "see there"}')

@@ -250,7 +250,7 @@ def test_of_multipliers_what_is_known_is_told() -> None:
 def test_of_a_forced_orbit_it_is_told_how_often_the_force_repeats() -> None:
     driven = define_system({"name": "driven", "state": "x", "field": {"x": "-x + cos(2*t)"}})
     (found,) = find_periodic(PeriodicRequest(driven, {}, (0.2, 1.0, 0.0), period=3.1), _nothing)
-    assert "  1 x 2 pi/omega, the period of the force, omega = 2" in described(found)
+    assert "  1 x 2 pi/omega, the period of the force, omega = 2; its multiplier is exp(-pi)" in described(found)
 
 
 def test_an_orbit_that_nearly_repeats_keeps_its_period() -> None:
