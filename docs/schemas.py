@@ -12,12 +12,14 @@ from typing import Annotated, Any
 
 from orbitproof.explore.periodic import LifeRecord, PeriodicFamilyRecord
 from orbitproof.shared.claims import BoxClaim, StoredAtlas
+from orbitproof.shared.claims.life import Life
 from orbitproof.shared.claims.web import Web
 from orbitproof.shared.formats.schemas import document_schema, schema_text
 from orbitproof.shared.stored import rules
 from orbitproof.verify.branches.catalogue import CatalogueDocument
 from orbitproof.verify.branches.document import BranchDocument
 from orbitproof.verify.branches.index import IndexDocument
+from orbitproof.verify.branches.life import LifeDocument
 from orbitproof.verify.branches.web import WebDocument
 from orbitproof.verify.certificate.document import Software
 from orbitproof.verify.certificate.entry import StoredCertificate
@@ -60,6 +62,8 @@ def schemas() -> dict[str, dict[str, Any]]:
         "them, in the units of the CR3BP.",
         "web": "Which proved curves of periodic orbits meet which certified orbits, and how, as it is claimed.",
         "web-certificate": "A graph of proved curves of periodic orbits that meet in certified ones.",
+        "life-claim": "Which proved curves of equilibria and of periodic orbits are joined, and how, as it is claimed.",
+        "life-certificate": "A graph of proved curves of equilibria and of the periodic orbits that are born on them.",
         "index-certificate": "The Conley-Zehnder index of the orbits of a proved curve.",
         "periodic-family": "A family of periodic orbits without symmetry in a parameter, or over the levels of a first "
         "integral, from double precision, in the units of its system. Nothing is proved.",
@@ -68,7 +72,7 @@ def schemas() -> dict[str, dict[str, Any]]:
     }
     kinds = (
         *(Candidates, Certificates, StoredAtlas, BranchDocument, CatalogueDocument),
-        *(Web, WebDocument, IndexDocument, PeriodicFamilyRecord, LifeRecord),
+        *(Web, WebDocument, Life, LifeDocument, IndexDocument, PeriodicFamilyRecord, LifeRecord),
     )
     return {
         # The parameters of a surface stand in its pieces.

@@ -1,4 +1,5 @@
 from .claims.index_along import IndexAlong as IndexAlong
+from .claims.life import Life as Life
 from .claims.web import Web as Web
 from .formats import KINDS as KINDS
 from .formats import Atlas as Atlas
@@ -12,6 +13,7 @@ from .formats import read_candidates as read_candidates
 from .formats import read_catalogue_rows as read_catalogue_rows
 from .formats import write_atlas as write_atlas
 from .formats import write_candidates as write_candidates
+from .formats.life import read_life_claim as read_life_claim
 from .formats.web import read_web as read_web
 from .numbers import format_exact as format_exact
 from .numbers import parse_exact as parse_exact

@@ -16,6 +16,7 @@ _COMMANDS: Mapping[str, str] = {
     "atlas": "branch_command",
     "catalogue": "catalogue_command",
     "web": "web_command",
+    "life": "life_command",
     "index": "index_command",
     "second-proof": "second_proofs",
 }
@@ -26,6 +27,8 @@ _FORMATS: Mapping[str, str] = {
     "catalogue-certificate": "catalogue",
     "web": "web",
     "web-certificate": "web",
+    "life-claim": "life",
+    "life-certificate": "life",
     "index-certificate": "index",
 }
 """Commands by the formats that files say they have; rows are the rest."""

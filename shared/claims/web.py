@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Final, Literal, get_args
+from typing import Annotated, ClassVar, Final, Literal, get_args
 
 from orbitproof.shared.claims.fields import Id, Line
 from orbitproof.shared.stored import rules
@@ -73,6 +73,16 @@ class Web:
             *(arc.id for arc in self.arcs),
             *(name for name in self.vertices if name not in LIBRATION_POINTS),
         )
+
+    reserved: ClassVar[tuple[str, ...]] = LIBRATION_POINTS
+    """Names that no certificate has."""
+
+    @property
+    def keys(self) -> tuple[tuple[str, str], ...]:
+        """What it rests on, in its order: arcs, vertices, indices."""
+        arcs = {arc.id for arc in self.arcs}
+        own = tuple(("arc" if name in arcs else "vertex", name) for name in self.certificates)
+        return (*own, *(("index", name) for name in self.indices))
 
     @property
     def indices(self) -> tuple[str, ...]:

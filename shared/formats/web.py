@@ -24,10 +24,10 @@ def web_from_json(entry: Mapping[str, Any], source: str) -> Web:
     web = from_json(Web, entry, source)
     if not web.arcs:
         raise InputError(f"{source}: field arcs: is empty; name at least one arc")
-    for name in _repeated(arc.id for arc in web.arcs):
+    for name in repeated_names(arc.id for arc in web.arcs):
         raise InputError(f"{source}: field arcs: {name!r} appears twice; give each arc once")
     for index, arc in enumerate(web.arcs):
-        for name in _repeated(meeting.vertex for meeting in arc.meets):
+        for name in repeated_names(meeting.vertex for meeting in arc.meets):
             raise InputError(f"{source}: field arcs[{index}].meets: {name!r} appears twice; say once how they meet")
         if arc.id in web.vertices:
             raise InputError(f"{source}: field arcs[{index}].id: {arc.id!r} is a vertex too; give it another id")
@@ -36,5 +36,6 @@ def web_from_json(entry: Mapping[str, Any], source: str) -> Web:
     return web
 
 
-def _repeated(names: Iterable[str]) -> list[str]:
+def repeated_names(names: Iterable[str]) -> list[str]:
+    """Those that appear more than once."""
     return [name for name, count in Counter(names).items() if count > 1]

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
-_BY_NAME = ("atlas", "web", "index", "catalogue")
+_BY_NAME = ("atlas", "web", "life", "index", "catalogue")
 """What `verify` is told to do by a word of its own."""
 
 

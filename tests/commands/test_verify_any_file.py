@@ -17,6 +17,8 @@ FORMATS = {
     "atlas-certificate": "branch_command",
     "web": "web_command",
     "web-certificate": "web_command",
+    "life-claim": "life_command",
+    "life-certificate": "life_command",
     "index-certificate": "index_command",
     "catalogue-certificate": "catalogue_command",
 }
@@ -53,7 +55,7 @@ def test_a_file_goes_to_the_command_of_its_format(name: str, wanted: str, tmp_pa
     assert asked == [wanted] * 4
 
 
-@pytest.mark.parametrize("name", ["atlas", "web", "index", "catalogue"])
+@pytest.mark.parametrize("name", ["atlas", "web", "life", "index", "catalogue"])
 def test_a_command_that_is_named_gets_the_file_whatever_it_is(name: str, tmp_path: Path, asked: list[str]) -> None:
     command.main([name, str(written(tmp_path, "candidates"))])
     command.main([name, "--help"])

@@ -16,6 +16,7 @@ from typing import Any
 
 import pytest
 from flint import arb
+from support import life_cases
 from support.forgeries import Change, balls_of, changes, checked, forged, forged_elsewhere, noticed
 from support.inclusion import leaves, with_leaf
 from support.joined import retrograde_curve, retrograde_index, retrograde_web
@@ -44,7 +45,7 @@ from orbitproof.verify.certificate import (
     tables_from_json,
     write_certificates,
 )
-from orbitproof.verify.certificate.kinds import CATALOGUE, FURTHER, INDEX, MODULES, WEB, kind_named, unconfirmed
+from orbitproof.verify.certificate.kinds import CATALOGUE, FURTHER, INDEX, LIFE, MODULES, WEB, kind_named, unconfirmed
 from orbitproof.verify.certificate.rechecking import derived
 from orbitproof.verify.evidence import NotProved
 
@@ -382,6 +383,7 @@ def catalogue() -> Certificate:
 
 JOINED: dict[str, tuple[Callable[[], Certificate], Callable[[], tuple[Certificate, ...]]]] = {
     WEB: (retrograde_web, lambda: (retrograde_curve(), retrograde_index())),
+    LIFE: (life_cases.life, lambda: (life_cases.rest(), life_cases.born())),
     INDEX: (retrograde_index, lambda: (retrograde_curve(),)),
     CATALOGUE: (cache(catalogue), lambda: (retrograde_curve(),)),
 }
@@ -397,7 +399,7 @@ def check_below(entry: Certificate, level: Level) -> Recheck:
 
 def given_with(entry: Certificate, level: Level = Level.CONCLUSION) -> Recheck:
     """What checking it shows, given those that it rests on among all, which were checked as far as that."""
-    below = kind_named(entry.kind).rests_on(entry, (retrograde_curve(), retrograde_index()))
+    below = kind_named(entry.kind).rests_on(entry, JOINED[entry.kind][1]() if entry.kind in JOINED else ())
     return recheck(entry, given=Given(below, {each.key: check_below(each, level) for each in below}))
 
 
@@ -417,9 +419,8 @@ def test_what_rests_on_others_stands_as_far_as_these_do(name: str) -> None:
         found = given_with(entry, level)
         assert (found.findings, found.obstacle, found.passed, found.rendered) == ((), "", level, None)
         assert found.precision == (128 if level is Level.INTEGRATION else 0)
-    others = [each for each in JOINED[name][1]() if each != retrograde_curve()]
     with pytest.raises(InputError):
-        kind_named(name).rests_on(entry, others)
+        kind_named(name).rests_on(entry, JOINED[name][1]()[1:])
 
 
 @pytest.mark.parametrize("number", FIELDS)

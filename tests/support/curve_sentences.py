@@ -10,12 +10,17 @@ from types import SimpleNamespace
 from typing import Any
 
 from flint import arb
+from support.birth_cases import circles_born
 from support.box_sentences import Told, ball, points
+from support.equilibrium_cases import circle_of_equilibria
+from support.life_cases import claim as life_claim
+from support.life_cases import rest_atlas
 from support.metamorphic_cases import CURVES
 from support.periodic_cases import LOCKED
 from support.springs import SPRINGS
 
 from orbitproof.shared.claims import Claim, Covers
+from orbitproof.shared.claims.life import BEGINS, LifeArc, LifeJoint
 from orbitproof.shared.claims.web import BRANCHES, ENDS, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import Atlas, BirthAtlas, EquilibriumAtlas, PeriodicAtlas, define_system, read_atlas
 from orbitproof.shared.systems import AROUND, AXIAL, CR3BP, CR3BP_PLANAR, VERTICAL, FixedLevel
@@ -44,6 +49,7 @@ from orbitproof.verify.lasting import (
     Reversibility,
 )
 from orbitproof.verify.lasting.fates import LastingList
+from orbitproof.verify.life import Birthplace, LifeCurve, LifeTheorem, ProvedLife
 from orbitproof.verify.periodic_curve import (
     Counts,
     PeriodicCurveTheorem,
@@ -78,6 +84,7 @@ from orbitproof.verify.words.branches import branch_in_full, conclusion_in_words
 from orbitproof.verify.words.catalogue import catalogue_in_words
 from orbitproof.verify.words.equilibrium_curve import equilibrium_curve_in_full, equilibrium_curve_in_words
 from orbitproof.verify.words.index import index_in_words
+from orbitproof.verify.words.life import life_in_words
 from orbitproof.verify.words.periodic_curve import periodic_curve_in_full, periodic_curve_in_words
 from orbitproof.verify.words.place import place_in_words
 from orbitproof.verify.words.surface import surface_in_words
@@ -682,7 +689,35 @@ def webs() -> Told:
         yield f"web of {name} / with a switch", web_in_words(claim, switched, digests)
 
 
+def lives() -> Told:
+    place = PlaceOnCurve("e1", ball(3), False)
+    of_orbits = (ball(1), Spectrum((), 1, 0, 0), ball(2))
+    turn = Turn(True, ("p1", "p1"), (Q(0), Q(1, 2)), (ball(1), ball(2)))
+    joint = Birthplace(
+        "born", "rest", BEGINS, place, ball(4), {"x": ball(5), "y": ball(6)}, ball(1), Spectrum((), 1, 0, 0),
+        Sides(3, 0), Sides(1, 2),
+    )  # fmt: skip
+    for label, folds, turns, changes in (
+        ("", (), (), {}),
+        (" / with folds", EQUILIBRIA[-1][1], (turn,), {}),
+        (" / not decided", (), (), {"others": Spectrum((), 0, 0, 1), "before": None, "after": None}),
+    ):
+        at_rest = LifeCurve(rest_atlas(), ProvedEquilibriumCurve(NO_CHAIN, {}, folds, ()))
+        orbits = LifeCurve(circles_born(id="born"), ProvedBirthCurve(NO_CHAIN, {}, *of_orbits, turns))
+        proved = ProvedLife((at_rest, orbits), (ball(7), ball(8)), (replace(joint, **changes),), (("rest", "born"),))
+        yield f"life{label}", life_in_words(LifeTheorem(life_claim()), proved, {"rest": "d1", "born": "d2"})
+    closed = replace(at_rest, atlas=circle_of_equilibria(id="rest"))
+    unknown = replace(orbits, curve=ProvedBirthCurve(NO_CHAIN, {}, ball(1), Spectrum((), 1, 0, 0), NAN, ()))
+    again = replace(unknown, atlas=circles_born(id="again"))
+    said = life_claim(LifeArc("again", (LifeJoint("rest", BEGINS),)))
+    proved = ProvedLife(
+        (closed, unknown, again), (ball(7), ball(8), ball(9)), (joint, replace(joint, arc="again")),
+        (("rest", "born"), ("again",)),
+    )  # fmt: skip
+    yield "life of three", life_in_words(LifeTheorem(said), proved, {"rest": "d1", "born": "d2", "again": "d3"})
+
+
 def curve_sentences() -> Told:
-    """Of curves, lists, surfaces, webs, indices and catalogues."""
-    for told_of in (curves, places, lists, lasting, surfaces, periodic_curves, indices_and_catalogues, webs):
+    """Of curves, lists, surfaces, webs, lives, indices and catalogues."""
+    for told_of in (curves, places, lists, lasting, surfaces, periodic_curves, indices_and_catalogues, webs, lives):
         yield from told_of()

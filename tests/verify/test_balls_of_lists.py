@@ -21,7 +21,7 @@ from support.stored import values
 from orbitproof.shared.claims import Claim
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR, FALKNER_SKAN, LIFTED, VERTICAL, record
 from orbitproof.verify.algebra import ball_polynomial
-from orbitproof.verify.curve import PlaceOnCurve
+from orbitproof.verify.curve import PlaceOnCurve, is_inside_curve
 from orbitproof.verify.curve.tube import read_tube
 from orbitproof.verify.distances.ranges import Extreme, KnownDistances, PartOfInterval, Where, _values, ranges_between
 from orbitproof.verify.evidence import enclose, hull
@@ -36,7 +36,6 @@ from orbitproof.verify.stability.linear_stability import Bound, is_stable
 from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
 from orbitproof.verify.web import Arc
 from orbitproof.verify.web.arc import level_at
-from orbitproof.verify.web.meetings import _is_inside
 
 BITS = 160
 MU = Fraction(1, 80)
@@ -222,7 +221,7 @@ def test_levels_of_an_arc_are_those_of_all_its_parts_and_of_its_birth(monkeypatc
 
 def test_an_orbit_is_inside_an_arc_if_it_is_certainly_none_of_its_ends() -> None:
     atlas, results = parabola(Claim("arc", None, ("beta",)))
-    arc, names = Arc(atlas, proof(concluded((atlas, results)))), [piece.id for piece in atlas.curve_pieces()]
+    chain, names = proof(concluded((atlas, results))).chain, [piece.id for piece in atlas.curve_pieces()]
     near = arb(2) ** -20
     for name, s, inside in (
         (names[0], arb(-1), False), (names[0], -1 + near, True), (names[0], arb(-1, near), False),
@@ -230,7 +229,7 @@ def test_an_orbit_is_inside_an_arc_if_it_is_certainly_none_of_its_ends() -> None
         (names[2], arb(1), False), (names[2], 1 - near, True), (names[2], arb(1, near), False),
         (names[2], 1 - 2 * near + arb(0, near), True), (names[0], arb(1), True),
     ):  # fmt: skip
-        assert _is_inside(arc, PlaceOnCurve(name, s, False)) == inside
+        assert is_inside_curve(atlas, chain, PlaceOnCurve(name, s, False)) == inside
 
 
 def test_an_interval_of_a_curve_holds_what_lies_between_its_places_and_not_in_them() -> None:

@@ -20,14 +20,13 @@ from orbitproof.shared.claims import Claim
 from orbitproof.shared.claims.web import BRANCHES, ENDS, LIBRATION_POINTS, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.systems import record
 from orbitproof.verify.branches.results import covers
-from orbitproof.verify.curve import PlaceOnCurve
+from orbitproof.verify.curve import PlaceOnCurve, is_inside_curve
 from orbitproof.verify.curve.gluing import Chain, Stretch
 from orbitproof.verify.curve.proved_curve import times_of
 from orbitproof.verify.curve.proved_intervals import Run
 from orbitproof.verify.curve.tube import Tube
 from orbitproof.verify.evidence import NotProved, Proved, enclose
 from orbitproof.verify.web import Arc, Incidence, IndexOnArc, Indices, Switch, conclude_web, level_at, proved_web
-from orbitproof.verify.web.meetings import _is_inside
 from orbitproof.verify.web.proved_web import parts_of
 
 BITS = 192
@@ -265,7 +264,7 @@ def test_the_ends_of_a_curve_are_ends_if_it_is_not_closed(kind: str) -> None:
     assert atlas.claim.kind == kind
     outcome = conclude(atlas, results, (), stands, alone).outcome
     assert isinstance(outcome, Proved)
-    arc, stretches = Arc(atlas, outcome.results), outcome.results.chain.stretches
+    stretches = outcome.results.chain.stretches
     near = Fraction(1, 2**20)
     for index, stretch in enumerate(stretches):
         for s, at_end in (
@@ -276,7 +275,7 @@ def test_the_ends_of_a_curve_are_ends_if_it_is_not_closed(kind: str) -> None:
         ):
             for ball in (enclose(s), enclose(s) + arb(0, 1) * enclose(near / 2)):
                 place = PlaceOnCurve(stretch.tube.piece.id, ball, False)
-                assert _is_inside(arc, place) != at_end, (index, s)
+                assert is_inside_curve(atlas, outcome.results.chain, place) != at_end, (index, s)
 
 
 def arc_of(case: Any, name: str, *vertices: Any) -> Arc:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, cast
 
@@ -15,24 +15,12 @@ from orbitproof.shared.stored import rules
 from orbitproof.shared.wording import counted
 from orbitproof.verify.branches.certified import certified_point
 from orbitproof.verify.branches.curve_conclusion import follow, partner
+from orbitproof.verify.branches.joined import NOT_CHECKED, Part, RestsOn, levels_of, problem_of
 from orbitproof.verify.branches.kinds import symmetric_curve
 from orbitproof.verify.branches.listed import ListedInterval
-from orbitproof.verify.branches.rests_on import Part, RestingError, keys_of
-from orbitproof.verify.certificate import (
-    UNCHECKED_REASON,
-    Certificate,
-    Examination,
-    Finding,
-    Given,
-    Key,
-    Level,
-    Recheck,
-    in_all_data,
-    other_hypotheses,
-    sealed,
-    unknown_reason,
-)
-from orbitproof.verify.certificate.document import Digest, Document
+from orbitproof.verify.branches.rests_on import RestingError
+from orbitproof.verify.certificate import Certificate, Given, Key, Level, Recheck, sealed
+from orbitproof.verify.certificate.document import Document
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.evidence import Hypothesis, Proved, Reason, software
@@ -50,15 +38,6 @@ from orbitproof.verify.web.proved_web import LIBRATION_POINT
 from orbitproof.verify.words.web import web_in_words
 
 SCHEMA = "web-certificate"
-
-
-@dataclass(frozen=True)
-class RestsOn:
-    """A certificate that it rests on, of an arc, of a vertex, or of the index along an arc, with the id of that."""
-
-    id: Id
-    kind: Part
-    digest: Digest
 
 
 @dataclass(frozen=True)
@@ -222,19 +201,6 @@ def certified_web(web: Web, certificates: Sequence[Certificate], checks: Mapping
     return sealed(document, SCHEMA, ("arcs", "vertices", "switches", "parts"))
 
 
-_NOT_CHECKED = "it was not checked up to its conclusion"
-
-
-def _problem(certificate: Certificate, checks: Mapping[Key, Recheck], called: str) -> str:
-    """Why a certificate counts for nothing; empty if it says that it is proved, and stands at its conclusion."""
-    check = checks[certificate.key]
-    if not certificate.proved:
-        return f"{called} says {certificate.verdict!r}"
-    if not check.stands or check.level < Level.CONCLUSION:
-        return f"{called} does not stand: {check.why or _NOT_CHECKED}"
-    return ""
-
-
 def _arc(
     certificate: Certificate, claimed: WebArc, vertices: Mapping[str, Certificate], checks: Mapping[Key, Recheck]
 ) -> Arc:
@@ -242,13 +208,13 @@ def _arc(
     atlas = symmetric_curve(certificate.atlas)
     if atlas is None:
         raise RestingError(certificate.key, "is about no curve of symmetric orbits; leave it out")
-    if problem := _problem(certificate, checks, "the certificate"):
+    if problem := problem_of(certificate, checks, "the certificate"):
         return Arc(atlas, None, problem)
     wanted = [vertices[meeting.vertex] for meeting in claimed.meets if meeting.vertex in vertices]
 
     def examine(entry: Certificate) -> Recheck:
         check = checks[entry.key]
-        return check if check.level >= Level.CONCLUSION else replace(check, obstacle=check.obstacle or _NOT_CHECKED)
+        return check if check.level >= Level.CONCLUSION else replace(check, obstacle=check.obstacle or NOT_CHECKED)
 
     points = [certified_point(atlas, entry, examine) for entry in wanted]
     conclusion = conclude(atlas, certificate.results, points, partner, follow)
@@ -261,7 +227,7 @@ def _indices(curve: Certificate, certificate: Certificate | None, checks: Mappin
     """What a certificate proves of the index along the curve of an arc, or why it counts for nothing (section 33.6)."""
     if certificate is None:
         return None
-    problem = _problem(certificate, checks, "the certificate of its index")
+    problem = problem_of(certificate, checks, "the certificate of its index")
     if certificate.document["rests_on"] != {"id": curve.id, "digest": curve.digest}:
         problem = problem or "the certificate of its index rests on another certificate of a curve"
     if problem:
@@ -304,36 +270,4 @@ def _stored_meeting(entry: Incidence) -> StoredMeeting:
     return StoredMeeting(entry.vertex, entry.how, place.piece, place.s, place.mirrored, place.other_point)
 
 
-def form(certificate: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
-    """Whether it names the certificates that it needs, which are those that are given."""
-    document, certificates = certificate.document, given.certificates
-    web = web_from_json(document["statement"]["claim"], "statement.claim")
-    if [(entry["kind"], entry["id"]) for entry in document["rests_on"]] != list(keys_of(web)):
-        yield Finding("rests_on", "does not name the certificates that the claim needs, in its order")
-        return
-    for stored, entry in zip(document["rests_on"], certificates, strict=True):
-        if stored["digest"] != entry.digest:
-            has = entry.digest or "one without digest"
-            yield Finding("rests_on", f"the certificate {entry.called}: rests on {stored['digest']}; given is {has}")
-    expected = WebTheorem(web).hypotheses
-    if document["verdict"] == "proved":
-        yield from other_hypotheses([each["name"] for each in document["hypotheses"]], expected, document)
-    else:
-        yield from unknown_reason(document["reason"] or {"condition": ""}, expected)
-        examination.notes += (UNCHECKED_REASON,)
-
-
-def conclusion(certificate: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
-    """Whether it follows from these."""
-    document = certificate.document
-    if document["verdict"] == "proved":
-        given.all_stand()
-    web = web_from_json(document["statement"]["claim"], "statement.claim")
-    fresh = certified_web(web, given.certificates, given.checks)
-    examination.hypotheses = len(fresh["hypotheses"])
-    yield from in_all_data(document, fresh, examination)
-
-
-def integration(certificate: Certificate, given: Given, examination: Examination) -> Iterator[Finding]:
-    """Nothing here rests on an integration but the certificates, which were integrated again."""
-    yield from ()
+LEVELS = levels_of(web_from_json, WebTheorem, certified_web)

@@ -23,7 +23,7 @@ from orbitproof.verify.certificate.kinds import kind_named, name_of
 
 ROWS = "certificates"
 """The format of files of rows."""
-SCHEMAS = ("atlas-certificate", "web-certificate", "index-certificate", "catalogue-certificate")
+SCHEMAS = ("atlas-certificate", "web-certificate", "life-certificate", "index-certificate", "catalogue-certificate")
 """The formats of files that hold one certificate."""
 
 

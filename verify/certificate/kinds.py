@@ -48,13 +48,13 @@ _CALLED: Mapping[str, str] = {
 MODULES: Mapping[str, str] = {name: _CALLED.get(name, name) for name in (*BOX_KINDS, *KINDS_WITHOUT_REVERSOR)}
 """Modules of `verify.theorems`, by the kinds of claims about a box: called as these, but for those of `_CALLED`."""
 
-WEB, INDEX, CATALOGUE = "web", "index", "catalogue"
+JOINED = WEB, LIFE, INDEX, CATALOGUE = "web", "life", "index", "catalogue"  # rest on other certificates
 FURTHER: Mapping[str, str] = {
     **dict.fromkeys(CLAIMS, "curve"),
     SURFACE: "surface",
     # Called as the module of the claim.
     **{name: atlas.__module__.rpartition(".")[2] for name, atlas in ATLASES_WITHOUT_REVERSOR.items()},
-    **{name: name for name in (WEB, INDEX, CATALOGUE)},
+    **{name: name for name in JOINED},
 }
 """The other kinds of theorems, by the kinds of claims about branches as atlases say them, or what is joined."""
 
@@ -63,8 +63,7 @@ FURTHER: Mapping[str, str] = {
 def kind_named(name: str) -> Kind:
     """The kind of theorems that claims or certificates call so. Raises `KeyError` for another name."""
     module = MODULES[name] if name in MODULES else FURTHER[name]
-    kind: Kind = import_module(f"orbitproof.verify.theorems.{module}").KIND
-    return kind
+    return cast(Kind, import_module(f"orbitproof.verify.theorems.{module}").KIND)
 
 
 def box_kind(name: str) -> BoxKind[Any, Any, Any]:
@@ -81,8 +80,8 @@ def name_of(document: Mapping[str, Any]) -> str:
     if schema == "atlas":
         claim = document["statement"]["atlas"].get("claim", {})
         name = claim.get("kind") if isinstance(claim, Mapping) else None
-        return str(name) if name in FURTHER and name not in (WEB, INDEX, CATALOGUE) else CLAIMS[0]
-    if schema and schema not in (WEB, INDEX, CATALOGUE):
+        return str(name) if name in FURTHER and name not in JOINED else CLAIMS[0]
+    if schema and schema not in JOINED:
         raise InputError(f"format: {document['format']!r} is that of no certificate; give one")
     return str(schema or document["statement"]["candidate"]["kind"])
 
@@ -99,8 +98,7 @@ def theorem_of(candidate: BoxClaim, form: Candidate | None = None) -> Theorem | 
 
 def level_form(candidate: BoxClaim) -> Candidate | None:
     """The claim with the level of the first integral as parameter, if there is one."""
-    form: Candidate | None = kind_of(candidate).level_form(candidate)
-    return form
+    return cast("Candidate | None", kind_of(candidate).level_form(candidate))
 
 
 def check_exactly(checklist: Checklist, candidate: BoxClaim) -> None:
@@ -112,15 +110,14 @@ def enclose(candidate: BoxClaim, settings: IntegratorSettings, progress: Progres
     """What its proof is evaluated from. Raises `IntegrationFailure` if something could not be enclosed, or another
     `NotEstablishedError` if the claim is seen to be false on the way.
     """
-    found: Found = kind_of(candidate).enclose(candidate, settings, progress)
-    return found
+    return cast(Found, kind_of(candidate).enclose(candidate, settings, progress))
 
 
 def prove(candidate: BoxClaim, checklist: Checklist, found: Found | None) -> Outcome[Results]:
     """Check the claim, given what was enclosed, if anything; enclosures of another kind of claim are none."""
     kind = kind_of(candidate)
-    outcome: Outcome[Results] = kind.prove(candidate, checklist, found if isinstance(found, kind.enclosures) else None)
-    return outcome
+    known = found if isinstance(found, kind.enclosures) else None
+    return kind.prove(candidate, checklist, known)
 
 
 def tables_to_json(found: Found) -> dict[str, Any] | None:

@@ -1,6 +1,12 @@
 """Curves of symmetric orbits in pieces: tubes, gluing, bifurcations on the curve (sections 15 and 16)."""
 
-from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint, PlaceOnCurve
+from orbitproof.verify.curve.bifurcations_on_it import (
+    Bifurcation,
+    CertifiedPoint,
+    PlaceOnCurve,
+    is_inside_curve,
+    locate,
+)
 from orbitproof.verify.curve.birth_piece import Birth, BirthTube, is_at_birth, is_born_at_doubling, prove_birth_piece
 from orbitproof.verify.curve.conclusion import Conclusion, Ends
 from orbitproof.verify.curve.conditions import check_covers, check_increasing, check_two_points

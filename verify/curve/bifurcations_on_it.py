@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from typing import cast
 
 from flint import acb, arb
 
-from orbitproof.shared.claims import Atlas, OfKind
+from orbitproof.shared.claims import AnyAtlas, Atlas, OfKind
+from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve.followed import Partner, Point, no_partner
 from orbitproof.verify.curve.gluing import Chain, Stretch
@@ -205,10 +207,12 @@ def _in_coordinates_of(atlas: Atlas, certified: CertifiedPoint, partner: Partner
     return {name: certified.point[name] for name in names}
 
 
-def locate(atlas: Atlas, chain: Chain, point: Sequence[arb], is_symmetry_breaking: bool = False) -> PlaceOnCurve | str:
-    """Where on the curve a symmetric orbit lies that is given by enclosures of its coordinates, or why nowhere.
+def locate(
+    atlas: AnyAtlas, chain: Chain, point: Sequence[arb], is_symmetry_breaking: bool = False
+) -> PlaceOnCurve | str:
+    """Where on the curve a point lies that is given by enclosures of its coordinates, or why nowhere.
 
-    The orbit has to be a zero of the curve's equations, which is what bifurcations of every kind are. If it
+    It has to be a zero of the curve's equations, which is what bifurcations of every kind are. If it
     `is_symmetry_breaking`, for the symmetry of the atlas, the point is fixed by it and may be a symmetric point of
     the curve.
     """
@@ -216,7 +220,8 @@ def locate(atlas: Atlas, chain: Chain, point: Sequence[arb], is_symmetry_breakin
         return "its enclosure is not finite"
     images = [(list(point), False)]
     if atlas.claim.is_of_symmetric_curve:
-        signs = signs_on(atlas.system, str(atlas.claim.symmetry), atlas.system.centre_coordinates)
+        system = cast(ReversibleSystem, atlas.system)
+        signs = signs_on(system, str(atlas.claim.symmetry), system.centre_coordinates)
         images.append(([sign * ball for sign, ball in zip(signs, point, strict=True)], True))
     misses: list[tuple[arb, str]] = []
     for image, mirrored in images:
@@ -229,6 +234,17 @@ def locate(atlas: Atlas, chain: Chain, point: Sequence[arb], is_symmetry_breakin
     if not misses:
         return "it lies beyond the ends of all pieces"
     return min(misses, key=lambda miss: upper_end(miss[0]))[1]
+
+
+def is_inside_curve(atlas: AnyAtlas, chain: Chain, place: PlaceOnCurve) -> bool:
+    """Whether the place certainly is none of the ends of the curve."""
+    claim, first, last = atlas.claim, chain.stretches[0], chain.stretches[-1]
+    if claim.is_closed:
+        return True
+    # The beginning of a symmetric arc is its symmetric point, on both sides of which it goes on.
+    if not claim.is_of_symmetric_curve and place.piece == first.tube.piece.id and lower_end(place.s) <= first.entered:
+        return False
+    return not (place.piece == last.tube.piece.id and upper_end(place.s) >= last.leaves)
 
 
 def _contradicts(stretch: Stretch, s: arb, offsets: Sequence[arb]) -> bool:

@@ -10,6 +10,7 @@ from typing import Any
 
 from orbitproof.shared.claims import AnyAtlas
 from orbitproof.shared.claims.index_along import IndexAlong
+from orbitproof.shared.claims.life import Life
 from orbitproof.shared.claims.web import Web
 from orbitproof.shared.formats import (
     BoxClaim,
@@ -27,7 +28,7 @@ from orbitproof.verify.certificate import Certificate, Limits, repeated, write_c
 from orbitproof.verify.certificate.kinds import kind_named
 from orbitproof.verify.run.workplace import Workplace
 
-AnyClaim = BoxClaim | AnyAtlas | Web | IndexAlong | CatalogueRows
+AnyClaim = BoxClaim | AnyAtlas | Web | Life | IndexAlong | CatalogueRows
 """What can be proved: of a box, a branch, curves joined into a graph, the index along a curve, rows of a catalogue."""
 
 
@@ -87,13 +88,24 @@ def _branch(claims: Sequence[Any], asked: Asked) -> list[Certificate]:
 def _web(claims: Sequence[Any], asked: Asked) -> list[Certificate]:
     from orbitproof.shared.codec import to_json
     from orbitproof.shared.formats.web import web_from_json
-    from orbitproof.verify.branches import claiming_indices
-    from orbitproof.verify.run.web_command import certify_the_web
+    from orbitproof.verify.branches import certified_web, claiming_indices
+    from orbitproof.verify.run.web_command import certify_graph
 
     (claim,) = claims
     web = web_from_json(to_json(claim), "web")
     web = claiming_indices(web, asked.rests_on) if asked.options.get("indices") else web
-    return _written(certify_the_web(web, asked.rests_on, asked.workplace), asked)
+    return _written(certify_graph(web, certified_web, asked.rests_on, asked.workplace), asked)
+
+
+def _life(claims: Sequence[Any], asked: Asked) -> list[Certificate]:
+    from orbitproof.shared.codec import to_json
+    from orbitproof.shared.formats.life import life_from_json
+    from orbitproof.verify.branches.life import certified_life
+    from orbitproof.verify.run.web_command import certify_graph
+
+    (claim,) = claims
+    life = life_from_json(to_json(claim), "life")
+    return _written(certify_graph(life, certified_life, asked.rests_on, asked.workplace), asked)
 
 
 def _index(claims: Sequence[Any], asked: Asked) -> list[Certificate]:
@@ -154,6 +166,7 @@ _WAYS: Mapping[str, _Way] = {
         ("scheduler", "complete", "combinations", "lasting", "max_splits", "precision", "order", "width", "top"),
     ),
     "web": _Way(_web, "a graph of curves", ("indices",)),
+    "life": _Way(_life, "a graph of curves"),
     "index": _Way(_index, "an index"),
     "catalogue": _Way(_catalogue, "rows of a catalogue", ("within", "table")),
 }
@@ -161,7 +174,10 @@ _WAYS: Mapping[str, _Way] = {
 
 
 def read_any_claims(path: Path) -> list[AnyClaim]:
-    """The claims of a file: those of candidates, an atlas, a web, or rows of a catalogue. Raises `InputError`."""
+    """The claims of a file: those of candidates, an atlas, a graph of curves, or rows of a catalogue.
+
+    Raises `InputError`.
+    """
     schema = stated_format(path, "give the path of a file of claims")
     if schema == "candidates":
         return list(read_claims(path))
@@ -171,6 +187,10 @@ def read_any_claims(path: Path) -> list[AnyClaim]:
         from orbitproof.shared.formats.web import read_web
 
         return [read_web(path)]
+    if schema == "life-claim":
+        from orbitproof.shared.formats.life import read_life_claim
+
+        return [read_life_claim(path)]
     return [read_catalogue_rows(path)]
 
 

@@ -27,6 +27,7 @@ What a file holds decides what is done with it. Options of each kind:
   orbitproof verify --help             candidates and their certificates (this page)
   orbitproof verify atlas --help       whole branches: curves, surfaces, lists of resonances
   orbitproof verify web --help         graphs of proved curves that meet
+  orbitproof verify life --help        equilibria, and the orbits that are born on them, as one graph
   orbitproof verify index --help       the Conley-Zehnder index along a proved curve
   orbitproof verify catalogue --help   rows of a catalogue, certified by a proved curve
   orbitproof verify --second-proof --help

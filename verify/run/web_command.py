@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
+from orbitproof.shared.claims.life import Life
 from orbitproof.shared.claims.web import Web
 from orbitproof.shared.formats import InputError, about, check_writable
 from orbitproof.shared.formats.web import read_web
 from orbitproof.shared.interrupts import run_command
 from orbitproof.verify.branches import RestingError, certified_web, claiming_indices, resting
-from orbitproof.verify.certificate import Certificate, Recheck, read_any, read_certificate, write_certificate
+from orbitproof.verify.certificate import Certificate, Key, Recheck, read_any, read_certificate, write_certificate
 from orbitproof.verify.run import ArgumentParser, Failure, Workplace, apart
 from orbitproof.verify.run.checking_again import Known, checks_of_parts
 from orbitproof.verify.run.proof_command import add_checking_options, check_of, limits_of, prove_or_check, told
@@ -54,33 +56,50 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace, workplace: Workplace) -> int:
-    if options.output is not None:
-        check_writable(options.output)
-    web, given = read_web(options.file), _read(options.certificates)
-    with _about(options, given):
-        entries = [entry for _, entry in given]
-        certificate = certify_the_web(claiming_indices(web, entries) if options.indices else web, entries, workplace)
-    if options.output is not None:
-        write_certificate(options.output, certificate.document)
-    return told(certificate)
+    web, given = read_web(options.file), read_given(options)
+    web = claiming_indices(web, [entry for _, entry in given]) if options.indices else web
+    return prove_graph(web, certified_web, given, options, workplace)
 
 
 def _recheck(options: argparse.Namespace, workplace: Workplace) -> Recheck:
     if options.indices:
         raise InputError("--indices: is about a web that is not proved yet; --recheck takes the claim as it was made")
-    certificate, given = read_certificate(options.file, "web-certificate"), _read(options.certificates)
+    return check_graph("web-certificate", options, workplace)
+
+
+Files = Sequence[tuple[Path, Certificate]]
+Certified = Callable[[Any, Sequence[Certificate], Mapping[Key, Recheck]], dict[str, Any]]
+"""The certificate of a graph, from its claim, the certificates that it rests on, and what checking these showed."""
+
+
+def prove_graph(
+    claim: Web | Life, certified: Certified, given: Files, options: argparse.Namespace, workplace: Workplace
+) -> int:
+    """Prove a graph of curves, write its certificate where the options say, and tell it; returns the exit code."""
+    if options.output is not None:
+        check_writable(options.output)
+    with _about(options, given):
+        certificate = certify_graph(claim, certified, [entry for _, entry in given], workplace)
+    if options.output is not None:
+        write_certificate(options.output, certificate.document)
+    return told(certificate)
+
+
+def check_graph(schema: str, options: argparse.Namespace, workplace: Workplace) -> Recheck:
+    """What checking the certificate of a graph again shows."""
+    certificate, given = read_certificate(options.file, schema), read_given(options)
     with _about(options, given):
         return check_of(certificate, [entry for _, entry in given], options.integrate, workplace)
 
 
-def _read(paths: Sequence[Path]) -> list[tuple[Path, Certificate]]:
+def read_given(options: argparse.Namespace) -> Files:
     """The certificates in files of all kinds, each with its file."""
-    return [(path, entry) for path in paths for entry in read_any(path)]
+    return [(path, entry) for path in options.certificates for entry in read_any(path)]
 
 
 @contextmanager
-def _about(options: argparse.Namespace, given: Sequence[tuple[Path, Certificate]]) -> Iterator[None]:
-    """While the body runs, what is wrong with a certificate names its file, and what is wrong with the web that."""
+def _about(options: argparse.Namespace, given: Files) -> Iterator[None]:
+    """While the body runs, what is wrong with a certificate names its file, and what is wrong with the graph that."""
     with about(options.file):
         try:
             yield
@@ -90,18 +109,20 @@ def _about(options: argparse.Namespace, given: Sequence[tuple[Path, Certificate]
                 raise
 
 
-def certify_the_web(web: Web, given: Sequence[Certificate], workplace: Workplace) -> Certificate:
-    """The certificate of a web by certificates that are checked up to their conclusions first.
+def certify_graph(
+    claim: Web | Life, certified: Certified, given: Sequence[Certificate], workplace: Workplace
+) -> Certificate:
+    """The certificate of a graph by certificates that are checked up to their conclusions first.
 
-    Raises `InputError` if one that the web names is not given, or the work is not brought to an end.
+    Raises `InputError` if one that it names is not given, or the work is not brought to an end.
     """
-    certificates, known = resting(web, given), Known()
+    certificates, known = resting(claim, given), Known()
     for _ in checks_of_parts(certificates, certificates, False, workplace, known):
         pass
     checks = {entry.key: known[entry] for entry in certificates}
-    found = apart(certified_web, web.id, (web, certificates, checks), limits_of(workplace))
+    found = apart(certified, claim.id, (claim, certificates, checks), limits_of(workplace))
     if isinstance(found, Failure):
-        error = InputError(f"the web was not put together: {found.message}")
+        error = InputError(f"the {claim.kind} was not put together: {found.message}")
         raise found.error if isinstance(found.error, InputError) else error
     return Certificate(found)
 

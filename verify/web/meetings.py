@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from orbitproof.shared.claims.web import BRANCHES, ENDS, LIBRATION_POINTS, PASSES, How, Meeting
 from orbitproof.shared.systems import LIFTED
-from orbitproof.verify.curve import PlaceOnCurve, is_at_birth, lower_end, upper_end
+from orbitproof.verify.curve import PlaceOnCurve, is_at_birth, is_inside_curve
 from orbitproof.verify.web.arc import Arc, libration_vertex
 
 
@@ -51,7 +51,7 @@ def meeting_shown(arc: Arc, meeting: Meeting) -> Incidence | str:
         return "there is no such way to meet"
     elif is_symmetric:
         return "it is the symmetric point of the arc, which branches off there"
-    elif not _is_inside(arc, entry.place):
+    elif arc.curve is None or not is_inside_curve(arc.atlas, arc.curve.chain, entry.place):
         return "it is not shown to lie before the end of the arc"
     return Incidence(arc.id, meeting.vertex, meeting.how, entry.place)
 
@@ -60,16 +60,3 @@ def _is_symmetric_point(arc: Arc, place: PlaceOnCurve) -> bool:
     """Whether the place is a point of the curve that its symmetry fixes: s = 0 of a symmetric piece (15.8)."""
     symmetric = {piece.id for piece in arc.atlas.curve_pieces() if piece.is_symmetric}
     return place.piece in symmetric and place.s.is_zero() and not place.other_point
-
-
-def _is_inside(arc: Arc, place: PlaceOnCurve) -> bool:
-    """Whether the place certainly is none of the ends of the curve."""
-    assert arc.curve is not None
-    claim, stretches = arc.atlas.claim, arc.curve.chain.stretches
-    if claim.is_closed:
-        return True
-    first, last = stretches[0], stretches[-1]
-    # The beginning of a symmetric arc is its symmetric point, on both sides of which it goes on.
-    if not claim.is_of_symmetric_curve and place.piece == first.tube.piece.id and lower_end(place.s) <= first.entered:
-        return False
-    return not (place.piece == last.tube.piece.id and upper_end(place.s) >= last.leaves)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
 from flint import arb, ctx
 
+from orbitproof.shared.claims.parts import hanging_together
 from orbitproof.shared.claims.web import BRANCHES, LIBRATION_POINTS, PASSES, Web
 from orbitproof.shared.systems import shown
 from orbitproof.verify.curve import CURVE_PRECISION, is_planar
@@ -236,18 +237,7 @@ def _check_indices(checklist: Checklist, web: Web, arcs: Sequence[Arc]) -> dict[
 
 def parts_of(web: Web) -> tuple[tuple[str, ...], ...]:
     """Which arcs hang together by the vertices that they meet, in the order of the claim."""
-    parts: list[tuple[list[str], set[str]]] = []
-    for arc in web.arcs:
-        names, vertices = [arc.id], {meeting.vertex for meeting in arc.meets}
-        joined = [part for part in parts if part[1] & vertices]
-        parts = [part for part in parts if not part[1] & vertices]
-        for more_names, more_vertices in reversed(joined):
-            names, vertices = [*more_names, *names], vertices | more_vertices
-        parts.append((names, vertices))
-    order: Mapping[str, int] = {arc.id: number for number, arc in enumerate(web.arcs)}
-    return tuple(
-        sorted((tuple(sorted(names, key=order.__getitem__)) for names, _ in parts), key=lambda part: order[part[0]])
-    )
+    return hanging_together({arc.id: [meeting.vertex for meeting in arc.meets] for arc in web.arcs})
 
 
 def _switches(arcs: Sequence[Arc], found: Sequence[Incidence]) -> tuple[Switch, ...]:

@@ -47,7 +47,7 @@ def equilibrium_curve_in_words(theorem: EquilibriumCurveTheorem, curve: ProvedEq
     varying = names.get(claim.parameter, claim.parameter)
     if not claim.increasing and (curve.folds or len(curve.sides) > 1):
         paragraphs.append("Its points may be run through again: what is listed apart below may be the same.")
-    paragraphs += [_fold(varying, fold) for fold in curve.folds]
+    paragraphs += [fold_in_words(varying, fold) for fold in curve.folds]
     if curve.folds:
         paragraphs.append(f"That {varying} has no other extrema is not said.")
     paragraphs += _sides(varying, curve.sides)
@@ -65,7 +65,8 @@ def equilibrium_curve_in_full(atlas: EquilibriumAtlas | BirthAtlas, statement: s
     return "\n".join([*lines, "Theorem.", statement])
 
 
-def _fold(name: str, fold: Fold) -> str:
+def fold_in_words(name: str, fold: Fold) -> str:
+    """Where the parameter, called so, turns back."""
     what = "maximum" if fold.is_maximum else "minimum"
     if fold.is_regular and fold.all_values is not None:
         return (

@@ -1,0 +1,381 @@
+"""Lives: circles of closed form on their equilibria, joints at random, and graphs that are false (section 39)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction as Q
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import pytest
+from flint import arb, ctx
+from support import birth_cases, equilibrium_cases
+from support.forgeries import forged, forged_elsewhere, noticed
+from support.life_cases import born, certificate_of, claim, life, life_of, rest, rest_atlas
+
+from orbitproof import verify
+from orbitproof.shared.claims import EquilibriumAtlas, EquilibriumCurveClaim, Piece
+from orbitproof.shared.claims.life import BEGINS, Life, LifeArc, LifeJoint
+from orbitproof.shared.formats import InputError, define_system
+from orbitproof.shared.formats.life import life_from_json, read_life_claim
+from orbitproof.verify.__main__ import main
+from orbitproof.verify.birth_curve import conclude_births
+from orbitproof.verify.branches.rests_on import resting
+from orbitproof.verify.certificate import Certificate, Given, Level, Recheck, digest, recheck, write_certificate
+from orbitproof.verify.curve import Chain, PlaceOnCurve, ProvedInterval, Stretch, read_tube
+from orbitproof.verify.equilibrium_curve import ProvedEquilibriumCurve, SidedPart, Sides, conclude_equilibria
+from orbitproof.verify.evidence import NotProved, Proved, enclose
+from orbitproof.verify.life import Birthplace, LifeCurve, conclude_life, joint_shown
+from orbitproof.verify.life.joints import _beside, are_different
+
+JOINT = LifeJoint("rest", BEGINS)
+
+
+def known(certificate: Certificate) -> LifeCurve:
+    """What a certificate of a curve proves."""
+    atlas = certificate.atlas
+    conclude: Callable[..., Any] = conclude_equilibria if isinstance(atlas, EquilibriumAtlas) else conclude_births
+    outcome = conclude(atlas, certificate.results).outcome
+    return LifeCurve(atlas, outcome.results if isinstance(outcome, Proved) else None)
+
+
+def fabricated(atlas: EquilibriumAtlas, deviation: Q = Q(1, 2**40)) -> LifeCurve:
+    """As if its piece were proved with such a deviation."""
+    bounds = (deviation,) * len(atlas.system.given_state)
+    (piece,) = atlas.curve_pieces()
+    tube = read_tube(piece, [ProvedInterval(Q(-1), Q(1), bounds, bounds, arb(0)).stored(piece.id, {})])
+    chain = Chain((Stretch(tube, tube.runs[0], Q(-1), Q(-1), Q(1)),), ())
+    return LifeCurve(atlas, ProvedEquilibriumCurve(chain, {}))
+
+
+def why_not(said: Life, *arcs: LifeCurve) -> tuple[str, str]:
+    outcome = conclude_life(said, arcs)
+    assert isinstance(outcome, NotProved)
+    return outcome.reason.condition, outcome.reason.message
+
+
+def below() -> tuple[Certificate, ...]:
+    return rest(), born()
+
+
+def checked(entry: Certificate, given: Sequence[Certificate] | None = None) -> Recheck:
+    certificates = below() if given is None else tuple(given)
+    return recheck(entry, given=Given(certificates, {each.key: recheck(each) for each in certificates}))
+
+
+# True lives
+
+
+def test_circles_are_born_on_their_line_of_equilibria() -> None:
+    """At a = 0, omega = 1; the pair has the real part a."""
+    found = life()
+    assert (found.verdict, found.reason) == ("proved", None)
+    equilibria, orbits = found.arcs
+    (joint,) = orbits.joints
+    assert (joint.arc, joint.how, joint.piece) == ("rest", BEGINS, "e1")
+    for ball, value in ((joint.value, 0), (joint.frequency, 1), (joint.point[0], 0), (joint.point[1], 0)):
+        assert ball.contains(value)
+        assert ball.rad() < 1e-15
+    assert joint.s.overlaps(enclose(Q(1, 9)))
+    assert (joint.before, joint.after) == (Sides(2, 0), Sides(0, 2))
+    assert equilibria.values.contains(enclose(Q(-1, 4)))
+    assert equilibria.values.contains(enclose(Q(1, 5)))
+    assert orbits.values.contains(enclose(Q(1, 16)))
+    assert (equilibria.period, equilibria.joints) == (None, ())
+    assert orbits.period.contains(2 * arb.pi())
+    for words in (
+        "The arc born (sha256:", "begins on rest, on piece e1 of it, s in [0.1111111111111111",
+        "their least periods tend to 2 pi/omega, omega in [0.99999999999", "a speed in a that is not 0",
+        "next to it those on one side have 2 eigenvalues with negative and 0 with positive real part, those on the "
+        "other side 0 and 2. On the nearest part of rest before it where they are counted 2 have a negative and 0",
+        "of the 2 arcs rest, born are joined by a path of equilibria and periodic orbits",
+    ):  # fmt: skip
+        assert words in str(found.theorem)
+
+
+def test_parts_are_told_apart_if_nothing_else_is_claimed() -> None:
+    said = Life("a life", "apart", (LifeArc("rest"), LifeArc("born")), connected=False)
+    outcome = conclude_life(said, [known(rest()), known(born())])
+    assert isinstance(outcome, Proved)
+    assert outcome.results.parts == (("rest",), ("born",))
+    assert "joined by a path" not in str(life_of(said, below()).theorem)
+    assert why_not(replace(said, connected=True), known(rest()), known(born()))[0] == "connected"
+
+
+def line(rng: Random, moved: Q = Q(0)) -> EquilibriumAtlas:
+    """A curve through (a, x, y) = (0, 0, 0) at some s, bent, in a turned frame, and moved across there."""
+    h, s = Q(rng.randrange(1, 8), 8), Q(rng.randrange(-15, 16), 16)
+    frame = ((Q(1), Q(rng.randrange(-3, 4), 4), Q(0)), (Q(rng.randrange(-3, 4), 4), Q(1), Q(0)), (Q(1), Q(1), Q(1)))
+    while frame[0][0] * frame[1][1] == frame[0][1] * frame[1][0]:
+        frame = (frame[0], (Q(rng.randrange(-3, 4), 4), Q(1), Q(0)), frame[2])
+    polynomial = tuple(tuple(Q(rng.randrange(-8, 9), 16) for _ in range(4)) for _ in range(2))
+    p = [h * s, *(sum(c * s**n for n, c in enumerate(row)) for row in polynomial)]
+    p[rng.randrange(1, 3)] += moved
+    centre = tuple(-sum(a * b for a, b in zip(row, p, strict=True)) for row in frame)
+    piece = Piece("e1", "regular", centre, frame, h, polynomial, (Q(1, 2**12),) * 2, "physical")
+    return rest_atlas(pieces=(piece,), claim=EquilibriumCurveClaim("equilibrium-arc", "a"), provenance={"s": str(s)})
+
+
+def test_a_birth_is_found_where_it_lies_on_curves_at_random() -> None:
+    """And on no curve that passes it by more than a tube; beside the only point in the tube is a contradiction."""
+    rng, orbits, tube = Random(39), known(born()), Q(1, 2**12)
+    for number in range(150):
+        with ctx.workprec(256):
+            on = fabricated(line(rng))
+            found = joint_shown(orbits, JOINT, on)
+            assert isinstance(found, Birthplace), found
+            assert found.place.s.contains(enclose(Q(on.atlas.provenance["s"])))
+            if number % 3 == 0:
+                sign = rng.choice((-1, 1))
+                far = fabricated(line(rng, sign * tube * Q(rng.randrange(9, 30), 8)))
+                assert "outside the tubes" in str(joint_shown(orbits, JOINT, far))
+                near = fabricated(line(rng, sign * tube * Q(rng.randrange(1, 8), 8)))
+                condition, message = why_not(claim(), near, orbits)
+                assert condition == "joints"
+                assert "the tube of e1 has no such point so far off its polynomial" in message
+
+
+# False ones
+
+
+def other(atlas: Any, **changes: Any) -> Any:
+    """An arc of another claim, as if it were proved by the same pieces."""
+    return lambda: replace(known(born() if atlas == "born" else rest()), atlas=changed(atlas, **changes))
+
+
+def changed(name: str, **changes: Any) -> Any:
+    return replace(born().atlas if name == "born" else rest().atlas, **changes)
+
+
+def of_parameter(name: str) -> Any:
+    """The same field, but in another parameter, and the claim about that."""
+    field = {"x": f"({name} - u**2 - y**2)*u - y", "y": f"u + ({name} - u**2 - y**2)*y"}
+    system = define_system({
+        "name": "circles", "state": "x y", "parameters": name, "where": {"u": f"x - {name}"}, "field": field,
+    })  # fmt: skip
+    return {"system": system, "claim": replace(born().atlas.claim, parameter=name)}
+
+
+def refused_arcs() -> dict[str, tuple[Life, Sequence[LifeCurve], str, str]]:
+    line_, orbits = known(rest()), known(born())
+    twice = certificate_of(birth_cases.circles_born(id="again", reach=Q(1, 16)))
+    again = LifeArc("again", (JOINT,))
+    copied = replace(orbits, atlas=replace(orbits.atlas, id="again"))
+    turned = replace(birth_cases.circles(), state=("y", "x"))
+    functions = equilibrium_cases.PENDULUM
+    return {
+        "of another field": (
+            claim(), (line_, other("born", system=birth_cases.circles("2*a"))()), "equations", "different ones",
+        ),
+        "with functions": (claim(), (line_, other("born", system=functions)()), "equations", "different ones"),
+        "of another value": (
+            claim(), (line_, other("born", parameters={"b": Q(1)})()), "equations", "different ones",
+        ),
+        "of another order": (claim(), (line_, other("born", system=turned)()), "equations", "different ones"),
+        "of another parameter": (claim(), (line_, other("born", **of_parameter("b"))()), "equations", "different ones"),
+        "stops before": (
+            claim(), (known(certificate_of(rest_atlas(Q(-1, 4), Q(-1, 8)))), orbits), "joints", "beyond the ends",
+        ),
+        "ends there": (
+            claim(), (known(certificate_of(rest_atlas(Q(-1, 4), Q(0)))), orbits), "joints", "is not shown",
+        ),
+        "begins there": (
+            claim(), (known(certificate_of(rest_atlas(Q(0), Q(1, 4)))), orbits), "joints", "is not shown",
+        ),
+        "is not proved": (claim(), (line_, LifeCurve(orbits.atlas, None)), "arcs", "is not proved"),
+        "does not stand": (claim(), (line_, replace(orbits, problem="it is forged")), "arcs", "it is forged"),
+        "twice": (
+            claim(LifeArc("born", (JOINT,))), (line_, orbits, orbits), "arcs", "two arcs have the same id",
+        ),
+        "a copy": (claim(again), (line_, orbits, copied), "arcs", "two arcs have a piece in common"),
+        "the same birth": (claim(again), (line_, orbits, known(twice)), "births", "may begin at the same one"),
+        "in another order": (claim(), (orbits, line_), "arcs", "not those of the claim"),
+        "one too few": (claim(), (line_,), "arcs", "not those of the claim"),
+        "none": (Life("a life", "nothing", ()), (), "arcs", "not those of the claim"),
+        "on orbits": (
+            Life("a life", "", (LifeArc("rest"), LifeArc("born"), LifeArc("again", (LifeJoint("born", BEGINS),)))),
+            (line_, orbits, known(twice)), "joints", "the other is no curve of equilibria",
+        ),
+        "of equilibria": (
+            Life("a life", "", (LifeArc("rest", (LifeJoint("born", BEGINS),)), LifeArc("born"))), (line_, orbits),
+            "joints", "it is no curve of orbits from their birth on",
+        ),
+        "on none": (claim(on="elsewhere"), (line_, orbits), "joints", "that is none of the arcs"),
+        "in no way": (
+            Life("a life", "", (LifeArc("rest"), LifeArc("born", (LifeJoint("rest", "ends on"),)))),  # type: ignore[arg-type]
+            (line_, orbits), "joints", "no such way",
+        ),
+    }  # fmt: skip
+
+
+def test_graphs_that_are_false_are_refused() -> None:
+    for name, (said, arcs, condition, message) in refused_arcs().items():
+        found = why_not(said, *arcs)
+        assert found[0] == condition, (name, found)
+        assert message in found[1], (name, found)
+
+
+def test_names_of_systems_are_not_compared() -> None:
+    renamed = replace(birth_cases.circles(), name="rings", title="rings")
+    outcome = conclude_life(claim(), [known(rest()), other("born", system=renamed)()])
+    assert isinstance(outcome, Proved)
+
+
+def test_births_are_different_if_one_coordinate_certainly_is() -> None:
+    orbits, on = known(born()), known(rest())
+    found = joint_shown(orbits, JOINT, on)
+    assert isinstance(found, Birthplace)
+    assert not are_different(found, found)
+    for name in ("x", "y"):
+        assert are_different(found, replace(found, point={**found.point, name: found.point[name] + arb(2) ** -40}))
+        wide = {**found.point, name: found.point[name] + arb(2) ** -40 + arb(0, 2.0**-39)}
+        assert not are_different(found, replace(found, point=wide))
+    assert are_different(found, replace(found, value=found.value + arb(2) ** -40))
+
+
+def test_counts_beside_a_birth_are_those_of_the_nearest_parts_that_are_decided() -> None:
+    curve = known(certificate_of(equilibrium_cases.curve_of_equilibria())).curve
+    assert curve is not None
+    a, b, c, d = Sides(2, 0), Sides(1, 1), Sides(0, 2), None
+
+    def part(pieces: tuple[str, str], begin: Q, end: Q, sides: Sides | None) -> SidedPart:
+        return SidedPart(pieces, (begin, end), (arb(0), arb(0)), arb(0), sides)
+
+    parts = (
+        part(("p1", "p1"), Q(-1), Q(0), a), part(("p1", "p1"), Q(0), Q(1, 4), d),
+        part(("p1", "p2"), Q(1, 4), Q(-1, 2), b), part(("p2", "p2"), Q(-1, 2), Q(0), d),
+        part(("p2", "p2"), Q(0), Q(1), c),
+    )  # fmt: skip
+    curve = replace(curve, sides=parts)
+    for piece, s, expected in (
+        ("p1", arb(0.125), (a, b)), ("p2", arb(-0.25), (b, c)), ("p1", arb(-0.5), (None, b)),
+        ("p2", arb(0.5), (b, None)), ("p1", arb(0.5), (a, c)), ("p1", arb(0.125, 0.25), (None, c)),
+        ("p2", arb(-0.25, 0.5), (a, None)),
+    ):  # fmt: skip
+        assert _beside(curve, PlaceOnCurve(piece, s, False)) == expected, (piece, s)
+
+
+def test_the_values_on_an_arc_contain_those_of_all_its_points() -> None:
+    """a = x^2 from x = -1/2 to 1/2."""
+    values = known(certificate_of(equilibrium_cases.curve_of_equilibria())).values
+    for number in range(33):
+        assert values.contains(enclose(Q(number - 16, 32) ** 2))
+    assert not values.contains(enclose(Q(1, 3)))
+
+
+# Claims as files
+
+
+DOCUMENT = {
+    "format": "orbitproof-life-claim", "version": 1, "id": "a life", "title": "circles and their equilibria",
+    "arcs": [{"id": "rest"}, {"id": "born", "joints": [{"arc": "rest", "how": "begins on"}]}],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("arcs", "message"),
+    [
+        ([], "arcs"),
+        ([{"id": "rest"}, {"id": "rest"}], "appears twice; give each arc once"),
+        ([{"id": "born", "joints": [{"arc": "rest", "how": "begins on"}]}], "none of the other arcs"),
+        ([{"id": "born", "joints": [{"arc": "born", "how": "begins on"}]}], "none of the other arcs"),
+        ([{"id": "rest"}, {"id": "born", "joints": [{"arc": "rest", "how": "begins on"}] * 2}], "say once how"),
+        ([{"id": "rest"}, {"id": "born", "joints": [{"arc": "rest", "how": "ends on"}]}], "joints[0].how"),
+    ],
+)
+def test_malformed_claims_are_refused_by_their_field(arcs: list[Any], message: str, tmp_path: Path) -> None:
+    path = tmp_path / "life.json"
+    path.write_text(json.dumps({**DOCUMENT, "arcs": arcs}))
+    with pytest.raises(InputError, match="arcs") as error:
+        read_life_claim(path)
+    assert message in str(error.value)
+
+
+def test_an_empty_claim_is_refused_wherever_it_comes_from() -> None:
+    with pytest.raises(InputError, match="is empty"):
+        life_from_json({"id": "a", "title": "a", "arcs": []}, "it")
+
+
+def test_what_is_needed_is_asked_for() -> None:
+    for given in ([rest()], [born()], []):
+        with pytest.raises(InputError, match="no such certificate is given"):
+            resting(claim(), given)
+    with pytest.raises(InputError, match="appears twice"):
+        resting(claim(), [rest(), rest(), born()])
+
+
+# Certificates
+
+
+def test_a_certificate_is_checked_by_those_that_it_rests_on() -> None:
+    found = checked(life())
+    assert (found.stands, found.findings, found.passed) == (True, (), Level.CONCLUSION)
+    assert not recheck(life(), given=Given()).stands
+
+
+def test_forged_certificates_are_found() -> None:
+    def put(value: Any, *place: Any) -> Certificate:
+        document = json.loads(json.dumps(life().document))
+        inner = document
+        for key in place[:-1]:
+            inner = inner[key]
+        inner[place[-1]] = value
+        return Certificate({**document, "digest": digest(document)})
+
+    joints = ("arcs", 1, "joints", 0)
+    for entry in (
+        put("sha256:" + "0" * 64, "rests_on", 0, "digest"),
+        put("other", "rests_on", 0, "id"),
+        put({"left": 1, "right": 1}, *joints, "before"),
+        put(life().document["arcs"][1]["joints"][0]["frequency"], *joints, "value"),
+        put("e2", *joints, "piece"),
+        put([["rest"], ["born"]], "parts"),
+        put([], "arcs", 1, "joints"),
+        put([], "statement", "claim", "arcs", 1, "joints"),
+        put(False, "statement", "claim", "connected"),
+        put([], "hypotheses"),
+    ):
+        assert not checked(entry).stands
+    said = put("Everything is proved.", "statement", "theorem")
+    assert noticed(checked(said))
+    told = checked(Certificate(forged_elsewhere(said.document, lambda it: None))).rendered
+    assert told is not None
+    assert told["statement"]["theorem"] == life().theorem
+
+
+def test_a_life_does_not_rest_on_what_is_not_proved_or_forged() -> None:
+    short = certificate_of(birth_cases.circles_born(id="born"), (Q(-1), Q(0)))
+    assert not short.proved
+    bad = Certificate(forged(rest().document, lambda it: it["results"][0].update(deviation=["0x1p0", "0x0"])))
+    for given, message in (((rest(), short), "says 'not proved'"), ((bad, born()), "does not stand")):
+        found = life_of(claim(), given)
+        assert found.verdict == "not proved"
+        assert found.reason is not None
+        assert found.reason.condition == "arcs"
+        assert message in found.reason.message
+
+
+# Commands
+
+
+def test_a_life_from_the_command_line_and_from_python(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    paths = [tmp_path / name for name in ("rest.json", "born.json", "life.json", "certificate.json")]
+    for path, entry in zip(paths, below(), strict=False):
+        write_certificate(path, entry.document)
+    paths[2].write_text(json.dumps(DOCUMENT))
+    given = ["--certificates", *map(str, paths[:2])]
+    assert main([str(paths[2]), *given, "-o", str(paths[3]), "--quiet"]) == 0
+    assert "PROVED" in capsys.readouterr().out
+    (stored,) = verify.read(paths[3])
+    assert stored.document == life().document
+    assert main(["--recheck", str(paths[3]), *given, "--quiet"]) == 0
+    assert main([str(paths[2]), "--certificates", str(paths[0]), "--quiet"]) == 2
+    assert "no such certificate is given" in capsys.readouterr().err
+    paths[2].write_text(json.dumps({**DOCUMENT, "arcs": [{"id": "rest"}, {"id": "born"}]}))
+    assert main(["life", str(paths[2]), *given, "--quiet"]) == 1
+    assert "NOT PROVED: connected" in capsys.readouterr().out
+    (found,) = verify.certify(claim(), rests_on=below())
+    assert found.document == life().document
