@@ -2,7 +2,10 @@
 
 The flow map over a given time and its derivative in the initial state and in the family parameter
 come from one call. Parameters and times are traced arguments, so that every mass parameter and
-every orbit shares the compiled code. diffrax integrates; the error of the orbit alone chooses the steps.
+every orbit shares the compiled code. The vector field stands once in it: with diffrax, which has it four times and
+much around it, the first orbit takes three times as long, most of it for tracing and compiling, and diffrax has to be
+loaded. The steps, their errors and their limits are those of diffrax but for the first; the error of the orbit chooses
+them, and that of its derivatives where these are much larger.
 """
 
 from __future__ import annotations
@@ -11,18 +14,21 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import diffrax
 import jax
+import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
 from orbitproof.explore.flow.compilation import compiled, configure_jax
 from orbitproof.explore.flow.fields import beginning, extended_field
-from orbitproof.explore.flow.integration import integrate
+from orbitproof.explore.flow.runge_kutta import MAX_STEPS, growth, measured, square_tableau
 from orbitproof.shared.systems import ReversibleSystem
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+
+_FIRST_STEP = 0.01
+"""Length of the first step that is tried, as a part of the time."""
 
 
 class FlowFailure(Exception):
@@ -103,17 +109,43 @@ def flow_of(system: ReversibleSystem) -> Flow:
 
 def _compile(system: ReversibleSystem) -> Flow:
     configure_jax()
-    steps = diffrax.SubSaveAt(t0=True, steps=True, fn=lambda _time, extended, _arguments: extended[0])
+    lower, error_weights = square_tableau()
 
     def half_return(initial: jax.Array, time: jax.Array, parameters: jax.Array) -> tuple[jax.Array, ...]:
-        slopes = extended_field(system, parameters)
-        end, solution, reached = integrate(
-            lambda _time, extended, _arguments: slopes(extended),
-            beginning(system, initial, parameters),
-            time,
-            extended=True,
-            save=steps,
-        )
-        return end, slopes(end)[0], solution.ys[1], solution.stats["num_accepted_steps"] + 1, reached
+        slopes, start = extended_field(system, parameters), jnp.asarray(beginning(system, initial, parameters))
+        whole, sign = jnp.abs(time), jnp.sign(time)
+
+        def goes_on(at: tuple[jax.Array, ...]) -> jax.Array:
+            elapsed, attempts = at[0], at[5]
+            return (attempts == 0) | ((elapsed < whole) & (attempts < MAX_STEPS))
+
+        def step(at: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
+            elapsed, extended, slope, length, accepted, attempts, path = at
+
+            def moved(weights: jax.Array, stages: jax.Array) -> jax.Array:
+                return sign * length * (weights @ stages.reshape(len(stages), -1)).reshape(start.shape)
+
+            def stage(number: jax.Array, carry: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
+                end = extended + moved(jnp.asarray(lower)[number], carry[1])
+                return end, carry[1].at[number].set(slopes(end))
+
+            # The slope at the start of a step is that at the end of the one before; only the first has to find it.
+            stages = jnp.zeros((len(lower), *start.shape)).at[0].set(slope)
+            end, stages = jax.lax.fori_loop(jnp.minimum(attempts, 1), len(lower), stage, (extended, stages))
+            error = measured(moved(jnp.asarray(error_weights), stages), extended, end)
+            good, left = error <= 1, whole - elapsed
+            elapsed = jnp.where(good, jnp.where(length >= left, whole, elapsed + length), elapsed)
+            extended = jnp.where(good, end, extended)
+            slope = jnp.where(good, stages[-1], stages[0])
+            accepted = accepted + (good & (left > 0))
+            path = path.at[accepted].set(extended[0])
+            length = jnp.minimum(length * growth(error), whole - elapsed)
+            return elapsed, extended, slope, length, accepted, attempts + 1, path
+
+        path = jnp.zeros((MAX_STEPS + 1, len(initial))).at[0].set(start[0])
+        first = 0.0, start, jnp.zeros_like(start), _FIRST_STEP * whole, 0, 0, path
+        elapsed, end, slope, _, accepted, _, path = jax.lax.while_loop(goes_on, step, first)
+        reached = (elapsed >= whole) & jnp.all(jnp.isfinite(end))
+        return end, slope[0], path, accepted + 1, reached
 
     return Flow(system, compiled(half_return))

@@ -16,32 +16,10 @@ from orbitproof.explore.flow.runge_kutta import (
     RELATIVE_TOLERANCE,
     SAFETY,
     SHRINK,
-    scales,
-    weighted,
 )
 
 _STIFF = {"rtol": 1e-8, "atol": 1e-10}
 """Tolerances of the implicit method."""
-
-
-class _Extended(diffrax.PIDController):  # type: ignore[misc]
-    """Errors of an orbit with its derivatives relative to what `scales` says."""
-
-    def adapt_step_size(
-        self,
-        t0: Any,
-        t1: Any,
-        y0: jax.Array,
-        y1_candidate: jax.Array,
-        args: Any,
-        y_error: jax.Array,
-        error_order: Any,
-        controller_state: Any,
-    ) -> Any:
-        """The next step, as in diffrax."""
-        return super().adapt_step_size(
-            t0, t1, scales(y0), scales(y1_candidate), args, y_error, error_order, controller_state
-        )
 
 
 def integrate(
@@ -50,7 +28,6 @@ def integrate(
     time: Any,
     arguments: Any = None,
     *,
-    extended: bool = False,
     save: diffrax.SubSaveAt | None = None,
     implicit: bool = False,
     most: int = MAX_STEPS,
@@ -59,12 +36,10 @@ def integrate(
 
     Arguments:
         field: of the time, the state and `arguments`.
-        extended: whether the state is an orbit with its derivatives, and errors are measured accordingly.
         save: what to keep on the way, `solution.ys[1]`.
         implicit: Kvaerno 5, to fewer digits, for stiff fields, through whose fast decay the other one crawls.
         most: number of steps.
     """
-    controller = _Extended if extended else diffrax.PIDController
     solution = diffrax.diffeqsolve(
         diffrax.ODETerm(field),
         diffrax.Kvaerno5(root_finder=diffrax.VeryChord(**_STIFF)) if implicit else diffrax.Dopri8(scan_kind="lax"),
@@ -75,9 +50,9 @@ def integrate(
         y0=start,
         args=arguments,
         saveat=diffrax.SaveAt(subs=[diffrax.SubSaveAt(t1=True), *([] if save is None else [save])]),
-        stepsize_controller=controller(
+        stepsize_controller=diffrax.PIDController(
             **(_STIFF if implicit else {"rtol": RELATIVE_TOLERANCE, "atol": ABSOLUTE_TOLERANCE}),
-            norm=weighted if extended else lambda errors: jnp.sqrt(jnp.mean(jnp.square(errors))),
+            norm=lambda errors: jnp.sqrt(jnp.mean(jnp.square(errors))),
             safety=SAFETY,
             factormin=SHRINK,
             factormax=GROW,

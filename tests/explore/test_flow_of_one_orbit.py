@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import warnings
+
+import diffrax
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from orbitproof.explore.flow import flow_of
-from orbitproof.shared.systems import CR3BP
+from orbitproof.explore.flow.runge_kutta import tableau
+from orbitproof.shared.systems import CR3BP, ReversibleSystem, described
 
 MU = 0.01215058560962404
 NEAR_THE_MOON = np.array([0.987635278996, 0.0, 0.00444275726548, 0.0, 2.31422648693, 0.0])
@@ -30,3 +34,28 @@ def test_an_orbit_close_to_the_moon_goes_where_another_integrator_leads_it_both_
         assert np.array_equal(states[-1], found.state)
         # The flow keeps volume.
         assert abs(np.linalg.det(found.state_transition) - 1) < 1e-9
+
+
+def test_the_numbers_of_the_method_are_those_of_diffrax() -> None:
+    rows, error = tableau()
+    theirs = diffrax.Dopri8.tableau
+    assert [list(row) for row in rows] == [row.tolist() for row in theirs.a_lower]
+    assert list(error) == theirs.b_error.tolist()
+
+
+def test_a_first_step_out_of_where_the_field_is_defined_is_tried_again_shorter() -> None:
+    system = described({
+        "name": "bounced", "state": "x v", "field": {"x": "v", "v": "x**(-3/2) - 1"}, "R": {"v": -1}, "section": "v",
+        "first_integral": "v**2/2 + 2/sqrt(x) + x",
+    })  # fmt: skip
+    assert isinstance(system, ReversibleSystem)
+    assert system.first_integral is not None
+    start = [1.5, 0.0]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        states = flow_of(system).samples(start, 400.0, [])
+    levels = [system.first_integral(state, [])[0] for state in states.tolist()]
+    assert len(states) > 300
+    assert np.allclose(levels, levels[0], rtol=0, atol=1e-10)
+    # Zeros of the tableau times a slope that is no number, of the step before, would end it here.
+    assert np.isfinite(flow_of(system).derivative(start, 400.0, []).state_transition).all()
