@@ -112,6 +112,7 @@ def _refined(task: OrbitTask, regularisation: Regularisation | None, report: Pro
         bits_of(task.digits),
         _RULE,
         report,
+        residual=lambda point, context: _linearised(task, point, context, regularisation, degree=0).residual,
     )
     why = fallen(task.system, task.parameters, task.guess, [float(value) for value in found.unknowns])
     if why is not None:
@@ -132,13 +133,17 @@ def _along_family(task: OrbitTask, regularisation: Regularisation | None) -> Equ
 
 
 def _linearised(
-    task: OrbitTask, point: Sequence[Fraction], context: mpmath.MPContext, regularisation: Regularisation | None
+    task: OrbitTask,
+    point: Sequence[Fraction],
+    context: mpmath.MPContext,
+    regularisation: Regularisation | None,
+    degree: int = 1,
 ) -> Linearised:
-    """q o P and quantity - value at a point; the spread is the largest derivative of P."""
+    """q o P and quantity - value at a point; the spread is the largest derivative of P. Of degree 0: these alone."""
     system = task.system
     n = len(system.kernel_coordinates)
     size = 1 + n
-    basis = JetBasis.graded((1,) * size, 1)
+    basis = JetBasis.graded((1,) * size, degree)
     directions = [[int(i == j) for i in range(1 + 2 * n)] for j in range(size)]
     values = [mpf(u, context) for u in point]
     start, parameter = start_jets(system, values, directions, basis)
@@ -155,13 +160,17 @@ def _linearised(
     elif equation.quantity == COORDINATE:
         index = system.centre_coordinates.index(str(equation.coordinate))
         quantity = basis.constant(values[index])
-        quantity.coefficients[basis.variable(index)] = context.mpf(1)
+        if degree:
+            quantity.coefficients[basis.variable(index)] = context.mpf(1)
     else:
         quantity = level_jet(system, task.parameters, start, parameter, context)
     functions = [*image[size:], quantity - mpf(equation.value, context)]
+    values = context.matrix([jet.coefficients[0] for jet in functions])
+    if not degree:
+        return Linearised(values, None, 1.0)
     slopes = [[jet.coefficients[basis.variable(j)] for j in range(size)] for jet in functions]
     spread = max(float(abs(jet.coefficients[basis.variable(j)])) for jet in image for j in range(size))
-    return Linearised(context.matrix([jet.coefficients[0] for jet in functions]), context.matrix(slopes), spread)
+    return Linearised(values, context.matrix(slopes), spread)
 
 
 def _candidate(task: OrbitTask, found: Solution) -> Candidate:

@@ -6,10 +6,12 @@ import warnings
 
 import diffrax
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
 
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.flow.runge_kutta import tableau
+from orbitproof.explore.orbits import PeriodicSolution
 from orbitproof.shared.systems import CR3BP, ReversibleSystem, described
 
 MU = 0.01215058560962404
@@ -59,3 +61,15 @@ def test_a_first_step_out_of_where_the_field_is_defined_is_tried_again_shorter()
     assert np.allclose(levels, levels[0], rtol=0, atol=1e-10)
     # Zeros of the tableau times a slope that is no number, of the step before, would end it here.
     assert np.isfinite(flow_of(system).derivative(start, 400.0, []).state_transition).all()
+
+
+def test_an_orbit_as_a_function_of_time_is_where_the_flow_leads_and_ends_in_a_collision() -> None:
+    legs = np.array([NEAR_THE_MOON, flow_of(CR3BP).derivative(NEAR_THE_MOON, 0.3, [MU]).state])
+    solution = PeriodicSolution(CR3BP, [MU], legs, np.array([0.3, 0.38]))
+    times = np.array([0.0, 0.01, 0.2999, 0.3, 0.3001, 0.5, 0.6799])
+    there = [flow_of(CR3BP).derivative(NEAR_THE_MOON, time, [MU]).state for time in times]
+    assert np.allclose(solution.states(times), there, rtol=0, atol=1e-11)
+    assert solution.defect == pytest.approx(1.40021e-6, abs=1e-11)
+    into_the_moon = PeriodicSolution.symmetric(CR3BP, [MU], np.array([0.98, 0.0, 0.0, 0.0, 0.0, 0.0]), 2.0)
+    with pytest.raises(ArithmeticError, match="near a singularity"):
+        _ = into_the_moon.defect

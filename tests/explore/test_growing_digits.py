@@ -66,6 +66,32 @@ def test_the_last_step_may_be_as_long_as_the_caller_says() -> None:
     assert abs(short.unknowns[0] - ROOT) < Fraction(1, 10**55)
 
 
+@pytest.mark.parametrize("wrong", [0, Fraction(1, 2**60)])
+def test_derivatives_are_kept_for_the_last_steps_as_long_as_they_lead_on(wrong: Fraction) -> None:
+    asked: list[tuple[str, int]] = []
+
+    def counted(point: Sequence[Fraction], context: Any) -> Linearised:
+        asked.append(("all", context.prec))
+        return square(point, context)
+
+    def residual(point: Sequence[Fraction], context: Any) -> Any:
+        asked.append(("residual", context.prec))
+        # Other equations than those with derivatives: no step leads on.
+        return square([point[0] + wrong], context).residual
+
+    found = newton_with_digits(counted, [Fraction(1.4142)], GOAL, RULE, residual=residual)
+    assert abs(found.unknowns[0] - ROOT) < Fraction(1, 10**56)
+    kinds = [kind for kind, _ in asked]
+    first = kinds.index("residual")
+    assert kinds[:first] == ["all"] * first
+    assert [bits for _, bits in asked[first:]] == [GOAL + 40] * (len(asked) - first)
+    if wrong:
+        assert kinds[-1] == "all"
+    else:
+        assert 1 < first < len(kinds)
+        assert set(kinds[first:]) == {"residual"}
+
+
 def test_more_equations_than_unknowns() -> None:
     def twice(point: Sequence[Fraction], context: Any) -> Linearised:
         x, y = (mpf(value, context) for value in point)
