@@ -22,14 +22,15 @@ from orbitproof.shared.claims.life import BEGINS, Life, LifeArc, LifeJoint
 from orbitproof.shared.formats import InputError, define_system
 from orbitproof.shared.formats.life import life_from_json, read_life_claim
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.birth_curve import conclude_births
+from orbitproof.verify.birth_curve import ProvedBirthCurve, conclude_births
 from orbitproof.verify.branches.rests_on import resting
 from orbitproof.verify.certificate import Certificate, Given, Level, Recheck, digest, recheck, write_certificate
 from orbitproof.verify.curve import Chain, PlaceOnCurve, ProvedInterval, Stretch, read_tube
 from orbitproof.verify.equilibrium_curve import ProvedEquilibriumCurve, SidedPart, Sides, conclude_equilibria
 from orbitproof.verify.evidence import NotProved, Proved, enclose
-from orbitproof.verify.life import Birthplace, LifeCurve, conclude_life, joint_shown
-from orbitproof.verify.life.joints import _beside, are_different
+from orbitproof.verify.life import Birthplace, LifeCurve, LifeTheorem, conclude_life, joint_shown
+from orbitproof.verify.life.joints import _beside
+from orbitproof.verify.words.life import life_in_words
 
 JOINT = LifeJoint("rest", BEGINS)
 
@@ -192,6 +193,9 @@ def refused_arcs() -> dict[str, tuple[Life, Sequence[LifeCurve], str, str]]:
         ),
         "a copy": (claim(again), (line_, orbits, copied), "arcs", "two arcs have a piece in common"),
         "the same birth": (claim(again), (line_, orbits, known(twice)), "births", "may begin at the same one"),
+        "the same birth, not joined": (
+            claim(LifeArc("again"), connected=False), (line_, orbits, known(twice)), "births", "begin at the same one",
+        ),
         "in another order": (claim(), (orbits, line_), "arcs", "not those of the claim"),
         "one too few": (claim(), (line_,), "arcs", "not those of the claim"),
         "none": (Life("a life", "nothing", ()), (), "arcs", "not those of the claim"),
@@ -225,15 +229,21 @@ def test_names_of_systems_are_not_compared() -> None:
 
 
 def test_births_are_different_if_one_coordinate_certainly_is() -> None:
-    orbits, on = known(born()), known(rest())
-    found = joint_shown(orbits, JOINT, on)
-    assert isinstance(found, Birthplace)
-    assert not are_different(found, found)
-    for name in ("x", "y"):
-        assert are_different(found, replace(found, point={**found.point, name: found.point[name] + arb(2) ** -40}))
-        wide = {**found.point, name: found.point[name] + arb(2) ** -40 + arb(0, 2.0**-39)}
-        assert not are_different(found, replace(found, point=wide))
-    assert are_different(found, replace(found, value=found.value + arb(2) ** -40))
+    said, line_, orbits = claim(LifeArc("again"), connected=False), known(rest()), known(born())
+    assert isinstance(orbits.curve, ProvedBirthCurve)
+    (piece,) = orbits.atlas.curve_pieces()
+    elsewhere = replace(orbits.atlas, id="again", pieces=(replace(piece, centre=(Q(1), *piece.centre[1:])),))
+    for name in ("a", "x", "y"):
+        for width, different in ((arb(0), True), (arb(0, 2.0**-39), False)):
+            ends = dict(orbits.curve.ends)
+            ends["start"] = {**ends["start"], name: ends["start"][name] + arb(2) ** -40 + width}
+            again = LifeCurve(elsewhere, replace(orbits.curve, ends=ends))
+            outcome = conclude_life(said, [line_, orbits, again])
+            assert isinstance(outcome, Proved) == different
+            if isinstance(outcome, Proved):
+                digests = dict.fromkeys(("rest", "born", "again"), "d")
+                words = life_in_words(LifeTheorem(said), outcome.results, digests)
+                assert "The arcs of orbits begin at different equilibria" in words
 
 
 def test_counts_beside_a_birth_are_those_of_the_nearest_parts_that_are_decided() -> None:

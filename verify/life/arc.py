@@ -43,6 +43,14 @@ class LifeCurve:
         )
 
     @property
+    def birth(self) -> dict[str, arb] | None:
+        """Of orbits from their birth on the first value of the parameter and the equilibrium, enclosed; else `None`."""
+        if not isinstance(self.curve, ProvedBirthCurve):
+            return None
+        start = self.curve.ends["start"]
+        return {name: start[name] for name in (self.atlas.claim.parameter, *self.atlas.system.given_state)}
+
+    @property
     def pieces(self) -> set[tuple[object, ...]]:
         """Its pieces, as they are written."""
         coordinates = self.atlas.coordinates

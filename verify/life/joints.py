@@ -11,7 +11,6 @@ from orbitproof.verify.birth_curve import ProvedBirthCurve
 from orbitproof.verify.curve import PlaceOnCurve, is_inside_curve, locate, lower_end, upper_end
 from orbitproof.verify.equilibrium.spectrum import Spectrum
 from orbitproof.verify.equilibrium_curve import ProvedEquilibriumCurve, Sides
-from orbitproof.verify.evidence import excludes_zero
 from orbitproof.verify.life.arc import LifeCurve
 
 
@@ -47,13 +46,12 @@ def joint_shown(arc: LifeCurve, joint: LifeJoint, on: LifeCurve) -> Birthplace |
     """The joint of a proved arc with another one if it is as claimed, or why that is not shown (Lemma 39.2)."""
     if joint.how != BEGINS:
         return "there is no such way to be joined"
-    if not isinstance(arc.curve, ProvedBirthCurve):
+    point = arc.birth
+    if point is None or not isinstance(arc.curve, ProvedBirthCurve):
         return "it is no curve of orbits from their birth on"
     if not isinstance(on.curve, ProvedEquilibriumCurve):
         return "the other is no curve of equilibria"
-    start = arc.curve.ends["start"]
-    point = {name: start[name] for name in on.atlas.coordinates}
-    place = locate(on.atlas, on.curve.chain, list(point.values()))
+    place = locate(on.atlas, on.curve.chain, [point[name] for name in on.atlas.coordinates])
     if isinstance(place, str):
         return place
     if not is_inside_curve(on.atlas, on.curve.chain, place):
@@ -61,12 +59,6 @@ def joint_shown(arc: LifeCurve, joint: LifeJoint, on: LifeCurve) -> Birthplace |
     value = point.pop(on.atlas.claim.parameter)
     about = arc.curve.frequency, arc.curve.eigenvalues
     return Birthplace(arc.id, on.id, joint.how, place, value, point, *about, *_beside(on.curve, place))
-
-
-def are_different(one: Birthplace, other: Birthplace) -> bool:
-    """Whether two births are certainly at different equilibria, or for different values of the parameter."""
-    differences = [one.value - other.value, *(one.point[name] - other.point[name] for name in one.point)]
-    return any(map(excludes_zero, differences))
 
 
 def _beside(curve: ProvedEquilibriumCurve, place: PlaceOnCurve) -> tuple[Sides | None, Sides | None]:

@@ -18,9 +18,10 @@ from orbitproof.verify.evidence import (
     NotProved,
     Outcome,
     Proved,
+    excludes_zero,
 )
 from orbitproof.verify.life.arc import LifeCurve
-from orbitproof.verify.life.joints import Birthplace, are_different, joint_shown
+from orbitproof.verify.life.joints import Birthplace, joint_shown
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ def conclude_life(life: Life, arcs: Sequence[LifeCurve]) -> Outcome[ProvedLife]:
             _check_arcs(checklist, life, arcs)
             _check_equations(checklist, arcs)
             found = _check_joints(checklist, life, arcs)
-            _check_births(checklist, found)
+            _check_births(checklist, arcs)
             parts = hanging_together({arc.id: [arc.id, *(joint.arc for joint in arc.joints)] for arc in life.arcs})
             if life.connected:
                 statement = "any two arcs are joined by arcs that follow one another"
@@ -116,11 +117,11 @@ def _check_joints(checklist: Checklist, life: Life, arcs: Sequence[LifeCurve]) -
     return tuple(found)
 
 
-def _check_births(checklist: Checklist, found: Sequence[Birthplace]) -> None:
-    statement = "different arcs of orbits begin at different equilibria, or for different values of the parameter"
+def _check_births(checklist: Checklist, arcs: Sequence[LifeCurve]) -> None:
+    statement = "any two arcs of orbits begin at different equilibria, or for different values of the parameter"
     with checklist.hypothesis("births", "39.3", statement, "give each birth once, by one certificate") as evidence:
         evidence.require(True, "")
-        for one, other in combinations(found, 2):
-            if one.arc != other.arc:
-                different = are_different(one, other)
-                evidence.require(different, f"{shown(one.arc)} and {shown(other.arc)} may begin at the same one")
+        births = [(arc.id, arc.birth) for arc in arcs if arc.birth is not None]
+        for (one, first), (other, second) in combinations(births, 2):
+            different = any(excludes_zero(first[name] - second[name]) for name in first)
+            evidence.require(different, f"{shown(one)} and {shown(other)} may begin at the same one")

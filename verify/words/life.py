@@ -33,7 +33,7 @@ def life_in_words(theorem: LifeTheorem, life: ProvedLife, digests: Mapping[str, 
     ]
     for arc, values in zip(life.arcs, life.values, strict=True):
         lines += _arc(name, arc, values, [each for each in life.joints if each.arc == arc.id], digests[arc.id])
-    if len({joint.arc for joint in life.joints}) > 1:
+    if sum(isinstance(arc.curve, ProvedBirthCurve) for arc in life.arcs) > 1:
         lines.append(f"The arcs of orbits begin at different equilibria, or for different values of {name}.")
     for part in life.parts:
         if len(part) > 1:
