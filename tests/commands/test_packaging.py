@@ -211,7 +211,7 @@ sys.meta_path.insert(0, Missing())
     ("missing", "words", "extra"),
     [
         ("jax", ["-m", "orbitproof", "explore", "family", "--system", "falkner-skan", "-o", "f.json"], "explore"),
-        ("diffrax", ["-m", "orbitproof.explore", "family", "--system", "falkner-skan", "-o", "f.json"], "explore"),
+        ("diffrax", ["-m", "orbitproof.explore", "mass-curve", "--points", "L1", "-o", "f.json"], "explore"),
         ("mpmath", ["-m", "orbitproof.explore", "candidates", "--system", "falkner-skan", "-o", "f.json"], "explore"),
         ("ccsds_ndm", ["-m", "orbitproof", "explore", "trajectory", "claims.json", "--oem", "o.oem"], "oem"),
         (
