@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from math import floor, isfinite, log, log10, pi
@@ -131,11 +131,19 @@ class AtRest(PeriodicFailure):
         self.point = point
 
 
+def _refuse_steady(system: System, velocity: Sequence[float]) -> None:
+    """Raise `PeriodicFailure` if a coordinate has a rate that never changes: it does not come back."""
+    for name, output, rate in zip(system.given_state, system.program.outputs, velocity, strict=False):
+        if rate and not {*replace(system.program, outputs=(output,)).used_inputs} & {*system.state}:
+            remedy = "a force is F*cos(r*t), with the time t that is no coordinate (docs/how-to/forced-systems.md)"
+            raise PeriodicFailure(f"{name} has the rate {rate:.6g} everywhere, so that no orbit is periodic; {remedy}")
+
+
 def find_periodic(request: PeriodicRequest, progress: Progress) -> Iterator[FoundOrbit]:
     """The periodic orbits that are found, one after another. Raises `PeriodicFailure` if there is none."""
     problem = PeriodicProblem(request.system, request.parameters)
     try:
-        velocity_at(problem.system, request.start, problem.values)
+        _refuse_steady(problem.system, velocity_at(problem.system, request.start, problem.values))
         level = _level(problem, request)
     except FlowFailure as failure:
         raise PeriodicFailure(str(failure)) from None

@@ -219,6 +219,7 @@ def test_a_wrong_start_is_one_line(
         ('"x y"', "def field(x, y, a): return y, -x + a*cos(x)", "for formulas as text (docs/how-to/sin-and-exp.md)"),
         ('"x y"', "def field(x, y, a): return y, -x + a*t", "docs/how-to/forced-systems.md"),
         ('"x y"', 'field = {"x": "y", "y": "-x + a*cos(t) + t"}', "of r*t + c, where r is made of parameters"),
+        ('"x t"', 'field = {"x": "cos(t) - x", "t": "2 + a"}', "t has the rate 2 everywhere, so that no orbit"),
         ('"x y"', 'field = {"x": "y", "y": "-x^2"}', "a power is written **"),
         ('"x y"', 'field = {"x": "y", "y": "-sqrt(x - 2) + a"}', "no value at x = 1, y = 0, a = 0; give another start"),
         ('"x y"', 'field = {"x": "y/0", "y": "-x"}', "mine.py: field.x: 'y/0' divides by zero; correct it"),
@@ -235,7 +236,8 @@ def test_what_a_newcomer_writes_is_answered_with_what_to_write(
 ) -> None:
     path = tmp_path / "mine.py"
     path.write_text(f'name = "mine"\nstate = {state}\nparameters = "a"\n{field}\n')
-    words = ["--system", str(path), "--parameter", "a=0", "--start", "x=1", "y=0", "-o", str(tmp_path / "out.json")]
+    start = [f"{name}={1 - place}" for place, name in enumerate(state.strip('"').split())]
+    words = ["--system", str(path), "--parameter", "a=0", "--start", *start, "-o", str(tmp_path / "out.json")]
     assert explore_main(["periodic", *words, "--quiet"]) in (1, 2)
     said = capsys.readouterr()
     assert remedy in said.err + said.out
