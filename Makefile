@@ -3,7 +3,7 @@
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
-.PHONY: help demo branches web theorems examples report archive release-check figures docs notebooks test lint check test-slow costs campaign faults reading-list bench clean
+.PHONY: help demo branches web theorems examples report archive release-check figures docs notebooks test lint check test-slow costs campaign faults reading-list bench formal clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -12,6 +12,7 @@ PICTURES := figures-out
 BRANCHES := branches-out
 WEBS := web-out
 EXAMPLES := examples-out
+FORMAL := formal-out
 SITE := site-out
 ARCHIVE := archive-out
 JOBS := 2
@@ -39,6 +40,7 @@ help:
 	@echo "make faults     faults made on purpose, one line each, and which tests notice them (faults.json; hours, goes on where it stopped)"
 	@echo "make reading-list CHAPTER=curve   what has to be read to believe a theorem: files in order, lines"
 	@echo "make release-check   wheel and sdist, installed empty; commands of README and documents, each run once (hours)"
+	@echo "make formal     a certified bifurcation, checked by the kernel of Coq (into $(FORMAL)/; ROWS: others of CERTIFICATES)"
 	@echo "make bench      benchmarks; each prints its numbers"
 	@echo "make clean      remove $(VENV), $(OUT), $(SITE) and caches"
 
@@ -286,6 +288,15 @@ reading-list: $(BIN)/python
 
 bench: $(VENV)/dev.stamp
 	@for file in tests/benchmarks/bench_*.py; do echo "$$file"; $(BIN)/python $$file || exit 1; done
+
+# CERTIFICATES: a file of certificates; ROWS: which of them, by id, with * and ?.
+CERTIFICATES := tests/data/figures-certificates.json
+ROWS := falkner-skan-*-k2-*
+
+formal: $(VENV)/demo.stamp
+	@command -v coqc >/dev/null || { echo "Coq is missing; on Debian and Ubuntu: apt install coq libcoq-bignums" >&2; exit 2; }
+	@$(BOUND) $(BIN)/orbitproof verify --formal $(CERTIFICATES) -o $(FORMAL) --only $(foreach row,$(ROWS),'$(row)') --quiet
+	@sh $(FORMAL)/check.sh -j $(JOBS)
 
 clean:
 	rm -rf $(VENV) $(OUT) $(SITE) .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info

@@ -11,11 +11,11 @@ from setuptools.command.editable_wheel import editable_wheel
 
 ROOT = Path(__file__).resolve().parent
 HOUSE = ROOT / "src" / "orbitproof"
-ROOMS = ("shared", "explore", "verify", "figures")
+ROOMS = ("shared", "explore", "verify", "figures", "formal")
 
 
 def packages() -> list[str]:
-    """Names of the package, its four rooms and every sub-package of these."""
+    """Names of the package, its rooms and every sub-package of these."""
     inits = (path for room in ROOMS for path in (ROOT / room).rglob("__init__.py"))
     return ["orbitproof", *sorted(".".join(("orbitproof", *path.relative_to(ROOT).parent.parts)) for path in inits)]
 

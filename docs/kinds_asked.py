@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-ROOMS = ("shared", "verify", "explore", "figures", "src")
+ROOMS = ("shared", "verify", "explore", "figures", "formal", "src")
 OF_SOME_KINDS = re.compile(
     r"\w+(Theorem|Candidate|Claim|Atlas|Piece|Results?|Enclosures|Conclusion|Document|Statement|Kind|Certificate)"
     r"|(Candidate|InSection|BoxClaim|Atlas|Piece|Web|IndexAlong|CatalogueRows|Claim)"

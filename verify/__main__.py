@@ -42,6 +42,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = sys.argv[1:] if arguments is None else list(arguments)
     if words and words[0] in _COMMANDS and words[0] not in _UNNAMED:
         name, words = words[0], words[1:]
+    elif "--formal" in words:
+        # It stands above this room, which does not know it otherwise.
+        return int(import_module("orbitproof.formal.command").main([word for word in words if word != "--formal"]))
     elif "--second-proof" in words:
         name, words = "second-proof", [word for word in words if word != "--second-proof"]
     else:

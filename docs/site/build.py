@@ -30,7 +30,7 @@ def documents() -> Iterator[Path]:
     """Everything that is shown or linked to, below the root."""
     for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "CODE_OF_CONDUCT.md", "CITATION.cff", "LICENSE"):
         yield ROOT / name
-    for folder in ("docs", "verify", "shared", "explore", "figures"):
+    for folder in ("docs", "verify", "shared", "explore", "figures", "formal"):
         yield from (path for path in (ROOT / folder).rglob("*.md") if "templates" not in path.parts)
     yield from (ROOT / "docs").rglob("*.ipynb")
     yield from (path for path in (ROOT / "docs" / "images").iterdir())

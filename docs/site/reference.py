@@ -18,7 +18,7 @@ from orbitproof.verify.words.formulas import setting
 
 _WORDS = (
     ["explore"], ["verify"], ["verify", "atlas"], ["verify", "web"], ["verify", "catalogue"], ["verify", "index"],
-    ["verify", "--second-proof"], ["figures"], ["report"], ["doctor"],
+    ["verify", "--second-proof"], ["verify", "--formal"], ["figures"], ["report"], ["doctor"],
 )  # fmt: skip
 """The command lines that have a parser of their own."""
 

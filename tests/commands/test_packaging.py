@@ -20,8 +20,8 @@ from orbitproof.shared.sources import source_digests
 from orbitproof.verify.evidence import ON_WHICH_NOTHING_RESTS
 
 ROOT = Path(__file__).resolve().parents[2]
-ROOMS = ("shared", "explore", "verify", "figures")
-DATA = {".json", ".mplstyle", ".pyi", ".md", ".typed", ".bib", ".html", ".tex"}
+ROOMS = ("shared", "explore", "verify", "figures", "formal")
+DATA = {".json", ".mplstyle", ".pyi", ".md", ".typed", ".bib", ".html", ".tex", ".v", ".sh"}
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,7 @@ import release_check
 from orbitproof.__main__ import _COMMANDS as COMMANDS
 
 ROOT = Path(__file__).resolve().parents[2]
-ROOMS = ("shared", "explore", "verify", "figures")
+ROOMS = ("shared", "explore", "verify", "figures", "formal")
 README = (ROOT / "README.md").read_text("utf-8")
 MAKEFILE = (ROOT / "Makefile").read_text("utf-8")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))

@@ -32,6 +32,7 @@ What a file holds decides what is done with it. Options of each kind:
   orbitproof verify catalogue --help   rows of a catalogue, certified by a proved curve
   orbitproof verify --second-proof --help
                                        certificates proved once more, by other code
+  orbitproof verify --formal --help    certified bifurcations as files that the kernel of Coq checks
 """
 
 _EXAMPLES = """\

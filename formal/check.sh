@@ -1,0 +1,55 @@
+#!/bin/sh
+# Has the kernel of Coq check the rows of this folder: sh check.sh [-j N] [ROW ...]
+# Everything is compiled anew; of each row the last lines say what was checked, and on which assumptions.
+# Exit codes: 0 all rows are checked, 1 one is not, 2 Coq is missing or a row is not there.
+
+jobs=1
+if [ "$1" = "-j" ]; then jobs=$2; shift 2; fi
+cd "$(dirname "$0")" || exit 2
+here=$(pwd)
+if ! command -v coqc >/dev/null 2>&1; then
+  echo "coqc is missing; on Debian and Ubuntu: apt install coq libcoq-bignums" >&2; exit 2
+fi
+theory="Polynomials Elements Formats Programs Steps Crossings Rows Intervals Jets Conclusions Theorems"
+[ $# -gt 0 ] || set -- */Conclusion.v
+echo "theory: compiling" >&2
+rm -f theory/*.vo
+for name in $theory; do
+  (cd theory && coqc -q -R . Orbitproof "$name.v") >/dev/null || { echo "theory/$name.v is not accepted" >&2; exit 1; }
+done
+
+# One file of the row in this folder; a line of progress; what Coq says stands in a log.
+one='n=$0; coqc -q -R ../theory Orbitproof -Q . "" "$n.v" >"$n.log" 2>&1 || { echo "$n" >>failed; exit 1; }
+     echo "$n" >>done; echo "$ROW: $(wc -l <done | tr -d " ") of $ALL files" >&2'
+
+failed=0
+for row in "$@"; do
+  row=${row%/Conclusion.v}; row=${row%/}
+  cd "$here/$row" 2>/dev/null || { echo "$row: there is no such row" >&2; exit 2; }
+  [ -z "$(find . -mindepth 1 -type d)" ] || { echo "$row: has folders, which may hide other theories" >&2; exit 2; }
+  start=$(date +%s)
+  rm -f ./*.vo ./*.vok ./*.vos ./*.glob ./.*.aux ./*.log done failed Statement.v statement.txt
+  ROW=$row; ALL=$(ls ./*.v | wc -l | tr -d " "); export ROW ALL
+  parts=$(ls ./*.v | sed 's|^\./||; s|\.v$||' | grep -v '^Row$\|^Conclusion$')
+  # What is said in the end does not depend on notations or definitions of the files themselves.
+  cat >Statement.v <<'END'
+Require Orbitproof.Theorems.
+Require Row.
+Require Conclusion.
+Check (Conclusion.all_checked : Orbitproof.Theorems.checked Conclusion.the_bifurcation).
+Print Assumptions Conclusion.all_checked.
+END
+  if sh -c "$one" Row && echo "$parts" | xargs -P "$jobs" -n 1 sh -c "$one" && sh -c "$one" Conclusion \
+     && coqc -q -R ../theory Orbitproof -Q . "" Statement.v >statement.txt 2>&1; then
+    # Primitive integers are part of the kernel; any other assumption is one too many.
+    others=$(sed -n '/^Axioms:/,$p' statement.txt | grep -v '^Axioms:\|^PrimInt63\.\|^  *\(:\|PrimInt63\.\)' || true)
+    if [ -z "$others" ] && grep -q '^Conclusion.all_checked' statement.txt; then
+      echo "$row: checked in $(($(date +%s) - start)) s; assumptions: primitive integers, nothing else"
+    else
+      echo "$row: NOT CHECKED: it rests on more than primitive integers:"; echo "$others"; failed=1
+    fi
+  else
+    echo "$row: NOT CHECKED: $(cat failed 2>/dev/null | tr '\n' ' ')$(tail -n 3 "$(head -n 1 failed 2>/dev/null)".log 2>/dev/null)"; failed=1
+  fi
+done
+exit $failed
