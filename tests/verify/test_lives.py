@@ -27,7 +27,7 @@ from orbitproof.verify.branches.rests_on import resting
 from orbitproof.verify.certificate import Certificate, Given, Level, Recheck, digest, recheck, write_certificate
 from orbitproof.verify.curve import Chain, PlaceOnCurve, ProvedInterval, Stretch, read_tube
 from orbitproof.verify.equilibrium_curve import ProvedEquilibriumCurve, SidedPart, Sides, conclude_equilibria
-from orbitproof.verify.evidence import NotProved, Proved, enclose
+from orbitproof.verify.evidence import EmptyIntersectionError, NotProved, Proved, enclose
 from orbitproof.verify.life import Birthplace, LifeCurve, LifeTheorem, conclude_life, joint_shown
 from orbitproof.verify.life.joints import _beside
 from orbitproof.verify.words.life import life_in_words
@@ -261,11 +261,18 @@ def test_counts_beside_a_birth_are_those_of_the_nearest_parts_that_are_decided()
     )  # fmt: skip
     curve = replace(curve, sides=parts)
     for piece, s, expected in (
-        ("p1", arb(0.125), (a, b)), ("p2", arb(-0.25), (b, c)), ("p1", arb(-0.5), (None, b)),
-        ("p2", arb(0.5), (b, None)), ("p1", arb(0.5), (a, c)), ("p1", arb(0.125, 0.25), (None, c)),
-        ("p2", arb(-0.25, 0.5), (a, None)),
+        ("p1", arb(0.125), (a, b)), ("p2", arb(-0.25), (b, c)), ("p1", arb(0.125, 0.25), (a, b)),
+        ("p2", arb(-0.25, 0.5), (b, c)), ("p1", arb(0, 0.25), (a, b)), ("p2", arb(-0.5, 0.25), (b, c)),
     ):  # fmt: skip
         assert _beside(curve, PlaceOnCurve(piece, s, False)) == expected, (piece, s)
+    # A part within the enclosure may lie on either side.
+    inside = replace(curve, sides=(parts[0], parts[1], part(("p1", "p1"), Q(1, 4), Q(1, 2), b), *parts[3:]))
+    assert _beside(inside, PlaceOnCurve("p1", arb(0.25, 0.5), False)) == (None, None)
+    assert _beside(inside, PlaceOnCurve("p1", arb(0.125), False)) == (a, b)
+    assert _beside(replace(curve, sides=parts[1:3]), PlaceOnCurve("p1", arb(0.125), False)) == (None, b)
+    for piece, s in (("p1", arb(-0.5)), ("p2", arb(0.5)), ("p1", arb(0.5)), ("p2", arb(-0.75))):
+        with pytest.raises(EmptyIntersectionError, match="none is on the axis"):
+            _beside(curve, PlaceOnCurve(piece, s, False))
 
 
 def test_the_values_on_an_arc_contain_those_of_all_its_points() -> None:

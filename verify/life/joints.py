@@ -11,6 +11,7 @@ from orbitproof.verify.birth_curve import ProvedBirthCurve
 from orbitproof.verify.curve import PlaceOnCurve, is_inside_curve, locate, lower_end, upper_end
 from orbitproof.verify.equilibrium.spectrum import Spectrum
 from orbitproof.verify.equilibrium_curve import ProvedEquilibriumCurve, Sides
+from orbitproof.verify.evidence import EmptyIntersectionError
 from orbitproof.verify.life.arc import LifeCurve
 
 
@@ -62,16 +63,26 @@ def joint_shown(arc: LifeCurve, joint: LifeJoint, on: LifeCurve) -> Birthplace |
 
 
 def _beside(curve: ProvedEquilibriumCurve, place: PlaceOnCurve) -> tuple[Sides | None, Sides | None]:
-    """The counts on the nearest parts of the curve before and after a place on which they are decided (37.5)."""
+    """The counts on the nearest parts of the curve before and after a birth on which they are decided (39.2).
+
+    Raises `EmptyIntersectionError` if one is decided at the birth itself.
+    """
     order = {stretch.tube.piece.id: number for number, stretch in enumerate(curve.chain.stretches)}
-    here = order[place.piece]
+    here, low, high = order[place.piece], lower_end(place.s), upper_end(place.s)
     before = after = None
     for part in curve.sides:
         (first, last), (begin, end) = (order[name] for name in part.pieces), part.between
+        # No eigenvalue is on the axis there, so the birth does not lie in it.
+        begins_before = first < here or (first == here and begin <= low)
+        ends_after = last > here or (last == here and end >= high)
         if part.sides is None:
             continue
-        if last < here or (last == here and end <= lower_end(place.s)):
+        if begins_before and ends_after:
+            raise EmptyIntersectionError(f"the eigenvalues at it are counted on {place.piece}, and none is on the axis")
+        if begins_before:
             before = part.sides
-        elif after is None and (first > here or (first == here and upper_end(place.s) <= begin)):
-            after = part.sides
+        elif ends_after:
+            after = after or part.sides
+        else:
+            return None, None
     return before, after
