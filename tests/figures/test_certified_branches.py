@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -17,6 +17,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from support.chain_cases import Case, certificate, circle_point, concluded, parabola, parabola_piece, symmetric_loop
 from support.stored import values
+from support.within import within
 
 from orbitproof.figures.__main__ import main
 from orbitproof.figures.certified import Curve, heading_of
@@ -48,10 +49,7 @@ def curve(case: Case, *bifurcations: Certificate, regularised: Sequence[str] = (
     return Curve.of(Certificate(document_of(case, *bifurcations, regularised=regularised)))
 
 
-@pytest.fixture(autouse=True)
-def style() -> Iterator[None]:
-    with use_style():
-        yield
+style = within(lambda: use_style())
 
 
 def bars(figure: Figure) -> list[Rectangle]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -18,6 +17,7 @@ from support.conclusions import with_lasting
 from support.picture_texts import unreadable
 from support.stability_cases import DATA, atlas, listed, results
 from support.stored import values
+from support.within import within
 
 from orbitproof.figures.__main__ import main
 from orbitproof.figures.certified import CertifiedStability, ListedPoint
@@ -31,11 +31,7 @@ from orbitproof.verify.branches.curve_conclusion import told
 from orbitproof.verify.certificate import Certificate, write_certificate
 from orbitproof.verify.curve import conclude
 
-
-@pytest.fixture(autouse=True)
-def style() -> Iterator[None]:
-    with use_style():
-        yield
+style = within(lambda: use_style())
 
 
 def document(**changes: Any) -> dict[str, Any]:

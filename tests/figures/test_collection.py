@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from support.picture_texts import unreadable
+from support.within import within
 
 import orbitproof.figures.scripting.data as data_files
 import orbitproof.verify.run.branch_command
@@ -44,11 +44,7 @@ DATA = Path(__file__).parents[1] / "data"
 CANDIDATES, CERTIFICATES = DATA / "figures-candidates.json", DATA / "figures-certificates.json"
 HALO, FALKNER = DATA / "figures-halo-family.json", DATA / "figures-falkner-skan-family.json"
 
-
-@pytest.fixture(scope="module", autouse=True)
-def style() -> Iterator[None]:
-    with use_style():
-        yield
+style = within(lambda: use_style(), "module")
 
 
 @pytest.fixture(scope="module")

@@ -15,6 +15,7 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from support.picture_texts import unreadable
+from support.within import within
 
 from orbitproof.figures.__main__ import main
 from orbitproof.figures.model import MarkedPoint, SampledFamily, assign, level_of, mark_candidates, read_families
@@ -44,10 +45,7 @@ def marks() -> list[MarkedPoint]:
     return mark_candidates(read_candidates(CANDIDATES), CERTIFICATES, CANDIDATES)
 
 
-@pytest.fixture(scope="module", autouse=True)
-def style() -> Iterator[None]:
-    with use_style():
-        yield
+style = within(lambda: use_style(), "module")
 
 
 @pytest.fixture(scope="module")

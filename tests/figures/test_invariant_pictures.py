@@ -6,7 +6,6 @@ import gzip
 import json
 import re
 from base64 import b64decode
-from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -16,6 +15,7 @@ import pytest
 from matplotlib.figure import Figure
 from plotly.offline import get_plotlyjs
 from support.picture_texts import unreadable
+from support.within import within
 
 from orbitproof.explore.three_body.invariants import (
     Plane,
@@ -50,10 +50,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     return folder / "tori.json", folder / "tube.json"
 
 
-@pytest.fixture(autouse=True)
-def style() -> Iterator[None]:
-    with use_style():
-        yield
+style = within(lambda: use_style())
 
 
 def texts(figure: Figure) -> str:

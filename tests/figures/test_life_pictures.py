@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
 from support.picture_texts import unreadable
+from support.within import within
 
 from orbitproof.explore.periodic import LifeRecord, read_life, write_life
 from orbitproof.explore.periodic.life_file import (
@@ -41,11 +41,7 @@ LIFE = LifeRecord(
     (CyclesRecord("Hopf", CYCLES, (PassedRecord("fold", CYCLES[2]),), "reaches 1"),),
 )
 
-
-@pytest.fixture(autouse=True)
-def style() -> Iterator[None]:
-    with use_style():
-        yield
+style = within(lambda: use_style())
 
 
 def test_stable_parts_are_solid_and_extrema_are_those_of_the_file() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -12,6 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 from support.periodic_cases import lorenz, oscillators, planar, shifted, turning
 from support.picture_texts import unreadable
+from support.within import within
 
 from orbitproof.explore.periodic import (
     BRANCH,
@@ -43,11 +43,7 @@ PITCHFORK = define_system(
     }
 )
 
-
-@pytest.fixture(autouse=True)
-def style() -> Iterator[None]:
-    with use_style():
-        yield
+style = within(lambda: use_style())
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from matplotlib.figure import Figure
 from support import periodic_bifurcation_cases as cases
 from support import torus_cases as tori
 from support.picture_texts import unreadable
+from support.within import within
 
 from orbitproof import figures
 from orbitproof.figures.__main__ import main
@@ -23,11 +23,7 @@ from orbitproof.figures.style import close, use_style
 from orbitproof.shared.formats import PeriodicBifurcation, write_candidates
 from orbitproof.verify.certificate import Limits, certify, write_certificates
 
-
-@pytest.fixture(autouse=True)
-def style() -> Iterator[None]:
-    with use_style():
-        yield
+style = within(lambda: use_style())
 
 
 def beside(claim: PeriodicBifurcation, side: str | None = None) -> tuple[float, list[np.ndarray]]:

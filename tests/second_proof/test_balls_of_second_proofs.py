@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
@@ -17,6 +17,7 @@ from polynomial_returns import BEND, BITS, bifurcation, claimed, jets, legs, ret
 from support.inclusion import Refused, broken_inclusions
 from support.normal_form_maps import known_bifurcation, known_torus
 from support.other_coordinates import mixing
+from support.within import within
 
 from orbitproof.verify import second_proof as package
 from orbitproof.verify.claim import inverse
@@ -33,11 +34,7 @@ SMALL, TINY = arb(2) ** -12, arb(2) ** -34
 TIME = -1
 Row = dict[tuple[int, ...], arb]
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with jets.precision(BITS):
-        yield
+precision = within(lambda: jets.precision(BITS))
 
 
 def monomials(variables: Sequence[int], degree: int) -> list[tuple[int, ...]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -13,6 +13,7 @@ import pytest
 from flint import arb, ctx
 from support import breaking_cases as cases
 from support.steps import made_once
+from support.within import within
 
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems import FixedLevel, ReversibleSystem, describe
@@ -26,11 +27,7 @@ from orbitproof.verify.second_proof.jets import CannotFollow, precision
 F = Fraction
 SHIFT = F(1, 2**20)
 
-
-@pytest.fixture(scope="module", autouse=True)
-def same_orbits_are_followed_once() -> Iterator[None]:
-    with made_once():
-        yield
+same_orbits_are_followed_once = within(lambda: made_once(), "module")
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from importlib import import_module
@@ -14,6 +14,7 @@ from flint import acb, arb, ctx
 from support import periodic_bifurcation_cases as cases
 from support import torus_cases
 from support.steps import few_bits
+from support.within import within
 
 from orbitproof.shared.formats import define_system
 from orbitproof.shared.numbers import format_exact, parse_exact
@@ -33,11 +34,7 @@ from orbitproof.verify.second_proof import (
 
 bifurcation = import_module(f"{package.__name__}.periodic_bifurcation")
 
-
-@pytest.fixture(scope="module", autouse=True)
-def derivatives_need_few_bits() -> Iterator[None]:
-    with few_bits():
-        yield
+derivatives_need_few_bits = within(lambda: few_bits(), "module")
 
 
 FOLDING = define_system(

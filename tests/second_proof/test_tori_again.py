@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from flint import acb, arb, arb_mat
 from support import tori_cases
+from support.within import within
 
 from orbitproof.verify.certificate import Limits, certify
 from orbitproof.verify.evidence import ball_from_json, ball_to_json
@@ -26,11 +27,7 @@ DEGREE, SIZE = 3, 4
 TAU = ((2.0, -0.5), (0.75, 1.5))
 ANGLES = (2.0, 0.7)
 
-
-@pytest.fixture(autouse=True)
-def bits() -> Any:
-    with precision(160):
-        yield
+bits = within(lambda: precision(160))
 
 
 def variable(i: int) -> Jet:

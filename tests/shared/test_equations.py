@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
 import mpmath
 import pytest
 from support.exact_elements import number
+from support.within import within
 
 from orbitproof.shared.systems import (
     AROUND,
@@ -26,11 +27,7 @@ from orbitproof.shared.systems import (
 
 CLOSE = mpmath.mpf(10) ** -45
 
-
-@pytest.fixture(autouse=True)
-def _sixty_digits() -> Iterator[None]:
-    with mpmath.workdps(60):
-        yield
+_sixty_digits = within(lambda: mpmath.workdps(60))
 
 
 def values(program: Program | None, *arguments: Any) -> list[Any]:

@@ -12,6 +12,7 @@ import pytest
 from flint import arb, ctx
 from support.closed_form_maps import ReversibleMap, claim, description, tables_of_maps, verdict
 from support.map_cases import CASES, SLOPED, WIDE, cubic, even, failed, outcome_of, proof, quadratic, tilted
+from support.within import within
 
 from orbitproof.verify.bifurcation import (
     BifurcationFunction,
@@ -35,11 +36,7 @@ from orbitproof.verify.evidence import (
 )
 from orbitproof.verify.newton import BoxFunction, ImplicitGraph
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Any:
-    with ctx.workprec(300):
-        yield
+precision = within(lambda: ctx.workprec(300))
 
 
 def identity_with(size: int, entries: dict[tuple[int, int], F]) -> tuple[tuple[F, ...], ...]:

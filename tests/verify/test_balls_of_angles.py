@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
@@ -14,6 +13,7 @@ import pytest
 from flint import acb, arb, ctx
 from support.inclusion import broken_inclusions
 from support.random_segments import ball, number
+from support.within import within
 
 from orbitproof.shared.claims import SurfacePiece
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR, LIFTED, VERTICAL
@@ -33,11 +33,7 @@ from orbitproof.verify.surface.proved_parts import ProvedPart
 BITS = 160
 MU = Fraction(1, 80)
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with ctx.workprec(BITS):
-        yield
+precision = within(lambda: ctx.workprec(BITS))
 
 
 def numbers(chance: random.Random, count: int) -> tuple[acb, ...]:

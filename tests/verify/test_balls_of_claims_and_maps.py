@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction as F
 from types import SimpleNamespace
 from typing import Any
@@ -13,6 +13,7 @@ import pytest
 from flint import arb
 from support.inclusion import broken_inclusions
 from support.other_coordinates import dot, mixing, product
+from support.within import within
 
 from orbitproof.shared import System, define_system
 from orbitproof.shared.formats import Candidate
@@ -45,11 +46,7 @@ from orbitproof.verify.poincare.half_orbits import WideOrbits
 BITS = 160
 Rows = Sequence[Sequence[F]]
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with guarded(BITS):
-        yield
+precision = within(lambda: guarded(BITS))
 
 
 def transposed(rows: Rows) -> tuple[tuple[F, ...], ...]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from types import SimpleNamespace
@@ -13,6 +12,7 @@ import pytest
 from flint import arb, ctx
 from support.inclusion import broken_inclusions
 from support.thresholds import unsound_balls
+from support.within import within
 
 from orbitproof.shared.claims import BirthPiece
 from orbitproof.shared.systems import (
@@ -41,11 +41,7 @@ BITS = 160
 MU = {"mu": Fraction(1, 80)}
 LITTLE = Fraction(1, 2**20)
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with ctx.workprec(BITS):
-        yield
+precision = within(lambda: ctx.workprec(BITS))
 
 
 def ball(chance: random.Random, low: float = -1.0, high: float = 1.0) -> arb:

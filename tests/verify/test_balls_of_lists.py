@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
@@ -17,6 +16,7 @@ from support.curve_cases import proof
 from support.inclusion import broken_inclusions
 from support.random_segments import ball, function_of, number, segment_of
 from support.stored import values
+from support.within import within
 
 from orbitproof.shared.claims import Claim
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR, FALKNER_SKAN, LIFTED, VERTICAL, record
@@ -40,11 +40,7 @@ from orbitproof.verify.web.arc import level_at
 BITS = 160
 MU = Fraction(1, 80)
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with ctx.workprec(BITS):
-        yield
+precision = within(lambda: ctx.workprec(BITS))
 
 
 @pytest.mark.parametrize("seed", range(3))

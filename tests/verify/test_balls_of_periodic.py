@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -15,6 +15,7 @@ from support.inclusion import Refused, broken_inclusions
 from support.known_returns import WIDTH, KnownReturn, contains_all, known_return, outcome_of
 from support.other_coordinates import dot, mixing
 from support.thresholds import unsound_balls
+from support.within import within
 
 from orbitproof.shared.formats import PeriodicBifurcation, PeriodicOrbit, define_system
 from orbitproof.verify.claim import inverse, is_free_of_divergence
@@ -36,11 +37,7 @@ from orbitproof.verify.periodic.multipliers import _with_real_ones
 BITS = 160
 ZERO, ONE = Fraction(0), Fraction(1)
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with guarded(BITS):
-        yield
+precision = within(lambda: guarded(BITS))
 
 
 def numbers(count: int, chance: random.Random, size: float = 1.0) -> list[arb]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
@@ -16,6 +16,7 @@ from support.inclusion import Path, Refused, broken_inclusions, checked
 from support.known_bifurcations import BITS, CASES, case, over_box
 from support.normal_form_maps import known_torus
 from support.thresholds import contradiction, unsound_balls
+from support.within import within
 
 from orbitproof.shared.formats import PERIODIC_TORUS, PeriodicBifurcation
 from orbitproof.verify.evidence import (
@@ -50,11 +51,7 @@ from orbitproof.verify.periodic_bifurcation.torus_system import check_torus_poin
 Centres = dict[str, Any]
 """Derivatives at the centre: of each coordinate of the image, of the time, of the first integral if there is one."""
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with guarded(BITS):
-        yield
+precision = within(lambda: guarded(BITS))
 
 
 def numbers(count: int, chance: random.Random) -> list[arb]:

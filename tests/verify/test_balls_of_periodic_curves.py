@@ -14,6 +14,7 @@ import pytest
 from flint import arb, arb_poly
 from support.inclusion import broken_inclusions
 from support.periodic_curves import LIMITS, WHOLE, levels_atlas, turning_atlas, twice_atlas
+from support.within import within
 
 from orbitproof.shared.formats import PeriodicAtlas, PeriodicCurveClaim, Piece, define_system
 from orbitproof.verify.algebra import Series
@@ -30,11 +31,7 @@ from orbitproof.verify.periodic_curve.returns import Returns, TubeOfOrbits, rang
 
 BITS = 160
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with guarded(BITS):
-        yield
+precision = within(lambda: guarded(BITS))
 
 
 def unit(size: int, place: int) -> tuple[F, ...]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from types import SimpleNamespace
@@ -14,6 +13,7 @@ from flint import acb, arb
 from support import krein_cases
 from support.closed_form_maps import claim, description
 from support.inclusion import broken_inclusions, checked
+from support.within import within
 
 from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.bifurcation import ReducedFunction, coordinates_in_box, narrowed_zero
@@ -36,11 +36,7 @@ from orbitproof.verify.twist import Rotation, proved_stable_orbit
 
 BITS = 160
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with guarded(BITS):
-        yield
+precision = within(lambda: guarded(BITS))
 
 
 def ball(chance: random.Random, low: float = -1.0, high: float = 1.0) -> arb:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from flint import arb
 from support.inclusion import Path, broken_inclusions
+from support.within import within
 
 from orbitproof.verify.double_resonance.equations import ResonanceEquations
 from orbitproof.verify.evidence import DerivativeTable, MultiIndex, guarded, indices_of_degree, indices_up_to
@@ -35,11 +36,7 @@ from orbitproof.verify.twist import rotation_of, twist_of
 BITS = 160
 SLACK = arb(0, 1) / 2**16
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with guarded(BITS):
-        yield
+precision = within(lambda: guarded(BITS))
 
 
 @pytest.mark.parametrize("seed", range(16))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from fractions import Fraction
 from itertools import product
 from types import SimpleNamespace
@@ -16,6 +16,7 @@ from support.closed_form_maps import claim, description
 from support.closed_form_maps import table as table_of
 from support.inclusion import broken_inclusions
 from support.polynomial_tables import table
+from support.within import within
 
 from orbitproof.verify.bifurcation.conditions import Problem
 from orbitproof.verify.bifurcation.fold import check as check_turning
@@ -35,11 +36,7 @@ from orbitproof.verify.twist import proved_stable_orbit
 BITS = 160
 SMALL = Fraction(1, 2**16)
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with guarded(BITS):
-        yield
+precision = within(lambda: guarded(BITS))
 
 
 def ball(chance: random.Random, low: float = -1.0, high: float = 1.0) -> arb:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
@@ -18,6 +18,7 @@ from support.flow_checks import random_fraction
 from support.inclusion import Path, broken_inclusions, checked
 from support.polynomial_tables import derivative, table
 from support.thresholds import unsound_balls
+from support.within import within
 
 from orbitproof.shared import define_system
 from orbitproof.shared.systems import FixedLevel
@@ -73,11 +74,7 @@ NARROW, NEAR = Fraction(1, 2**20), 2.0**-23
 FINE, COARSE = arb(2) ** -26, arb(2) ** -8
 """Of balls of numbers that are as small, and of others."""
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with guarded(BITS):
-        yield
+precision = within(lambda: guarded(BITS))
 
 
 def numbers(count: int, chance: random.Random, size: float = 1.0) -> list[arb]:

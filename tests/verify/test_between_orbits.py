@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 
 import pytest
 from flint import acb, arb, arb_poly, ctx
 from support.flow_checks import ball
+from support.within import within
 
 from orbitproof.verify.curve import Bifurcation, PlaceOnCurve
 from orbitproof.verify.evidence import EmptyIntersectionError
@@ -20,11 +20,7 @@ from orbitproof.verify.stability.between_orbits import between_orbits
 ERROR = 1e-5
 APART = Fraction(1, 10**9)
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Iterator[None]:
-    with ctx.workprec(200):
-        yield
+_precision = within(lambda: ctx.workprec(200))
 
 
 class Curve:

@@ -13,6 +13,7 @@ from flint import arb, ctx
 from support.claims import known
 from support.closed_form_maps import claim, description, table, tables_of_maps, verdict
 from support.map_cases import CASES, WIDE, failed, proof
+from support.within import within
 
 from orbitproof.verify.bifurcation import (
     BifurcationFunction,
@@ -51,11 +52,7 @@ Function = Callable[[Sequence[Any], Callable[[F], Any]], Any]
 
 SMALL = F(1, 2**20)
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Any:
-    with ctx.workprec(300):
-        yield
+precision = within(lambda: ctx.workprec(300))
 
 
 @dataclass(frozen=True)

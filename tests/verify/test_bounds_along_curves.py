@@ -19,6 +19,7 @@ from scipy.integrate import solve_ivp
 from support.closed_form_lists import ellipse, line, result, results
 from support.flow_checks import ball
 from support.stored import function_of, json_of_function, unconfirmed_of, values
+from support.within import within
 
 from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Atlas
@@ -65,11 +66,7 @@ from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
 END = 1 / REACH
 ZERO = Fraction(0)
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Any:
-    with ctx.workprec(160):
-        yield
+_precision = within(lambda: ctx.workprec(160))
 
 
 def bounded(*coefficients: Any, error: Any = 0) -> BoundedFunction:

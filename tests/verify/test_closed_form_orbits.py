@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -11,6 +11,7 @@ import mpmath
 import pytest
 from flint import arb
 from support.springs import BITS, CLAIMS, SMALL, SPRINGS, Y, claim, exactly, half, number, springs
+from support.within import within
 
 from orbitproof.verify.certificate.rechecking import _conclude
 from orbitproof.verify.evidence import NotProved, Proved, bounds
@@ -20,11 +21,7 @@ from orbitproof.verify.orbit import Approach, Extremum, OrbitEnclosures, OrbitRe
 from orbitproof.verify.orbit.proved_orbit import _coordinate
 from orbitproof.verify.poincare import IntegratorSettings
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with mpmath.workprec(BITS):
-        yield
+precision = within(lambda: mpmath.workprec(BITS))
 
 
 def proved(name: str) -> OrbitResults:

@@ -16,6 +16,7 @@ from support.flow_checks import ball
 from support.forgeries import checked, honest
 from support.stability_cases import Results, atlas, listed, results
 from support.stored import value_of, values
+from support.within import within
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.formats import read_atlas
@@ -31,11 +32,7 @@ from orbitproof.verify.stability.matching import about_the_list, with_certificat
 
 DATA = Path(__file__).parents[1] / "data"
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Any:
-    with ctx.workprec(160):
-        yield
+_precision = within(lambda: ctx.workprec(160))
 
 
 def constant(value: Fraction) -> BoundedFunction:

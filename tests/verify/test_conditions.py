@@ -10,14 +10,11 @@ import pytest
 from flint import arb, ctx
 from support.closed_form_maps import ReversibleMap, claim, description, tables_of_maps, verdict
 from support.map_cases import CASES, ROOT, outcome_of, proof
+from support.within import within
 
 from orbitproof.verify.evidence import bounds, enclose
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Any:
-    with ctx.workprec(300):
-        yield
+precision = within(lambda: ctx.workprec(300))
 
 
 @pytest.mark.parametrize("hamiltonian", [False, True], ids=["map", "Hamiltonian"])

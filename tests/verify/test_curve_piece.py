@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -34,6 +34,7 @@ from support.piece_cases import (
 )
 from support.reference import Orbits, falkner_skan, three_body
 from support.wide_checks import MU, libration_point
+from support.within import within
 
 from orbitproof.shared.claims import Piece
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
@@ -46,11 +47,7 @@ from orbitproof.verify.oracle import ORACLE
 
 BITS = 110
 
-
-@pytest.fixture(autouse=True)
-def _reference_precision() -> Iterator[None]:
-    with mpmath.workprec(200):
-        yield
+_reference_precision = within(lambda: mpmath.workprec(200))
 
 
 INTERVALS = [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -31,6 +31,7 @@ from support.piece_cases import (
     with_terms,
 )
 from support.wide_checks import MU, OMEGA, TWIST
+from support.within import within
 
 from orbitproof.shared.claims import Piece
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, SYSTEMS
@@ -38,11 +39,7 @@ from orbitproof.verify.branches import condition_of
 from orbitproof.verify.curve import SINGULAR, PieceLimits, prove_piece
 from orbitproof.verify.oracle import ORACLE
 
-
-@pytest.fixture(autouse=True)
-def _reference_precision() -> Iterator[None]:
-    with mpmath.workprec(200):
-        yield
+_reference_precision = within(lambda: mpmath.workprec(200))
 
 
 @pytest.mark.parametrize("power", [6, *slow(0, 2, 4, 8, 10)])

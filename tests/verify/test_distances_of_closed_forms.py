@@ -17,6 +17,7 @@ from support.one_piece import OnePiece
 from support.piece_cases import slow
 from support.skew_products import SkewProduct
 from support.stored import stored_distances
+from support.within import within
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.verify.distances import Extreme, Where
@@ -34,11 +35,7 @@ _NAMES = list(CASES)
 _RANDOM = 24
 _SAME = 1e-9
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Any:
-    with ctx.workprec(160):
-        yield
+_precision = within(lambda: ctx.workprec(160))
 
 
 @cache

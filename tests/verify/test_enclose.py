@@ -16,6 +16,7 @@ from flint import arb
 from support.closed_form_flows import CLOSED_FORMS, DUFFING, NESTED, OSCILLATOR, SPIRAL, ClosedForm, exact
 from support.flow_checks import random_fraction, random_frame
 from support.independent_flow import extrapolated_flow
+from support.within import within
 
 from orbitproof.shared import CR3BP, EARTH_MOON, System, define_system
 from orbitproof.shared.systems import describe, evaluate_formula, record
@@ -27,11 +28,7 @@ from orbitproof.verify.oracle import ORACLE
 DIGITS = 40
 ORDERS = 3
 
-
-@pytest.fixture(autouse=True)
-def _digits() -> Iterator[None]:
-    with mpmath.workdps(DIGITS):
-        yield
+_digits = within(lambda: mpmath.workdps(DIGITS))
 
 
 def holds(ball: arb, value: Any, tolerance: float = 1e-25) -> bool:

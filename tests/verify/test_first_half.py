@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 from support.closed_form_lists import ellipse, in_plane, line, minors
+from support.within import within
 
 from orbitproof.shared.claims import Atlas, Piece
 from orbitproof.shared.formats import read_atlas
@@ -30,11 +31,7 @@ from orbitproof.verify.stability.first_half import _needed, _on_curve, from_firs
 
 DATA = Path(__file__).parents[1] / "data"
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Any:
-    with ctx.workprec(160):
-        yield
+_precision = within(lambda: ctx.workprec(160))
 
 
 def tube_of(atlas: Atlas, piece: Piece, interval: tuple[Fraction, Fraction], limits: PieceLimits) -> TubeOfOrbits:

@@ -15,6 +15,7 @@ from flint import arb, ctx
 from support.claims import distances, known, moved, shifted, verdict_of, with_radii
 from support.closed_form_maps import claim, description, table, verdict
 from support.map_cases import failed, proof
+from support.within import within
 
 from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, candidate_to_json, read_candidates
 from orbitproof.verify.bifurcation import BifurcationResults, fold, proved_bifurcation, theorem_of
@@ -36,11 +37,7 @@ EXTREMA = {
 }
 """Side and first digits of the parameter."""
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Any:
-    with ctx.workprec(300):
-        yield
+precision = within(lambda: ctx.workprec(300))
 
 
 def upward(p: Sequence[Any], c: Callable[[F], Any]) -> Any:

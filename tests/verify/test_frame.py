@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from itertools import product
 from typing import Any
@@ -22,6 +22,7 @@ from support.exact_elements import (
     random_point,
     rows_of,
 )
+from support.within import within
 
 from orbitproof.shared.systems import record
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic, prepare
@@ -44,11 +45,7 @@ FORMATS: dict[str, Arithmetic] = {
 RATES = ((-1, 5, 0), (-4, -1, 1), (2, 0, -6))
 """A matrix that turns and contracts, and is not normal."""
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Iterator[None]:
-    with mpmath.workprec(200):
-        yield
+_precision = within(lambda: mpmath.workprec(200))
 
 
 def linear(u: Sequence[Any]) -> list[Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import random
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -20,6 +20,7 @@ import pytest
 from flint import arb, fmpz_poly
 from scipy.integrate import solve_ivp
 from support.exact_elements import number
+from support.within import within
 
 from orbitproof.shared import define_system
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, Atlas, Candidate, Equation
@@ -75,11 +76,7 @@ MIXED: dict[str, Any] = {
 }  # fmt: skip
 BITS = 128
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with mpmath.workprec(200):
-        yield
+precision = within(lambda: mpmath.workprec(200))
 
 
 def exactly(value: Any) -> Fraction:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
 from fractions import Fraction
 
 import mpmath
@@ -21,17 +20,14 @@ from support.exact_elements import (
     random_point,
 )
 from support.wide_elements import shrunk, values_of
+from support.within import within
 
 from orbitproof.shared.systems import AROUND, SYSTEMS
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic, prepare
 from orbitproof.verify.flow import comparison_matrices, derivative_bounds
 from orbitproof.verify.flow.gronwall import PARTS, centre_and_norms, norm_arithmetic
 
-
-@pytest.fixture(autouse=True)
-def _reference_precision() -> Iterator[None]:
-    with mpmath.workprec(PRECISION):
-        yield
+_reference_precision = within(lambda: mpmath.workprec(PRECISION))
 
 
 def moved(source: random.Random, element: Element, tube: list[float]) -> Element:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -11,6 +11,7 @@ import mpmath
 import pytest
 from flint import fmpz_poly
 from support.exact_elements import is_enclosed, known_value, random_point
+from support.within import within
 
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Grading, PreparedProgram, Series, WideArithmetic, prepare
@@ -44,11 +45,7 @@ FORMATS = {
     "wide": WideArithmetic(Grading((1,), 1), 60, 12, 14, width=6),
 }
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Iterator[None]:
-    with mpmath.workprec(200):
-        yield
+_precision = within(lambda: mpmath.workprec(200))
 
 
 def rotated(start: Sequence[Any], time: Any) -> list[Any]:

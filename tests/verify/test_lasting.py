@@ -22,6 +22,7 @@ from support.forgeries import checked, honest
 from support.return_maps import INDICES, Number, coefficients, falkner_skan_half_return, random_taylor, turning
 from support.stability_cases import atlas
 from support.stored import value_of, values
+from support.within import within
 
 import orbitproof.verify.lasting.fates as fates
 from orbitproof.shared import format_exact, parse_exact
@@ -73,10 +74,7 @@ def results() -> Results:
     return found
 
 
-@pytest.fixture(autouse=True)
-def _precision() -> Any:
-    with ctx.workprec(160):
-        yield
+_precision = within(lambda: ctx.workprec(160))
 
 
 # The functions of section 29.3

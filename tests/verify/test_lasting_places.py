@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from math import comb
@@ -16,6 +16,7 @@ from support.conclusions import conclude
 from support.return_maps import Number
 from support.stability_cases import atlas
 from support.stored import values
+from support.within import within
 from test_lasting import elliptic, form, made_up, near, of_beta, results, said, stored, through
 
 import orbitproof.verify.lasting.half_map as half_map
@@ -33,11 +34,7 @@ Results = list[dict[str, Any]]
 CONSTANT = 0.25
 """A stability parameter that is no resonance up to 4."""
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Iterator[None]:
-    with ctx.workprec(PRECISION):
-        yield
+_precision = within(lambda: ctx.workprec(PRECISION))
 
 
 def lasting(found: Results, kind: str = "arc", joint: Fraction = Fraction(0)) -> LastingList:

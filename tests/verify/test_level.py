@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from flint import arb, ctx
 from support.claims import known, moved
+from support.within import within
 
 from orbitproof.shared import InputError
 from orbitproof.shared.claims import Candidate
@@ -39,11 +40,7 @@ from orbitproof.verify.poincare import IntegratorSettings, enclose_iterates
 EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"
 ROWS = ["em1", "em2", "em3"]
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Any:
-    with ctx.workprec(300):
-        yield
+precision = within(lambda: ctx.workprec(300))
 
 
 def form_of(name: str) -> Candidate:

@@ -17,6 +17,7 @@ from support.forgeries import checked
 from support.one_piece import OnePiece
 from support.stability_cases import atlas, listed, results
 from support.stored import value_of, values
+from support.within import within
 
 from orbitproof.shared import parse_exact
 from orbitproof.shared.systems import ReversibleSystem, record
@@ -27,11 +28,7 @@ from orbitproof.verify.stability.level import Level, gradient
 
 LOSS = "loss of R"
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Any:
-    with ctx.workprec(160):
-        yield
+_precision = within(lambda: ctx.workprec(160))
 
 
 # dh along the curve

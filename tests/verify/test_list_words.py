@@ -15,6 +15,7 @@ from flint import arb, arb_poly, ctx
 from support.flow_checks import ball
 from support.stability_cases import atlas, listed, results
 from support.stored import values
+from support.within import within
 
 from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Claim
@@ -47,11 +48,7 @@ from orbitproof.verify.words.complete_list import statement
 
 ROOT = Path(__file__).parents[2]
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Any:
-    with ctx.workprec(160):
-        yield
+_precision = within(lambda: ctx.workprec(160))
 
 
 @cache

@@ -6,7 +6,7 @@ Functions are known up to an error; that one is taken which has the zeros, or st
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction as Q
 from itertools import pairwise
@@ -19,6 +19,7 @@ from flint import arb, arb_poly, ctx
 from support.chain_cases import concluded, parabola, proved
 from support.curve_cases import proof
 from support.stored import values
+from support.within import within
 
 from orbitproof.shared import define_system
 from orbitproof.shared.claims import Claim
@@ -72,11 +73,7 @@ from orbitproof.verify.stability.zeros import (
 
 END = 1 / REACH
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Iterator[None]:
-    with ctx.workprec(192):
-        yield
+_precision = within(lambda: ctx.workprec(192))
 
 
 Polynomial = list[Q]

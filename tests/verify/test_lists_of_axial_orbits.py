@@ -19,6 +19,7 @@ from support.flow_checks import ball
 from support.forgeries import checked_by, forged
 from support.graph_index import index_of_orbit
 from support.stored import function_of, stability_of, values
+from support.within import within
 from test_lists_of_vertical_orbits import after, motion, sums
 
 from orbitproof.shared import format_exact, parse_exact
@@ -54,11 +55,7 @@ DATA = Path(__file__).parents[1] / "data"
 ARC: dict[str, Any] = json.loads((DATA / "axial-arc.json").read_text())
 """Of the family of L1, Earth-Moon, the first quarter from its birth on the planar orbits on."""
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Any:
-    with ctx.workprec(192):
-        yield
+_precision = within(lambda: ctx.workprec(192))
 
 
 @cache

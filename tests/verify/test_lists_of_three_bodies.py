@@ -23,6 +23,7 @@ from support.list_truths import Truth, misses
 from support.piece_cases import slow
 from support.stored import ENTRIES, entry_of, function_of, stored_distances, unconfirmed_of, values
 from support.three_body import Numbers, Orbits, numbers
+from support.within import within
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas, Piece
@@ -49,11 +50,7 @@ _RANDOM = 160
 
 Results = list[dict[str, Any]]
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Any:
-    with ctx.workprec(192):
-        yield
+_precision = within(lambda: ctx.workprec(192))
 
 
 @cache

@@ -19,6 +19,7 @@ from scipy.optimize import fsolve
 from support.conclusions import conclude, with_complete_list
 from support.flow_checks import ball
 from support.stored import function_of, stability_of, values
+from support.within import within
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import REVERSOR_BREAKING, Atlas
@@ -45,11 +46,7 @@ from orbitproof.verify.stability.zeros import Zero
 ARC: dict[str, Any] = json.loads((Path(__file__).parents[1] / "data" / "vertical-arc.json").read_text())
 """The family of L1, Earth-Moon, from rest through the birth of the axial orbits."""
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Any:
-    with ctx.workprec(192):
-        yield
+_precision = within(lambda: ctx.workprec(192))
 
 
 @cache

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
 from fractions import Fraction
 from math import prod
 
 import pytest
 from flint import arb, ctx, fmpq
 from support.flow_checks import contains, random_fraction, series_at
+from support.within import within
 
 from orbitproof.shared import define_system
 from orbitproof.verify.algebra import Arithmetic, Grading
@@ -36,11 +36,7 @@ SYSTEM = define_system(
     {"name": "any", "state": "x y z", "parameters": "a", "field": {"x": "y/z", "y": "a*x - z", "z": "x*y**2 + 1"}}
 )
 
-
-@pytest.fixture(autouse=True)
-def _bits() -> Iterator[None]:
-    with ctx.workprec(200):
-        yield
+_bits = within(lambda: ctx.workprec(200))
 
 
 def random_set(source: random.Random, variables: int, size: int = 3, parameters: int = 1) -> StartingSet:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from itertools import product
 
 import mpmath
 import pytest
 from flint import acb, arb, ctx
+from support.within import within
 
 from orbitproof.shared.formats import HALF_PERIOD, Candidate, Equation
 from orbitproof.shared.systems import ReversibleSystem
@@ -36,11 +37,7 @@ THREE_SPRINGS = ReversibleSystem(
 )
 """x'' = -x - x^3, y'' = -y/4, z'' = -9 z/400."""
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Iterator[None]:
-    with ctx.workprec(120):
-        yield
+_precision = within(lambda: ctx.workprec(120))
 
 
 def random_pair(source: random.Random) -> tuple[Root, Root]:

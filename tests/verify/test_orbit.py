@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import Any
 import mpmath
 import pytest
 from support.reference import Orbits, three_body
+from support.within import within
 
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Candidate, Equation, read_candidates
 from orbitproof.verify.attempt.precision import missing_of_orbit
@@ -27,11 +28,7 @@ LIMITS = Limits(digits=12)
 MU = Fraction("1.215058560962404e-2")
 FLOW = Orbits(three_body, 1)
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with mpmath.workprec(160):
-        yield
+precision = within(lambda: mpmath.workprec(160))
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import random
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -19,6 +19,7 @@ from support.forgeries import checked_by, forged
 from support.runs import done_here
 from support.stored import values
 from support.three_body import Orbits, problem_of
+from support.within import within
 
 from orbitproof import verify
 from orbitproof.explore.names import NoOrbit
@@ -46,11 +47,7 @@ _RANDOM = 40
 
 Document = dict[str, Any]
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Iterator[None]:
-    with ctx.workprec(192):
-        yield
+_precision = within(lambda: ctx.workprec(192))
 
 
 def orbits_from(atlas: Atlas, entries: list[Any]) -> OrbitsOfCurve:
@@ -305,8 +302,8 @@ def test_a_row_farther_away_than_asked_for_is_not_certified() -> None:
         value + (Fraction(1, 10**7) if field == "vy" else 0) for field, value in zip(FIELDS, given, strict=True)
     )
     moved = replace(rows(), rows=(given, shifted))
-    for within, lacks in ((Fraction(1, 10**6), [None, None]), (Fraction(1, 10**8), [None, "nearness"])):
-        found = Certificate(certified_rows(catalogue_cases.curve(), moved, within))
+    for distance, lacks in ((Fraction(1, 10**6), [None, None]), (Fraction(1, 10**8), [None, "nearness"])):
+        found = Certificate(certified_rows(catalogue_cases.curve(), moved, distance))
         assert [row.lacks for row in found.rows] == lacks
         assert found.proved is (lacks == [None, None])
     first, second = Certificate(certified_rows(catalogue_cases.curve(), moved)).rows

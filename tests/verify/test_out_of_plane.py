@@ -17,6 +17,7 @@ from support.conclusions import with_complete_list
 from support.flow_checks import ball
 from support.forgeries import checked, honest
 from support.stored import ENTRIES, function_of, values, variations_of
+from support.within import within
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas
@@ -35,11 +36,7 @@ from orbitproof.verify.stability.complete_list import complete_list
 DATA = Path(__file__).parents[1] / "data"
 Results = list[dict[str, Any]]
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Any:
-    with ctx.workprec(160):
-        yield
+_precision = within(lambda: ctx.workprec(160))
 
 
 def atlas() -> Atlas:

@@ -15,6 +15,7 @@ from flint import arb, ctx
 from support.chain_cases import alone, certificate, circle, circle_point, loop, stands, symmetric_arc, symmetric_loop
 from support.conclusions import conclude
 from support.random_pieces import coordinates, corners, random_piece, random_run, values
+from support.within import within
 
 from orbitproof.shared.claims import Claim
 from orbitproof.shared.claims.web import BRANCHES, ENDS, LIBRATION_POINTS, PASSES, Meeting, Web, WebArc
@@ -31,11 +32,7 @@ from orbitproof.verify.web.proved_web import parts_of
 
 BITS = 192
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with ctx.workprec(BITS):
-        yield
+precision = within(lambda: ctx.workprec(BITS))
 
 
 def random_chain(chance: random.Random, size: int, times: bool = True) -> Chain:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
 from types import SimpleNamespace
@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx
+from support.within import within
 
 from orbitproof.shared.systems import CR3BP, CR3BP_PLANAR
 from orbitproof.verify.branches import index as stored_index
@@ -18,11 +19,7 @@ from orbitproof.verify.evidence import Checklist, NotEstablishedError
 from orbitproof.verify.index import CountedOrbit, HalfTurns, proved_index
 from orbitproof.verify.stability import Bound, Kind
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with ctx.workprec(128):
-        yield
+precision = within(lambda: ctx.workprec(128))
 
 
 def holds(check: Callable[..., object], *arguments: Any) -> bool:

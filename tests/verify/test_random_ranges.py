@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from flint import arb, ctx
 from support.random_pieces import number, random_piece, values
+from support.within import within
 
 from orbitproof.shared.claims import Piece
 from orbitproof.verify.algebra import ball_polynomial
@@ -41,11 +42,7 @@ from orbitproof.verify.stability.list_entries import Segment
 BITS = 192
 END = 1 / REACH
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with ctx.workprec(BITS):
-        yield
+precision = within(lambda: ctx.workprec(BITS))
 
 
 def line(chance: random.Random) -> tuple[list[Fraction], BoundedFunction]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -23,16 +23,13 @@ from support.exact_elements import (
     random_element,
     random_point,
 )
+from support.within import within
 
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, correct_power
 
 EXPONENTS = [Fraction(-1), Fraction(-1, 2), Fraction(-3, 2), Fraction(-2, 3), Fraction(-3), Fraction(-1, 3)]
 
-
-@pytest.fixture(autouse=True)
-def _reference_precision() -> Iterator[None]:
-    with mpmath.workprec(PRECISION):
-        yield
+_reference_precision = within(lambda: mpmath.workprec(PRECISION))
 
 
 Scaled = Callable[[Any], Any]

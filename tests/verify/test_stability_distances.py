@@ -17,6 +17,7 @@ from scipy.integrate import solve_ivp
 from support.flow_checks import ball
 from support.stability_cases import HALO_INTERVALS, HALO_LIMITS, halo_functions, halo_piece
 from support.stored import stored_distances, unconfirmed_of
+from support.within import within
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Piece
@@ -35,11 +36,7 @@ from orbitproof.verify.evidence import sign
 from orbitproof.verify.functions import REACH, BoundedFunction
 from orbitproof.verify.stability import Segment
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Any:
-    with ctx.workprec(160):
-        yield
+_precision = within(lambda: ctx.workprec(160))
 
 
 @pytest.fixture(scope="module", params=["symmetric", pytest.param("regularised", marks=pytest.mark.slow)])

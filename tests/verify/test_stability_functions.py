@@ -6,12 +6,12 @@ import random
 from collections.abc import Sequence
 from fractions import Fraction
 from math import cos, gcd, pi
-from typing import Any
 
 import pytest
 from flint import arb, arb_poly, ctx
 from support.flow_checks import ball
 from support.stored import function_of, json_of_function
+from support.within import within
 
 from orbitproof.shared.formats import InputError
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
@@ -31,11 +31,7 @@ from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
 
 END = 1 / REACH
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Any:
-    with ctx.workprec(160):
-        yield
+_precision = within(lambda: ctx.workprec(160))
 
 
 # Functions

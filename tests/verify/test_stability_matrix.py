@@ -23,6 +23,7 @@ from support.stability_cases import (
     results,
 )
 from support.stored import function_of
+from support.within import within
 
 from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Piece
@@ -41,11 +42,7 @@ from orbitproof.verify.stability.along import level_around
 from orbitproof.verify.stability.matrix import SHARE
 from orbitproof.verify.stability.units import scales
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Any:
-    with ctx.workprec(160):
-        yield
+_precision = within(lambda: ctx.workprec(160))
 
 
 # The stability matrix

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -19,6 +19,7 @@ from support.exact_elements import (
     number,
     random_point,
 )
+from support.within import within
 
 from orbitproof.shared.systems import record
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, prepare
@@ -35,11 +36,7 @@ FIELDS: dict[str, tuple[Field, Flow]] = {
 }
 """Fields in x with a parameter a, and their flows."""
 
-
-@pytest.fixture(autouse=True)
-def _reference_precision() -> Iterator[None]:
-    with mpmath.workprec(PRECISION):
-        yield
+_reference_precision = within(lambda: mpmath.workprec(PRECISION))
 
 
 def constant_element(

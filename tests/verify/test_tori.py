@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -14,6 +13,7 @@ from flint import arb
 from support import tori_cases as cases
 from support.springs import BITS, exactly
 from support.springs import claim as soft_claim
+from support.within import within
 
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import INVARIANT_TORI, candidate_from_json, candidate_to_json
@@ -26,11 +26,7 @@ from orbitproof.verify.tori import ToriResults, ToriTheorem, theorem_of_tori
 
 LIMITS = Limits(digits=12, max_precision=128)
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with mpmath.workprec(BITS):
-        yield
+precision = within(lambda: mpmath.workprec(BITS))
 
 
 @pytest.fixture(scope="module")

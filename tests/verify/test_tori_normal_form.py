@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 from math import cos, sin
@@ -12,6 +11,7 @@ import numpy as np
 import pytest
 from flint import acb, arb
 from support.reversible_maps import on_circle, random_map, turning, widened
+from support.within import within
 
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, guarded
 from orbitproof.verify.newton import Jet
@@ -27,11 +27,7 @@ from orbitproof.verify.tori.normal_form import (
     trace_and_determinant,
 )
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with guarded(200):
-        yield
+precision = within(lambda: guarded(200))
 
 
 def found_of(jets: Any) -> tuple[EllipticPoint, list[list[acb]]]:

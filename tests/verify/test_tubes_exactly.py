@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
@@ -11,6 +11,7 @@ import pytest
 from flint import arb, ctx
 from support.inclusion import broken_inclusions
 from support.random_pieces import coordinates, corners, image, number, random_piece, random_run, values
+from support.within import within
 
 from orbitproof.shared.claims import Piece
 from orbitproof.verify.curve.gluing import Stretch
@@ -21,11 +22,7 @@ BITS = 200
 SIZES = [1, 2, 3]
 LITTLE = Fraction(1, 2**16)
 
-
-@pytest.fixture(autouse=True)
-def precision() -> Iterator[None]:
-    with ctx.workprec(BITS):
-        yield
+precision = within(lambda: ctx.workprec(BITS))
 
 
 def holds(balls: Sequence[arb], exact: Sequence[Fraction]) -> bool:

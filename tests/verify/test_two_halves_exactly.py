@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction as Q
 from typing import Any
@@ -21,6 +21,7 @@ from support.random_halves import (
     integral,
     second_half,
 )
+from support.within import within
 
 from orbitproof.shared import define_system
 from orbitproof.shared.systems import (
@@ -42,11 +43,7 @@ from orbitproof.verify.stability.matrix import SHARE
 from orbitproof.verify.stability.stored_stability import OrbitFunctions
 from orbitproof.verify.stability.units import at_other_point, units_of
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Iterator[None]:
-    with ctx.workprec(200):
-        yield
+_precision = within(lambda: ctx.workprec(200))
 
 
 PLACES = [Q(k, 8) for k in range(-8, 9)]

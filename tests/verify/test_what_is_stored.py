@@ -10,10 +10,10 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-import pytest
 from flint import arb, ctx
 from support.stability_cases import atlas, listed, results
 from support.stored import values
+from support.within import within
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.formats import read_atlas
@@ -56,11 +56,7 @@ from orbitproof.verify.stability.known_functions import segment_of
 
 DATA = Path(__file__).parents[1] / "data"
 
-
-@pytest.fixture(autouse=True)
-def _precision() -> Any:
-    with ctx.workprec(160):
-        yield
+_precision = within(lambda: ctx.workprec(160))
 
 
 def test_what_is_stored_of_a_curve_and_of_points_on_it_is_what_is_known() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -16,6 +16,7 @@ from support.exact_elements import is_enclosed, known_value, number, packed_from
 from support.flow_checks import ball
 from support.independent_flow import extrapolated_flow
 from support.wide_checks import BITS, TOLERANCE, WIDE_SETS, WideSet, holds, oscillators, random_place
+from support.within import within
 
 import orbitproof.verify.flow.step
 from orbitproof.shared.systems import CR3BP
@@ -29,11 +30,7 @@ from orbitproof.verify.poincare.crossing import range_of
 from orbitproof.verify.poincare.section import onto_section
 from orbitproof.verify.poincare.section_field import build_section_program
 
-
-@pytest.fixture(autouse=True)
-def _reference_precision() -> Iterator[None]:
-    with mpmath.workprec(BITS + 60):
-        yield
+_reference_precision = within(lambda: mpmath.workprec(BITS + 60))
 
 
 # One step

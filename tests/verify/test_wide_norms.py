@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
 from fractions import Fraction
 from itertools import pairwise
 
@@ -21,17 +20,14 @@ from support.exact_elements import (
     random_point,
 )
 from support.wide_elements import POINTS, points, wide_arithmetic
+from support.within import within
 
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
 from orbitproof.verify.flow import comparison_matrices
 from orbitproof.verify.flow.gronwall import PARTS, centre_and_norms, norm_arithmetic
 from orbitproof.verify.poincare import range_of, stays_positive, wide_parts
 
-
-@pytest.fixture(autouse=True)
-def _reference_precision() -> Iterator[None]:
-    with mpmath.workprec(PRECISION):
-        yield
+_reference_precision = within(lambda: mpmath.workprec(PRECISION))
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from fractions import Fraction
 from itertools import product
 from typing import Any
@@ -26,15 +26,12 @@ from support.exact_elements import (
     rows_of,
 )
 from support.wide_elements import POINTS, points, shrunk, values_of, wide_arithmetic
+from support.within import within
 
 from orbitproof.shared.systems import SYSTEMS
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic, correct_power, evaluate, prepare
 
-
-@pytest.fixture(autouse=True)
-def _reference_precision() -> Iterator[None]:
-    with mpmath.workprec(PRECISION):
-        yield
+_reference_precision = within(lambda: mpmath.workprec(PRECISION))
 
 
 def check(
