@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from orbitproof.shared.formats import BoxClaim, InputError, read_claims, write_candidates, write_text
 from orbitproof.shared.interrupts import INTERRUPTED
+from orbitproof.shared.wording import counted
 
 if TYPE_CHECKING:
     from orbitproof.explore.periodic import AffineSection, Bifurcation, FoundOrbit, Hopf, PeriodicFamily
@@ -55,7 +56,7 @@ class ClaimStore:
     def close(self) -> None:
         """Say what the file has."""
         if self._claims:
-            self._report.message(f"{len(self._claims)} claims are in {self.path}")
+            self._report.message(f"{self.path} holds {counted(len(self._claims), 'claim')}")
 
 
 def kept_claims(options: argparse.Namespace) -> list[BoxClaim]:

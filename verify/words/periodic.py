@@ -15,7 +15,7 @@ from orbitproof.verify.evidence import certain_digits, decimal_interval, dot, en
 from orbitproof.verify.periodic import Multipliers, PeriodicResults, PeriodicTheorem, PeriodsOfForce, of_orbit
 from orbitproof.verify.words.formulas import equations, functions_in_lines
 
-_DIGITS = 40
+_DIGITS, _SHORT = 40, 15
 _TAKEN = ("c", "f", "h", "i", "j", "m", "s", "u")
 """Letters of theorems, which no formula has for a part of it."""
 
@@ -115,7 +115,7 @@ def force_in_words(
     """What the least period is exactly, if there is a force; `parameter` as of `of_orbit`."""
     known = of_orbit(claim, point, period, parameter)
     if known is not None:
-        yield f"the period is {exactly_in_words(known)}"
+        yield f"the period is {exactly_in_words(known, _SHORT)}"
 
 
 def force_in_full(
@@ -131,12 +131,12 @@ FORCE_TURNS = ": {} and {} are the cosine and the sine of an angle that changes 
 """Why a period is one of the force."""
 
 
-def exactly_in_words(known: PeriodsOfForce) -> str:
+def exactly_in_words(known: PeriodsOfForce, digits: int = _DIGITS) -> str:
     """A period by the speed at which the force turns."""
     if isinstance(known.rate, Fraction):
         rate = f"omega = {exact_text(known.rate)}"
     else:
-        rate = located("omega", known.rate, _DIGITS)
+        rate = located("omega", known.rate, digits)
     return f"exactly {known.number} x 2 pi/omega, where {rate} is the speed of the force"
 
 
