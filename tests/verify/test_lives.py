@@ -19,10 +19,12 @@ from support.life_cases import born, certificate_of, claim, life, life_of, rest,
 from orbitproof import verify
 from orbitproof.shared.claims import EquilibriumAtlas, EquilibriumCurveClaim, Piece
 from orbitproof.shared.claims.life import BEGINS, Life, LifeArc, LifeJoint
+from orbitproof.shared.claims.parts import hanging_together
 from orbitproof.shared.formats import InputError, define_system
 from orbitproof.shared.formats.life import life_from_json, read_life_claim
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.birth_curve import ProvedBirthCurve, conclude_births
+from orbitproof.verify.branches.life import certified_life
 from orbitproof.verify.branches.rests_on import resting
 from orbitproof.verify.certificate import Certificate, Given, Level, Recheck, digest, recheck, write_certificate
 from orbitproof.verify.curve import Chain, PlaceOnCurve, ProvedInterval, Stretch, read_tube
@@ -104,6 +106,11 @@ def test_parts_are_told_apart_if_nothing_else_is_claimed() -> None:
     assert outcome.results.parts == (("rest",), ("born",))
     assert "joined by a path" not in str(life_of(said, below()).theorem)
     assert why_not(replace(said, connected=True), known(rest()), known(born()))[0] == "connected"
+
+
+def test_arcs_hang_together_by_chains() -> None:
+    met = {"a": ["1", "2"], "b": ["1"], "c": ["2"], "d": ["3"], "e": ["4"], "f": ["3", "4"], "g": []}
+    assert hanging_together(met) == (("a", "b", "c"), ("d", "e", "f"), ("g",))
 
 
 def line(rng: Random, moved: Q = Q(0)) -> EquilibriumAtlas:
@@ -222,6 +229,22 @@ def test_graphs_that_are_false_are_refused() -> None:
         assert message in found[1], (name, found)
 
 
+def test_equations_are_the_same_where_functions_and_values_are() -> None:
+    """The rates of sin(x + 1) and of sin(x + 2) are the same program."""
+    field = {"x": "v", "v": "a*v - b*sin(x + {})"}
+    one, two = (
+        define_system({"name": "p", "state": "x v", "parameters": "a b", "field": {**field, "v": field["v"].format(n)}})
+        for n in (1, 2)
+    )
+    atlas = rest_atlas(system=one, parameters={"b": Q(1)})
+    same = LifeCurve(atlas, None).equations
+    assert LifeCurve(replace(atlas, id="another", title="another"), None).equations == same
+    shifted = replace(one, defined=two.defined)
+    assert shifted.program.text() == one.program.text()
+    for changes in ({"system": shifted}, {"parameters": {"b": Q(2)}}, {"parameters": {"a": Q(1)}}):
+        assert LifeCurve(replace(atlas, **changes), None).equations != same
+
+
 def test_names_of_systems_are_not_compared() -> None:
     renamed = replace(birth_cases.circles(), name="rings", title="rings")
     outcome = conclude_life(claim(), [known(rest()), other("born", system=renamed)()])
@@ -281,6 +304,29 @@ def test_the_values_on_an_arc_contain_those_of_all_its_points() -> None:
     for number in range(33):
         assert values.contains(enclose(Q(number - 16, 32) ** 2))
     assert not values.contains(enclose(Q(1, 3)))
+
+
+def test_the_values_on_an_arc_are_those_on_all_of_its_pieces() -> None:
+    """a = x^2 from x = -1/2 to a place near that, and then from x = 0 on."""
+    atlas = equilibrium_cases.curve_of_equilibria()
+    curve = known(certificate_of(atlas)).curve
+    assert curve is not None
+    first, *others = curve.chain.stretches
+    chain = replace(curve.chain, stretches=(replace(first, leaves=first.enters + Q(1, 64)), *others))
+    values = LifeCurve(atlas, replace(curve, chain=chain)).values  # type: ignore[arg-type]
+    assert values.contains(enclose(Q(1, 100)))
+
+
+def test_the_place_of_a_birth_is_enclosed_for_all_of_its_enclosure() -> None:
+    """s = 40 a/9 + 1/9."""
+    orbits, on, far = known(born()), known(rest()), arb(2) ** -20
+    assert orbits.curve is not None
+    ends = dict(orbits.curve.ends)
+    ends["start"] = {**ends["start"], "a": far * arb(0, 1), "x": far * arb(0, 1)}
+    found = joint_shown(replace(orbits, curve=replace(orbits.curve, ends=ends)), JOINT, on)  # type: ignore[arg-type]
+    assert isinstance(found, Birthplace)
+    for sign in (-1, 1):
+        assert found.place.s.contains((sign * 40 * far * arb("0.99") + 1) / 9)
 
 
 # Claims as files
@@ -361,6 +407,12 @@ def test_forged_certificates_are_found() -> None:
     told = checked(Certificate(forged_elsewhere(said.document, lambda it: None))).rendered
     assert told is not None
     assert told["statement"]["theorem"] == life().theorem
+
+
+def test_a_check_of_another_certificate_is_none() -> None:
+    again = certificate_of(rest_atlas(Q(-1, 4), Q(1, 4)))
+    with pytest.raises(ValueError, match="check"):
+        certified_life(claim(), (again, born()), {entry.key: recheck(entry) for entry in below()})
 
 
 def test_a_life_does_not_rest_on_what_is_not_proved_or_forged() -> None:
