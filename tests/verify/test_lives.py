@@ -27,7 +27,7 @@ from orbitproof.verify.birth_curve import ProvedBirthCurve, conclude_births
 from orbitproof.verify.branches.life import certified_life
 from orbitproof.verify.branches.rests_on import resting
 from orbitproof.verify.certificate import Certificate, Given, Level, Recheck, digest, recheck, write_certificate
-from orbitproof.verify.curve import Chain, PlaceOnCurve, ProvedInterval, Stretch, read_tube
+from orbitproof.verify.curve import Chain, PlaceOnCurve, ProvedInterval, Stretch, is_inside_curve, read_tube
 from orbitproof.verify.equilibrium_curve import ProvedEquilibriumCurve, SidedPart, Sides, conclude_equilibria
 from orbitproof.verify.evidence import EmptyIntersectionError, NotProved, Proved, enclose
 from orbitproof.verify.life import Birthplace, LifeCurve, LifeTheorem, conclude_life, joint_shown
@@ -327,6 +327,19 @@ def test_the_place_of_a_birth_is_enclosed_for_all_of_its_enclosure() -> None:
     assert isinstance(found, Birthplace)
     for sign in (-1, 1):
         assert found.place.s.contains((sign * 40 * far * arb("0.99") + 1) / 9)
+
+
+def test_what_may_be_an_end_of_an_arc_is_not_inside_of_it() -> None:
+    on = known(rest())
+    assert on.curve is not None
+    for s, inside in (
+        (arb(-1), False),
+        (arb(1), False),
+        (arb(0.75, 0.25), False),
+        (arb(-0.75, 0.25), False),
+        (arb(0, 0.5), True),
+    ):
+        assert is_inside_curve(on.atlas, on.curve.chain, PlaceOnCurve("e1", s, False)) == inside
 
 
 # Claims as files
