@@ -137,3 +137,13 @@ def fresh_workers(monkeypatch: pytest.MonkeyPatch) -> None:
 def little_grace(monkeypatch: pytest.MonkeyPatch) -> None:
     """Tasks that have come to their limit of time are ended soon."""
     monkeypatch.setattr(processes, "GRACE_SECONDS", 0.25)
+
+
+@pytest.fixture(scope="session")
+def point() -> Any:
+    """A certificate of the Falkner-Skan touch-and-go bifurcation."""
+    from support.claims import known
+
+    from orbitproof.verify.certificate import Limits, certify
+
+    return certify(known("fs3"), Limits(max_precision=256))

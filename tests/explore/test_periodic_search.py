@@ -14,6 +14,7 @@ import mpmath
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from support.periodic_cases import HOPF
 
 from orbitproof import explore
 from orbitproof.explore.__main__ import main
@@ -49,17 +50,6 @@ parameters = "sigma rho beta"
 def field(x, y, z, sigma, rho, beta):
     return sigma * (y - x), rho * x - y - x * z, x * y - beta * z
 """
-
-HOPF = define_system(
-    {
-        "name": "hopf",
-        "state": "x y w",
-        "parameters": "c",
-        "where": {"s": "1 - x**2 - y**2"},
-        "field": {"x": "x*s - y", "y": "x + y*s", "w": "-c*w"},
-    }
-)
-"""The unit circle with period 2 pi and the multipliers exp(-4 pi), exp(-2 pi c)."""
 
 HOPF_FILE = """\
 name = "hopf"

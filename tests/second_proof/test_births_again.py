@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -12,10 +11,11 @@ from typing import Any
 import pytest
 from flint import arb, ctx
 from support import breaking_cases as cases
+from support.forgeries import changed, move
 from support.steps import made_once
 from support.within import within
 
-from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import FixedLevel, ReversibleSystem, describe
 from orbitproof.shared.systems.system import Reversor
 from orbitproof.verify.certificate import Limits, certify
@@ -25,7 +25,6 @@ from orbitproof.verify.second_proof.halves import SymmetricStatement, begun, hal
 from orbitproof.verify.second_proof.jets import CannotFollow, precision
 
 F = Fraction
-SHIFT = F(1, 2**20)
 
 same_orbits_are_followed_once = within(lambda: made_once(), "module")
 
@@ -82,16 +81,6 @@ def test_its_certificate_agrees(certificate: dict[str, Any], proof: ProvedBirth)
     assert "kappa" in said
     left = ", gamma and beta but for their quotient, that the candidate's box holds no other orbits"
     assert re.fullmatch(r"point.x beyond .*e-\d+, other_point.x beyond .*e-\d+", unsaid.removesuffix(left))
-
-
-def changed(certificate: dict[str, Any], change: Callable[[dict[str, Any]], object]) -> dict[str, Any]:
-    other = copy.deepcopy(certificate)
-    change(other)
-    return other
-
-
-def move(entry: dict[str, str], by: Fraction = SHIFT) -> None:
-    entry["mid"] = format_exact(parse_exact(entry["mid"]) + by)
 
 
 DIFFERENCES: dict[str, Callable[[dict[str, Any]], object]] = {

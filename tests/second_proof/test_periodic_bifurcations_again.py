@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
@@ -13,11 +12,12 @@ import pytest
 from flint import acb, arb, ctx
 from support import periodic_bifurcation_cases as cases
 from support import torus_cases
+from support.forgeries import changed, move
 from support.steps import few_bits
 from support.within import within
 
 from orbitproof.shared.formats import define_system
-from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.numbers import format_exact
 from orbitproof.verify import second_proof as package
 from orbitproof.verify.certificate import Limits, certify
 from orbitproof.verify.evidence import ball_from_json
@@ -80,16 +80,6 @@ def test_its_certificate_agrees(certificate: dict[str, Any], proof: ProvedPeriod
     found = compare(certificate, proof)
     assert found.verdict == "agrees", found.reason
     assert "holds no other bifurcations" in found.reason
-
-
-def changed(certificate: dict[str, Any], change: Callable[[dict[str, Any]], object]) -> dict[str, Any]:
-    other = copy.deepcopy(certificate)
-    change(other)
-    return other
-
-
-def move(entry: dict[str, str], by: Fraction) -> None:
-    entry["mid"] = format_exact(parse_exact(entry["mid"]) + by)
 
 
 DIFFERENCES: dict[str, Callable[[dict[str, Any]], object]] = {

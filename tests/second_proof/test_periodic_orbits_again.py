@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import json
 from collections.abc import Callable
 from dataclasses import replace
@@ -14,6 +13,7 @@ from typing import Any
 
 import pytest
 from flint import acb, arb, arb_mat, ctx
+from support.forgeries import changed, move
 from support.periodic_cases import hopf, lorenz, oscillators, planar
 
 from orbitproof.shared.formats import PeriodicOrbit, define_system
@@ -107,16 +107,6 @@ def test_certificates_agree(
     found = compare(certificates[name], proofs[name])
     assert found.verdict == "agrees", found.reason
     assert "holds no other orbits" in found.reason
-
-
-def changed(certificate: dict[str, Any], change: Callable[[dict[str, Any]], object]) -> dict[str, Any]:
-    other = copy.deepcopy(certificate)
-    change(other)
-    return other
-
-
-def move(entry: dict[str, str], by: Fraction) -> None:
-    entry["mid"] = format_exact(parse_exact(entry["mid"]) + by)
 
 
 DIFFERENCES: dict[str, Callable[[dict[str, Any]], object]] = {

@@ -15,14 +15,15 @@ import mpmath
 import pytest
 from flint import acb, arb, ctx
 from support import tori_cases
-from support.springs import BITS, CLAIMS, SMALL, SPRINGS, claim, half, number
+from support.forgeries import changed, move
+from support.springs import BITS, CLAIMS, SPRINGS, contains, half, spring
 from support.steps import few_bits, made_once
 
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, ORBIT, STABLE_ORBIT, Candidate, Equation
-from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import ParameterRange, ReversibleSystem
 from orbitproof.verify.certificate import Limits, certify
-from orbitproof.verify.evidence import ball_to_json, bounds
+from orbitproof.verify.evidence import ball_to_json
 from orbitproof.verify.run.relation import Comparison
 from orbitproof.verify.run.second_proofs import compare
 from orbitproof.verify.second_proof import BadCertificate, NotProved, ProvedSymmetric, read_claim, second_proof
@@ -33,7 +34,6 @@ from orbitproof.verify.second_proof.statement import Program
 from orbitproof.verify.second_proof.symmetric_orbit import _Proof, guess
 
 F = Fraction
-SHIFT = F(1, 2**20)
 UNIT = ((F(1), F(0)), (F(0), F(1)))
 
 
@@ -41,22 +41,6 @@ UNIT = ((F(1), F(0)), (F(0), F(1)))
 def same_orbits_are_followed_once() -> Iterator[None]:
     with made_once(), few_bits():
         yield
-
-
-@cache
-def spring() -> Candidate:
-    """The orbit along the hard spring, the soft one at rest."""
-    with mpmath.workprec(BITS):
-        found = claim(111, F(8), 1, SMALL, F(1, 2))
-    return replace(
-        found,
-        system=replace(SPRINGS, squared_distance=None, distance_name=None, first_integral_name="energy"),
-        parameters={"w": F(2)},
-        kind=STABLE_ORBIT,
-        centre=(F(3, 2) + SMALL[0] / 2, SMALL[1] / 2),
-        frame=UNIT,
-        equation=Equation(COORDINATE, F(3, 2), "x"),
-    )
 
 
 @pytest.fixture(scope="module")
@@ -73,11 +57,6 @@ def proved(certificate: dict[str, Any]) -> ProvedSymmetric:
     found = second_proof(certificate)
     assert isinstance(found, ProvedSymmetric), str(found)
     return found
-
-
-def contains(ball: arb, value: Any, accuracy: float) -> bool:
-    low, high = bounds(ball)
-    return bool(number(low) - accuracy <= value <= number(high) + accuracy)
 
 
 def test_the_twist_of_a_spring_beside_another_is_a_derivative_of_an_elliptic_integral(proof: ProvedSymmetric) -> None:
@@ -118,16 +97,6 @@ def test_its_certificate_agrees(certificate: dict[str, Any], proof: ProvedSymmet
         r"point.x beyond \d+ digits, other_point.x beyond \d+ digits, other_point.y beyond .*e-\d+",
         unsaid.removesuffix(left),
     )
-
-
-def changed(certificate: dict[str, Any], change: Callable[[dict[str, Any]], object]) -> dict[str, Any]:
-    other = copy.deepcopy(certificate)
-    change(other)
-    return other
-
-
-def move(entry: dict[str, str], by: Fraction = SHIFT) -> None:
-    entry["mid"] = format_exact(parse_exact(entry["mid"]) + by)
 
 
 DIFFERENCES: dict[str, Callable[[dict[str, Any]], object]] = {

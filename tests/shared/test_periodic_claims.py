@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.periodic_cases import LORENZ
 
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import (
@@ -20,15 +21,6 @@ from orbitproof.shared.formats import (
     write_candidates,
 )
 from orbitproof.shared.systems import System
-
-LORENZ = define_system(
-    {
-        "name": "lorenz",
-        "state": "x y z",
-        "parameters": "sigma rho beta",
-        "field": {"x": "sigma*(y - x)", "y": "rho*x - y - x*z", "z": "x*y - beta*z"},
-    }
-)
 
 
 def _claim(**changes: Any) -> PeriodicOrbit:

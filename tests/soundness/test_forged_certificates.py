@@ -38,12 +38,6 @@ from orbitproof.verify.evidence import ball_from_json, ball_to_json, spared
 
 
 @pytest.fixture(scope="module")
-def point() -> Certificate:
-    """A certificate of the Falkner-Skan touch-and-go bifurcation."""
-    return certify(known("fs3"), Limits(max_precision=256))
-
-
-@pytest.fixture(scope="module")
 def curve(point: Certificate) -> Document:
     """A curve, and a bifurcation that is not shown to lie on it."""
     atlas, results = of_parabola()

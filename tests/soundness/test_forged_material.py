@@ -49,13 +49,6 @@ from orbitproof.verify.evidence import STOPS, ball_to_json, bounds
 from orbitproof.verify.run.branch_command import main
 from orbitproof.verify.run.branch_tasks import task_again
 
-
-@pytest.fixture(scope="module")
-def point() -> Certificate:
-    """A certificate of the Falkner-Skan touch-and-go bifurcation."""
-    return certify(known("fs3"), Limits(max_precision=256))
-
-
 # Functions of s belong to the interval on which they were found
 
 

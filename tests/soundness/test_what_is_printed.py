@@ -34,13 +34,6 @@ from orbitproof.verify.evidence import quoted, quoted_name
 from orbitproof.verify.run import Display
 from orbitproof.verify.run.row_tables import recheck_table, verdict_text
 
-
-@pytest.fixture(scope="module")
-def point() -> Certificate:
-    """A certificate of the Falkner-Skan touch-and-go bifurcation."""
-    return certify(known("fs3"), Limits(max_precision=256))
-
-
 # Ids of several words
 
 

@@ -10,6 +10,7 @@ from math import factorial, prod
 
 from flint import arb, fmpq
 from support.claims import PUBLISHED_POINTS
+from support.closed_form_maps import identity
 from support.reference import Orbits, falkner_skan, three_body
 
 from orbitproof.shared.claims import Candidate
@@ -57,11 +58,6 @@ def box(
     else:
         frames = identity(size), identity(kernel)
     return Candidate("box", system, dict(parameters or {}), kind, k, tuple(middle), *frames, tuple(radii))
-
-
-def identity(size: int) -> tuple[tuple[Fraction, ...], ...]:
-    """The identity matrix."""
-    return tuple(tuple(Fraction(int(i == j)) for j in range(size)) for i in range(size))
 
 
 def halo(mass: str, kind: str, radii: Sequence[str], seed: int | None = None) -> Candidate:

@@ -6,6 +6,7 @@ import copy
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -221,3 +222,15 @@ def _other_text(text: str, place: Place) -> Iterator[Change]:
     choices = {"above": "below", "below": "above", "both": "above", "proved": "not proved"}
     joined = "-" if place[-1] == "system" else " "
     yield Change(place, "other words", choices.get(text, f"{text}{joined}indeed"))
+
+
+def changed(entry: dict[str, Any], change: Callable[[dict[str, Any]], object]) -> dict[str, Any]:
+    """Another entry, as it was but for a change."""
+    other = copy.deepcopy(entry)
+    change(other)
+    return other
+
+
+def move(ball: dict[str, str], by: Fraction = Fraction(1, 2**20)) -> None:
+    """Move the middle of a ball in JSON."""
+    ball["mid"] = format_exact(parse_exact(ball["mid"]) + by)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from typing import Any
 
 import mpmath
+from flint import arb
 
-from orbitproof.shared.formats import COORDINATE, Candidate, Equation
+from orbitproof.shared.formats import COORDINATE, STABLE_ORBIT, Candidate, Equation
 from orbitproof.shared.systems import ParameterRange, ReversibleSystem
+from orbitproof.verify.evidence import bounds
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.orbit import OrbitEnclosures, enclose_orbit
 from orbitproof.verify.poincare import IntegratorSettings
@@ -83,3 +86,25 @@ def springs(name: str) -> tuple[Candidate, OrbitEnclosures]:
     with mpmath.workprec(BITS):
         candidate = CLAIMS[name]()
     return candidate, enclose_orbit(candidate, IntegratorSettings(128), ORACLE)
+
+
+def contains(ball: arb, value: Any, accuracy: float) -> bool:
+    """Whether a ball contains a number that is known up to `accuracy`."""
+    low, high = bounds(ball)
+    return bool(number(low) - accuracy <= value <= number(high) + accuracy)
+
+
+@cache
+def spring() -> Candidate:
+    """The orbit along the hard spring, the soft one at rest."""
+    with mpmath.workprec(BITS):
+        found = claim(111, Fraction(8), 1, SMALL, Fraction(1, 2))
+    return replace(
+        found,
+        system=replace(SPRINGS, squared_distance=None, distance_name=None, first_integral_name="energy"),
+        parameters={"w": Fraction(2)},
+        kind=STABLE_ORBIT,
+        centre=(Fraction(3, 2) + SMALL[0] / 2, SMALL[1] / 2),
+        frame=((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1))),
+        equation=Equation(COORDINATE, Fraction(3, 2), "x"),
+    )

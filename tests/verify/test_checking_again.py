@@ -10,14 +10,13 @@ from typing import Any
 
 import pytest
 from flint import arb
-from support.claims import known
 from support.forgeries import atlas_certificate, forged, of_parabola
 from support.stored import values
 
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.processes import Failure
 from orbitproof.verify.branches import make_atlas_certificate
-from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck, certify
+from orbitproof.verify.certificate import Certificate, Finding, Level, Recheck
 from orbitproof.verify.evidence import ball_to_json
 from orbitproof.verify.run import CheckLimits, Workplace, branch_checks, checking_again, rows
 
@@ -27,12 +26,6 @@ PLACE = {
     "rests_on": {"id": "loop", "digest": "sha256:" + 64 * "0"}, "piece": "p001", "s": ball_to_json(arb(0, 1)),
     "mirrored": False, "other_point": False, "statement": "on the loop",
 }  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def point() -> Certificate:
-    """A certificate of the Falkner-Skan touch-and-go bifurcation."""
-    return certify(known("fs3"), Limits(max_precision=256))
 
 
 def curve() -> Certificate:

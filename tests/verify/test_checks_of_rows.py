@@ -50,12 +50,6 @@ PLACE = {
 
 
 @pytest.fixture(scope="module")
-def point() -> Certificate:
-    """A certificate of the Falkner-Skan touch-and-go bifurcation."""
-    return certify(known("fs3"), Limits(max_precision=256))
-
-
-@pytest.fixture(scope="module")
 def refuted() -> Certificate:
     """With tables: the orbits are followed to the end."""
     claim = known("fs3")

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from flint import acb, acb_series, arb, ctx
 from support import equilibrium_cases as cases
+from support.periodic_cases import LORENZ
 
 from orbitproof.shared.formats import Equilibrium, HopfPoint, define_system
 from orbitproof.verify.certificate import Limits, certify
@@ -401,14 +402,6 @@ def test_a_speed_of_zero_is_seen_where_the_point_is_regular() -> None:
     field = {**PAIR, "x": PAIR["x"].replace("d*a", "d*a**2"), "y": PAIR["y"].replace("d*a", "d*a**2")}
     system = define_system({"name": "touching", "state": "x y u v", "parameters": "a c d k h", "field": field})
     assert reason_of(beside(system=system)) == "imaginary-pair"
-
-
-LORENZ = define_system(
-    {
-        "name": "lorenz", "state": "x y z", "parameters": "sigma rho beta",
-        "field": {"x": "sigma*(y - x)", "y": "rho*x - y - x*z", "z": "x*y - beta*z"},
-    }
-)  # fmt: skip
 
 
 def rounded(ball: arb) -> Q:

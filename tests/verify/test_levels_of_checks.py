@@ -60,13 +60,6 @@ from orbitproof.verify.evidence import (
 )
 from orbitproof.verify.poincare import Enclosures
 
-
-@pytest.fixture(scope="module")
-def point() -> Certificate:
-    """A certificate of the Falkner-Skan touch-and-go bifurcation."""
-    return certify(known("fs3"), Limits(max_precision=256))
-
-
 # The levels
 
 

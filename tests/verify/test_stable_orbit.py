@@ -14,7 +14,7 @@ import mpmath
 import numpy as np
 import pytest
 from flint import arb
-from support.springs import BITS, SMALL, SPRINGS, claim, half, number
+from support.springs import BITS, SMALL, SPRINGS, contains, half, spring
 
 import orbitproof.verify.twist.proved_stable_orbit as proved
 from orbitproof.explore.refinement import OrbitTask, refine_orbit
@@ -32,7 +32,7 @@ from orbitproof.shared.formats import (
 from orbitproof.shared.systems import FALKNER_SKAN, Defined, FixedLevel, ParameterRange
 from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, certify, is_proof_of
-from orbitproof.verify.evidence import Checklist, NotProved, Proved, Reason, bounds, guarded
+from orbitproof.verify.evidence import Checklist, NotProved, Proved, Reason, guarded
 from orbitproof.verify.newton import Jet
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import IntegratorSettings
@@ -76,27 +76,6 @@ def proof() -> Certificate:
 def results(certificate: Certificate) -> StableOrbitResults:
     assert isinstance(certificate.results, StableOrbitResults)
     return certificate.results
-
-
-def contains(ball: arb, value: Any, accuracy: float) -> bool:
-    low, high = bounds(ball)
-    return bool(number(low) - accuracy <= value <= number(high) + accuracy)
-
-
-@cache
-def spring() -> Candidate:
-    """The orbit along the hard spring, the soft one at rest."""
-    with mpmath.workprec(BITS):
-        found = claim(111, Fraction(8), 1, SMALL, Fraction(1, 2))
-    return replace(
-        found,
-        system=replace(SPRINGS, squared_distance=None, distance_name=None, first_integral_name="energy"),
-        parameters={"w": Fraction(2)},
-        kind=STABLE_ORBIT,
-        centre=(Fraction(3, 2) + SMALL[0] / 2, SMALL[1] / 2),
-        frame=((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1))),
-        equation=Equation(COORDINATE, Fraction(3, 2), "x"),
-    )
 
 
 @cache
