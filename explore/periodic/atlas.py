@@ -232,7 +232,7 @@ def _walked(
     if reason is None:
         return _Walk([middle, *ahead], (f"the curve is closed: {len(ahead) + 1} pieces",), True, True)
     behind, other = trace.pieces(replace(middle.ends[0], tangent=-middle.ends[0].tangent))
-    charts = [*(_turned(chart) for chart in reversed(behind)), middle, *ahead]
+    charts = [*(turned(chart) for chart in reversed(behind)), middle, *ahead]
     values = [trace.value(charts[0].ends[0]), trace.value(charts[-1].ends[1])]
     ends = tuple(
         f"{varies} = {value:.10g}: {why}" for value, why in zip(values, (other or "", reason), strict=True)
@@ -394,7 +394,7 @@ def _frame(tangent: Vector) -> Matrix:
     return np.column_stack(columns)
 
 
-def _turned(chart: PieceInFloats) -> PieceInFloats:
+def turned(chart: PieceInFloats) -> PieceInFloats:
     """A piece run through backwards."""
     signs = np.where(np.arange(chart.series.shape[1]) % 2, -1.0, 1.0)
     frame = chart.frame.copy()

@@ -12,7 +12,15 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from orbitproof.explore.flow import FlowFailure
-from orbitproof.explore.periodic.atlas import CoveredCurve, CurveControl, PieceInFloats, Trace, chart_about, piece_of
+from orbitproof.explore.periodic.atlas import (
+    CoveredCurve,
+    CurveControl,
+    PieceInFloats,
+    Trace,
+    chart_about,
+    piece_of,
+    turned,
+)
 from orbitproof.explore.periodic.correction import PeriodicFailure, PeriodicProblem
 from orbitproof.explore.periodic.equilibria import field_slopes
 from orbitproof.explore.periodic.flow import Matrix, Vector, arc_of, velocity_at
@@ -27,6 +35,8 @@ _OF_SIZE = 0.1
 """That scale, in units of the size of the equilibrium."""
 _ROUNDING = 1e-6
 """An equilibrium nearer to the origin tells nothing of the size of orbits."""
+_WITHIN, _TOWARDS, _MOST = 0.9, 0.3, 24
+"""A last piece is entered so far inside; before it so many pieces, of so much of the amplitude, are tried at most."""
 _SHIFT, _TERMS, _NEAR = 1e-30, 40, 0.1
 _COMPLEX = {"sin": cmath.sin, "cos": cmath.cos, "exp": cmath.exp, "log": cmath.log}
 _STRAIGHT = 1e-3
@@ -109,18 +119,18 @@ def cover_birth(
 ) -> CoveredCurve:
     """The curve of the orbits that are born at a Hopf point, as pieces from there on.
 
-    It ends with the first piece that reaches beyond `bounds`, before the amplitude is 0 again, or where no further
-    piece is found. Raises `PeriodicFailure` if there is none at all.
+    It ends with the first piece that reaches beyond `bounds`, at a second Hopf point, or where no further piece is
+    found. Raises `PeriodicFailure` if there is none at all.
     """
     problem, system, control = hopf.problem, hopf.problem.system, control or CurveControl()
     section = int(np.argmax(np.abs(hopf.vector)))
     # On the plane the vector is imaginary in its coordinate, and its real part is y.
-    turned = hopf.vector * 1j / hopf.vector[section]
-    turned[section] = 1j
-    amplitude = int(np.argmax(np.abs(turned.real)))
-    if abs(turned.real[amplitude]) < _STRAIGHT:
+    at_plane = hopf.vector * 1j / hopf.vector[section]
+    at_plane[section] = 1j
+    amplitude = int(np.argmax(np.abs(at_plane.real)))
+    if abs(at_plane.real[amplitude]) < _STRAIGHT:
         raise PeriodicFailure("the small orbits are nearly straight")
-    y = turned / turned.real[amplitude]
+    y = at_plane / at_plane.real[amplitude]
     # The velocity over the plane is that of Re(i omega q).
     direction = 1 if -y[section].imag > 0 else -1
     place, n = list(system.parameters).index(hopf.name), len(system.given_state)
@@ -133,15 +143,22 @@ def cover_birth(
     middle = _first(curve, start, hopf.period)
     trace = _FromBirth(curve, bounds, control, middle, progress)
     ahead, reason = trace.pieces(middle.ends[1])
-    charts = [middle, *(chart for chart in ahead if not trace.ends_with(chart))]
+    charts, kind = [middle, *ahead], "birth-arc"
+    if ahead and trace.ends_with(ahead[-1]):
+        charts.pop()
+        try:
+            charts += trace.to_rest(charts[-1].ends[1], ahead[-1])
+            kind, reason = "birth-to-birth", "birth"
+        except PeriodicFailure as failure:
+            reason = f"{reason}, and no piece ends there: {failure}"
     state = system.given_state
-    claim = BirthCurveClaim("birth-arc", state[section], direction, state[amplitude], hopf.name)  # type: ignore[arg-type]
+    claim = BirthCurveClaim(kind, state[section], direction, state[amplitude], hopf.name)  # type: ignore[arg-type]
     parameters = {key: exact for key, exact in problem.parameters.items() if key != hopf.name}
     title = f"Orbits of the {system.title} from their birth on along {hopf.name}"
     pieces = tuple(piece_of(curve, f"p{number:03d}", chart, control) for number, chart in enumerate(charts, start=1))
     last = trace.value(charts[-1].ends[1])
     ends = f"{hopf.name} = {hopf.value:.10g}: birth", f"{hopf.name} = {last:.10g}: {reason}"
-    reaches = not bounds[0] <= last <= bounds[1]
+    reaches = kind == "birth-to-birth" or not bounds[0] <= last <= bounds[1]
     return CoveredCurve(BirthAtlas(identity, title, system, parameters, claim, pieces, {}), ends, reaches)
 
 
@@ -171,6 +188,20 @@ class _FromBirth(Trace):
         local = np.vstack([chart.half_width * places, *(chebyshev.chebval(places, row) for row in chart.series)])
         amplitudes = chart.centre.place[1] / self.curve.scales[1] + chart.frame[1] @ local
         return "" if amplitudes.min() > _NO_AMPLITUDE else "the amplitude is 0 again"
+
+    def to_rest(self, end: CurvePoint, beyond: PieceInFloats) -> list[PieceInFloats]:
+        """Pieces from a point on that end at the equilibrium near a piece. Raises `PeriodicFailure`."""
+        near = min((*beyond.ends, beyond.centre), key=lambda point: abs(point.place[1]))
+        along, origin = np.eye(len(near.place))[1], near.place.copy()
+        origin[1] = 0.0
+        rest = self.curve.solved(origin, near.period, along, origin, 0.0)
+        last, found = turned(_first(self.curve, rest.place, rest.period)), list[PieceInFloats]()
+        while (left := end.place[1] / self.curve.scales[1]) > _WITHIN * 2 * last.half_width:
+            if len(found) == _MOST:
+                raise PeriodicFailure(f"{_MOST} pieces do not come near it")
+            found.append(self._next(end, _TOWARDS * left))
+            end = found[-1].ends[1]
+        return [*found, last]
 
 
 def _mean_slope(function: str, at: complex, change: complex) -> complex:

@@ -10,7 +10,7 @@ from orbitproof.shared.claims.fields import Identifier
 from orbitproof.shared.claims.periodic_curve import PeriodicAtlas, Refusal
 from orbitproof.shared.systems import AMPLITUDE, System, own_name
 
-BIRTH_CURVES = ("birth-arc",)
+BIRTH_CURVES = ("birth-arc", "birth-to-birth")
 
 
 @dataclass(frozen=True)
@@ -22,14 +22,14 @@ class BirthCurveClaim:
     that coordinate of x differs from that of c by eps. The curve begins with eps = 0, and eps is positive along it.
 
     Attributes:
-        kind: one of `BIRTH_CURVES`.
+        kind: one of `BIRTH_CURVES`; `birth-to-birth`: the curve ends with eps = 0 too.
         section: a coordinate of the state.
         direction: 1 or -1, whether it grows or falls where the plane is crossed.
         amplitude: another coordinate of the state.
         parameter: the one that varies along the curve.
     """
 
-    kind: Literal["birth-arc"]
+    kind: Literal["birth-arc", "birth-to-birth"]
     section: Identifier
     direction: Literal[1, -1]
     amplitude: Identifier

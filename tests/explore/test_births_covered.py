@@ -149,3 +149,20 @@ def test_orbits_are_proved_from_their_birth_on_through_a_fold() -> None:
     start = found.ends["start"]
     assert start["I"].overlaps(10 * v / 7 + 1 - v + v**3 / 3)
     assert start["I"] < found.ends["end"]["I"]
+
+
+@pytest.mark.slow
+def test_circles_are_proved_from_one_birth_to_another() -> None:
+    """Of the square of the radius a (1 - a)/4; the frequency is 1 + a."""
+    hopf = hopf_of(birth_cases.born_twice().system, {"x": 0.0, "y": 0.0}, {"a": "-1/10"}, "a", (-0.5, 0.5))
+    covered = cover_birth(hopf, (-0.5, 2.0), "bubble")
+    assert covered.reaches
+    assert isinstance(covered.atlas, BirthAtlas)
+    assert covered.atlas.claim.kind == "birth-to-birth"
+    found = proved(covered.atlas, BirthLimits(precision=80, order=30, width=24, top=2))
+    assert found.pair_at_end is not None
+    for key, a, omega in (("start", 0, found.frequency), ("end", 1, found.pair_at_end[0])):
+        assert found.ends[key]["a"].contains(a)
+        assert found.ends[key]["a"].rad() < 1e-8
+        assert omega.contains(1 + a)
+    assert found.turns == ()

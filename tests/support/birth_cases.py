@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction as Q
+from math import comb
 from typing import Any
 
 from orbitproof.shared.claims import BirthAtlas, BirthCurveClaim, Piece
@@ -73,3 +74,29 @@ def slaved_born(reach: Q = Q(1, 8), b: Q = Q(2)) -> BirthAtlas:
     rows = [squares(reach, 1 / b), squares(reach, 1 / b), (Q(0),), (Q(0),), (Q(3, 5) * reach, Q(3, 5) * reach)]
     claim = BirthCurveClaim("birth-arc", "y", 1, "x", "a")
     return BirthAtlas("slaved", "circles, and what follows them", SLAVED, {"b": b}, claim, (piece(reach, rows),))
+
+
+def born_twice() -> BirthAtlas:
+    """Circles of the square of the radius a (1 - a)/4 = eps^2 and the period 2 pi/(1 + a), from a = 0 to a = 1."""
+    reach, half, zero, one = Q(1, 16), Q(11, 25), Q(0), Q(1)
+    # a = (1 - sqrt(1 - 16 eps^2))/2, Catalan's numbers times powers of 4 eps^2; eps = reach (s + 1).
+    a = [zero] * 25
+    for n in range(12):
+        factor = Q(comb(2 * n, n), n + 1) * (4 * reach**2) ** (n + 1)
+        for k in range(2 * n + 3):
+            a[k] += factor * comb(2 * n + 2, k)
+    back = [Q(k == 0) - (-1) ** k * value for k, value in enumerate(a)]
+    # eps = sqrt(1 - 4 (a - 1/2)^2)/4
+    eps, factor = [zero] * 49, Q(1, 4)
+    for n in range(25):
+        eps[2 * n] = factor
+        factor *= (4 * half**2) * Q(2 * n - 1, 2 * n + 2)
+    first, last = (piece(reach, (row, row, (zero,)), id=name) for name, row in (("p1", a), ("p3", back)))
+    last = replace(last, frame=(last.frame[0], (-one, zero, zero, zero), *last.frame[2:]))
+    frame = ((one, zero, zero, zero), (zero, one, zero, zero), (one, zero, one, zero), (zero, zero, zero, one))
+    middle = replace(
+        first, id="p2", centre=(Q(1, 2), zero, Q(1, 2), zero), frame=frame, half_width=half,
+        polynomial=(tuple(eps), (zero,), (zero,)),
+    )  # fmt: skip
+    claim = BirthCurveClaim("birth-to-birth", "y", 1, "x", "a")
+    return circles_born(circles("a*(1 - a)/4", "1 + a"), claim=claim, pieces=(first, middle, last))

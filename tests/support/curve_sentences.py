@@ -517,8 +517,12 @@ def periodic_curves() -> Told:
         atlas = make().atlas
         if isinstance(atlas, BirthAtlas):
             ends = {"start": points(atlas.coordinates, 11), "end": points(atlas.coordinates, 21)}
-            for label, eigenvalues in (("", Spectrum((), 1, 0, 0)), (" / not decided", Spectrum((), 0, 0, 1))):
-                born = ProvedBirthCurve(NO_CHAIN, ends, ball(1), eigenvalues, ball(2), ())
+            known, open_ones = Spectrum((), 1, 0, 0), Spectrum((), 0, 0, 1)
+            for label, eigenvalues, at_end in (
+                ("", known, None), (" / not decided", open_ones, None),
+                (" / to another birth", known, (ball(3), open_ones)),
+            ):  # fmt: skip
+                born = ProvedBirthCurve(NO_CHAIN, ends, ball(1), eigenvalues, ball(2), (), at_end)
                 said = birth_curve_in_words(BirthCurveTheorem(atlas), born)
                 yield f"{name}{label}", equilibrium_curve_in_full(atlas, said)
         elif isinstance(atlas, EquilibriumAtlas):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction as Q
 from functools import cache
@@ -514,3 +515,60 @@ def test_the_amplitude_may_fall_and_is_positive(monkeypatch: pytest.MonkeyPatch)
     assert stretches[1].enters < stretches[1].entered
     said = birth_curve_in_words(BirthCurveTheorem(atlas), outcome.results)
     assert "increases" not in said.partition("Along it")[0]
+
+
+# From birth to birth
+
+
+def as_of(atlas: BirthAtlas) -> list[IntervalResult]:
+    """Results as of all its pieces."""
+    (result,), bounds = honest(), (Q(1, 2**15),) * 3
+    return [replace(result, piece=piece.id, deviation=bounds, slope_deviation=bounds) for piece in atlas.curve_pieces()]
+
+
+def test_a_curve_from_one_birth_to_another() -> None:
+    atlas = cases.born_twice()
+    outcome = conclude_births(atlas, as_of(atlas)).outcome
+    assert isinstance(outcome, Proved), outcome
+    found = outcome.results
+    assert tuple(each.name for each in outcome.hypotheses) == outcome.theorem.hypotheses
+    assert outcome.theorem.hypotheses[-2:] == ("simple-pair-at-end", "two-points")
+    for key, a in (("start", 0), ("end", 1)):
+        assert found.ends[key][AMPLITUDE] == 0
+        assert found.ends[key]["a"].contains(a)
+    assert found.pair_at_end is not None
+    for omega, value in ((found.frequency, 1), (found.pair_at_end[0], 2)):
+        assert omega.contains(value)
+        assert omega.rad() < 0.01
+    said = birth_curve_in_words(outcome.theorem, found)
+    assert "At every point between the ends of the curve the orbit is periodic." in said
+    assert "the amplitude, is 0 at both ends of the curve." in said
+    assert "no other such orbits near the curve.\n" in said
+    assert ", to which the orbits shrink. There the derivative" in said
+    assert said.count("a speed that is not 0") == 2
+
+
+def test_false_claims_of_a_second_birth_are_not_proved() -> None:
+    atlas = cases.born_twice()
+    (*others, last), results, (zero, one) = atlas.curve_pieces(), as_of(atlas), (Q(0), Q(1))
+    # The claim is that of an arc, or an arc does not end so.
+    assert reason(replace(atlas, claim=replace(atlas.claim, kind="birth-arc")), results) == "amplitude"
+    arc = cases.circles_born()
+    assert reason(replace(arc, claim=replace(arc.claim, kind="birth-to-birth")), honest()) == "birth"
+    # The amplitude is not 0 at the end, or not a multiple of 1 - s.
+    beside = (last.centre[0], last.centre[1] + Q(1, 2**40), *last.centre[2:])
+    tilted = (last.frame[0], (-one, zero, Q(1, 2**30), zero), *last.frame[2:])
+    for wrong in (replace(last, centre=beside), replace(last, frame=tilted), replace(last, frame=others[0].frame)):
+        assert reason(replace(atlas, pieces=(*others, wrong)), results) == "birth"
+
+
+def test_the_ends_are_other_equilibria_or_belong_to_other_parameters() -> None:
+    atlas, start = cases.born_twice(), {"a": arb(0, 0.1), "x": arb(1), "y": arb(2, 0.1), AMPLITUDE: arb(0)}
+    for changes, wanted in (
+        ({}, False), ({AMPLITUDE: arb(1)}, False), ({"a": arb("0.15", 0.1)}, False), ({"a": arb("nan")}, False),
+        ({"a": arb(1)}, True), ({"x": arb(0)}, True), ({"y": arb(1)}, True),
+    ):  # fmt: skip
+        checklist = Checklist()
+        with ctx.workprec(64), suppress(NotEstablishedError):
+            proved_curve._check_two_points(checklist, atlas, {"start": start, "end": {**start, **changes}})
+        assert checklist.hypotheses[-1].holds == wanted, changes

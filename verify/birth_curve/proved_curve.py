@@ -1,4 +1,4 @@
-"""The theorem about a curve of orbits from their birth on, from proved pieces (sections 38.4 to 38.6)."""
+"""The theorem about a curve of orbits from their birth on, from proved pieces (sections 38.4 to 38.8)."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ from orbitproof.verify.periodic_curve.turns import turns_of
 
 @dataclass(frozen=True)
 class BirthCurveTheorem:
-    """The pieces of an atlas are one curve of periodic orbits from their birth on, as its claim says (Theorem 38.6)."""
+    """The pieces of an atlas are one curve of periodic orbits from their birth on, as claimed (Theorems 38.6, 38.9)."""
 
     atlas: BirthAtlas
 
@@ -50,7 +50,8 @@ class BirthCurveTheorem:
     def hypotheses(self) -> tuple[str, ...]:
         """As in `evidence.Theorem`."""
         functions = ("functions",) if self.atlas.system.defined else ()
-        return (*functions, "pieces", "birth", "curve", "amplitude", "simple-pair")
+        at_end = ("simple-pair-at-end", "two-points") if _ends_at_birth(self.atlas) else ()
+        return (*functions, "pieces", "birth", "curve", "amplitude", "simple-pair", *at_end)
 
 
 @dataclass(frozen=True)
@@ -64,6 +65,7 @@ class ProvedBirthCurve:
         eigenvalues: the others there.
         period: contains the least periods of all its orbits; not finite if they are not all known.
         turns: where the parameter has extrema along the curve, as far as that is certain.
+        pair_at_end: omega and the other eigenvalues where it ends, if orbits are born there too.
     """
 
     chain: Chain
@@ -72,6 +74,7 @@ class ProvedBirthCurve:
     eigenvalues: Spectrum
     period: arb
     turns: tuple[Turn, ...] = ()
+    pair_at_end: tuple[arb, Spectrum] | None = None
 
 
 def conclude_births(atlas: BirthAtlas, results: Sequence[IntervalResult]) -> Conclusion[ProvedBirthCurve]:
@@ -89,14 +92,22 @@ def conclude_births(atlas: BirthAtlas, results: Sequence[IntervalResult]) -> Con
                 key: dict(zip(atlas.coordinates, end, strict=True))
                 for key, end in zip(("start", "end"), chain.ends, strict=True)
             }
-            frequency, others = _check_pair(checklist, atlas, ends["start"])
-            curve = ProvedBirthCurve(chain, ends, frequency, others, times_of(chain), turns_of(chain))
+            pair, at_end = _check_pair(checklist, atlas, ends["start"]), None
+            if _ends_at_birth(atlas):
+                at_end = _check_pair(checklist, atlas, ends["end"], True)
+                _check_two_points(checklist, atlas, ends)
+            curve = ProvedBirthCurve(chain, ends, *pair, times_of(chain), turns_of(chain), at_end)
         except NotEstablishedError as error:
             return Conclusion(NotProved(error.reason, tuple(checklist.hypotheses)))
         except EmptyIntersectionError as error:
             reason = Reason("results", f"pieces contradict each other: {error}", "report this")
             return Conclusion(NotProved(reason, tuple(checklist.hypotheses)))
     return Conclusion(Proved(BirthCurveTheorem(atlas), curve, tuple(checklist.hypotheses)))
+
+
+def _ends_at_birth(atlas: BirthAtlas) -> bool:
+    """Whether the orbits shrink to an equilibrium at the end too (section 38.8)."""
+    return atlas.claim.kind == "birth-to-birth"
 
 
 def _check_curve(checklist: Checklist, atlas: BirthAtlas, results: Sequence[IntervalResult]) -> Chain:
@@ -112,12 +123,14 @@ def _check_curve(checklist: Checklist, atlas: BirthAtlas, results: Sequence[Inte
         if evidence.holds:
             for piece in pieces:
                 require_piece(evidence, atlas, piece)
+    place, ends = atlas.coordinates.index(AMPLITUDE), [(pieces[0], 1), *[(pieces[-1], -1)] * _ends_at_birth(atlas)]
     statement = "on the first piece the amplitude is a positive multiple of s + 1"
+    statement += ", and on the last one of 1 - s" * _ends_at_birth(atlas)
     with checklist.hypothesis("birth", "38.1", statement, "let the curve begin at the equilibrium") as evidence:
-        first, place = pieces[0], atlas.coordinates.index(AMPLITUDE)
-        along, *across = first.frame[place]
-        evidence.require(along > 0 and not any(across), "its row of the frame is not that of p_0")
-        evidence.require(first.centre[place] == along * first.half_width, "it is not 0 at s = -1")
+        for piece, grows in ends:
+            along, *across = piece.frame[place]
+            evidence.require(grows * along > 0 and not any(across), f"its row is not that of p_0 on {piece.id}")
+            evidence.require(piece.centre[place] == abs(along) * piece.half_width, f"it is not 0 at s = {-grows}")
     by_piece: dict[str, list[IntervalResult]] = {piece.id: [] for piece in pieces}
     for result in results:
         by_piece.setdefault(result.piece, []).append(result)
@@ -130,21 +143,24 @@ def _check_curve(checklist: Checklist, atlas: BirthAtlas, results: Sequence[Inte
     assert found is not None
     statement = "the amplitude is positive along the curve"
     with checklist.hypothesis("amplitude", "38.4", statement, "let the curve end before it is 0 again") as evidence:
-        for number, stretch in enumerate(found.stretches):
-            # On the first piece it is a multiple of s + 1.
+        for stretch in found.stretches:
+            # On the first piece it is a multiple of s + 1, on the last one perhaps of 1 - s.
             evidence.require(
-                not number
+                any(stretch.tube.piece is piece for piece, _ in ends)
                 or stretch.tube.coordinate_is_beyond_zero(place, 1, stretch.run, stretch.enters, stretch.leaves),
                 f"it is not shown to be positive on piece {stretch.tube.piece.id}",
             )
     return found
 
 
-def _check_pair(checklist: Checklist, atlas: BirthAtlas, start: dict[str, arb]) -> tuple[arb, Spectrum]:
-    """The eigenvalues +- i omega where the curve begins are simple; omega, and the others (section 38.5)."""
+def _check_pair(
+    checklist: Checklist, atlas: BirthAtlas, start: dict[str, arb], at_end: bool = False
+) -> tuple[arb, Spectrum]:
+    """The eigenvalues +- i omega where the curve begins or ends are simple; omega, and the others (section 38.5)."""
     system, claim = atlas.system, atlas.claim
-    statement = "the pair of eigenvalues where the curve begins is simple"
-    with checklist.hypothesis("simple-pair", "38.5", statement, "a narrower tube of the first piece") as evidence:
+    name, section = ("simple-pair-at-end", "38.8") if at_end else ("simple-pair", "38.5")
+    statement = f"the pair of eigenvalues where the curve {'ends' if at_end else 'begins'} is simple"
+    with checklist.hypothesis(name, section, statement, "a narrower tube of that piece") as evidence:
         state = system.given_state
         size = len(state)
         known = {name: enclose(value) for name, value in atlas.parameters.items()} | start
@@ -167,3 +183,12 @@ def _check_pair(checklist: Checklist, atlas: BirthAtlas, start: dict[str, arb]) 
                 value = evidence.record("det(D^2 + omega^2)", (other * other + square * identity).det())
                 evidence.require(excludes_zero(value), "another eigenvalue may be i omega", needs_precision=True)
     return omega, spectrum_of(rest)
+
+
+def _check_two_points(checklist: Checklist, atlas: BirthAtlas, ends: Ends) -> None:
+    """The equilibria at the ends are not the same one (section 38.8)."""
+    statement = "at its ends the curve has other equilibria, or other values of the parameter"
+    with checklist.hypothesis("two-points", "38.8", statement, "narrower tubes at the ends") as evidence:
+        names = (atlas.claim.parameter, *atlas.system.given_state)
+        differ = [excludes_zero(ends["end"][name] - ends["start"][name]) for name in names]
+        evidence.require(any(differ), "they may be the same", needs_precision=True)

@@ -35,13 +35,21 @@ def told(found: Conclusion[ProvedBirthCurve]) -> dict[str, Any]:
         "turns": [to_json(turn) for turn in known.turns],
         "frequency": to_json(known.frequency),
         "eigenvalues": to_json(known.eigenvalues),
+        **(
+            {"at_end": dict(zip(("frequency", "eigenvalues"), map(to_json, known.pair_at_end), strict=True))}
+            if known.pair_at_end is not None
+            else {}
+        ),
     }
     return whole_to_json(found, birth_curve_in_words(theorem, known), known.chain, **more)
 
 
 KIND = BranchKind(
     names=BIRTH_CURVES,
-    titles={"birth-arc": "A curve of periodic orbits from their birth on"},
+    titles={
+        "birth-arc": "A curve of periodic orbits from their birth on",
+        "birth-to-birth": "A curve of periodic orbits from one birth to another",
+    },
     said=lambda k, kind: "orbits from their birth on",
     **OF_ANY_BRANCH,
     theorem=BirthCurveTheorem,

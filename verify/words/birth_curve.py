@@ -9,6 +9,7 @@ from flint import arb
 from orbitproof.shared.systems import AMPLITUDE, own_name
 from orbitproof.verify.birth_curve import BirthCurveTheorem, ProvedBirthCurve
 from orbitproof.verify.claim import keyed_in_words, names_in_words
+from orbitproof.verify.equilibrium.spectrum import Spectrum
 from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text, is_below, range_text
 from orbitproof.verify.words.periodic_curve import turns_in_words
 
@@ -26,25 +27,35 @@ def birth_curve_in_words(theorem: BirthCurveTheorem, curve: ProvedBirthCurve) ->
     given = ", ".join(
         f"{name} = {exact_text(value)}" for name, value in keyed_in_words(system, atlas.parameters).items()
     )
-    omega = curve.frequency
+    begins, ends = (
+        f"{varying} = {decimal_interval(each[claim.parameter], _DIGITS)} with the equilibrium "
+        f"{_point([each[name] for name in given_state])}"
+        for each in (first, last)
+    )
+    where, beside = "At every other point", " but those of its continuation next to its ends"
+    shrink = (
+        f"is 0 where the curve begins and {decimal_interval(last[AMPLITUDE], _DIGITS)} where it ends. Towards its "
+        "beginning the orbits shrink to the equilibrium, and their least periods tend to 2 pi/omega"
+    )
+    closing = f" and the orbit through {_point(_crossing(theorem, last))}."
+    if curve.pair_at_end is not None:
+        where, beside = "At every point between the ends", ""
+        shrink = (
+            "is 0 at both ends of the curve. Towards each of them the orbits shrink to the equilibrium there, and "
+            "their least periods tend to 2 pi/omega, with omega as there"
+        )
+        closing = f", to which the orbits shrink.{_pair(varying, *curve.pair_at_end)}"
     paragraphs = [
         f"Consider the {system.title}{f' with {given}' if given else ''}.\nThere is a smooth curve without "
-        f"self-intersections of values of {varying}, equilibria ({state}) and periodic orbits. It begins at "
-        f"{varying} = {decimal_interval(first[claim.parameter], _DIGITS)} with the equilibrium "
-        f"{_point([first[name] for name in given_state])}. There the derivative of the vector field has the simple "
-        f"eigenvalues i omega and -i omega, omega in {interval_text(omega, _DIGITS)}, and no other eigenvalue is a "
-        f"multiple of i omega, 0 included. While {varying} changes, the real part of this pair changes with a speed "
-        f"that is not 0, as Hopf's theorem takes it.{_others(curve, len(given_state))}",
-        f"At every other point of the curve the orbit is periodic. In its least period it crosses the plane where "
+        f"self-intersections of values of {varying}, equilibria ({state}) and periodic orbits. It begins at {begins}."
+        f"{_pair(varying, curve.frequency, curve.eigenvalues)}",
+        f"{where} of the curve the orbit is periodic. In its least period it crosses the plane where "
         f"{section} is that of the equilibrium exactly once in the direction in which {section} "
         f"{'grows' if claim.direction > 0 else 'falls'}, and it does so where {amplitude} is greater than that of the "
-        f"equilibrium. The difference, the amplitude, is 0 where the curve begins and "
-        f"{decimal_interval(last[AMPLITUDE], _DIGITS)} where it ends. Towards its beginning the orbits shrink to the "
-        f"equilibrium, and their least periods tend to 2 pi/omega. In the coordinates of the atlas, {varying}, "
+        f"equilibrium. The difference, the amplitude, {shrink}. In the coordinates of the atlas, {varying}, "
         "the amplitude, the equilibrium, and the point of the orbit less the equilibrium in units of the amplitude, "
-        "there are no other such orbits near the curve but those of its continuation next to its ends.",
-        f"The curve ends at {varying} = {decimal_interval(last[claim.parameter], _DIGITS)} with the equilibrium "
-        f"{_point([last[name] for name in given_state])} and the orbit through {_point(_crossing(theorem, last))}.",
+        f"there are no other such orbits near the curve{beside}.",
+        f"The curve ends at {ends}{closing}",
     ]
     start, end = first[claim.parameter], last[claim.parameter]
     if is_below(start, end) or is_below(end, start):
@@ -66,14 +77,19 @@ def _crossing(theorem: BirthCurveTheorem, end: Mapping[str, arb]) -> list[arb]:
     ]
 
 
-def _others(curve: ProvedBirthCurve, size: int) -> str:
-    """How many of the other eigenvalues have real parts of which sign."""
-    if size == 2:
-        return ""
-    left, right, open_ones = curve.eigenvalues.left, curve.eigenvalues.right, curve.eigenvalues.undecided
+def _pair(varying: str, omega: arb, others: Spectrum) -> str:
+    """The eigenvalues where orbits are born."""
+    said = (
+        f" There the derivative of the vector field has the simple eigenvalues i omega and -i omega, omega in "
+        f"{interval_text(omega, _DIGITS)}, and no other eigenvalue is a multiple of i omega, 0 included. While "
+        f"{varying} changes, the real part of this pair changes with a speed that is not 0, as Hopf's theorem takes it."
+    )
+    left, right, open_ones = others.left, others.right, others.undecided
+    if not left + right + open_ones:
+        return said
     more = f", of {open_ones} it is not decided" if open_ones else ""
     have = "has" if left == 1 else "have"
-    return f" Of the other eigenvalues {left} {have} a negative and {right} a positive real part{more}."
+    return f"{said} Of the other eigenvalues {left} {have} a negative and {right} a positive real part{more}."
 
 
 def _point(balls: Sequence[arb]) -> str:
