@@ -14,7 +14,6 @@ from pathlib import Path
 from orbitproof.formal.arithmetic import NotShownError
 from orbitproof.formal.files import THEORY, write_row
 from orbitproof.formal.rows import export
-
 from orbitproof.shared.answers import answered, tell
 from orbitproof.shared.formats import InputError, refused, select_ids
 from orbitproof.verify.certificate import Certificate, read_certificates

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 
 from flint import fmpz_poly
-from orbitproof.formal.arithmetic import Format, Node, Poly, Program
 
+from orbitproof.formal.arithmetic import Format, Node, Poly, Program
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.systems import Program as SharedProgram
 from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, prepare

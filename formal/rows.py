@@ -10,7 +10,6 @@ from orbitproof.formal.arithmetic import Element, Format, NotShownError, Poly, P
 from orbitproof.formal.crossings import Counter, Part, cover, onto_section, range_of, section_field
 from orbitproof.formal.recording import Approximation, Leg, format_of, record, recorded
 from orbitproof.formal.steps import Step, check_step
-
 from orbitproof.shared.formats import BoxClaim, Candidate, InputError
 from orbitproof.verify.algebra import fraction_above
 from orbitproof.verify.bifurcation import level_form

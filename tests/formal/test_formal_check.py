@@ -10,12 +10,12 @@ from fractions import Fraction as Q
 from pathlib import Path
 
 import pytest
-from orbitproof.formal.arithmetic import Element, Format, recentred
-from orbitproof.formal.files import THEORY
-from orbitproof.formal.writing import poly, z
 from planted import accepted, drawn
 
 from orbitproof.__main__ import main as orbitproof
+from orbitproof.formal.arithmetic import Element, Format, recentred
+from orbitproof.formal.files import THEORY
+from orbitproof.formal.writing import poly, z
 
 CERTIFICATES = Path(__file__).parents[1] / "data" / "figures-certificates.json"
 ROW = "falkner-skan-odd-k2-1"
