@@ -8,6 +8,7 @@ from typing import Any
 import diffrax
 import jax
 import jax.numpy as jnp
+import optimistix
 
 from orbitproof.explore.flow.runge_kutta import (
     ABSOLUTE_TOLERANCE,
@@ -42,7 +43,7 @@ def integrate(
     """
     solution = diffrax.diffeqsolve(
         diffrax.ODETerm(field),
-        diffrax.Kvaerno5(root_finder=diffrax.VeryChord(**_STIFF)) if implicit else diffrax.Dopri8(scan_kind="lax"),
+        diffrax.Kvaerno5(root_finder=optimistix.Newton(**_STIFF)) if implicit else diffrax.Dopri8(scan_kind="lax"),
         t0=0.0,
         t1=time,
         # diffrax chooses the first step. It would check ours in a callback, and JAX keeps no code with callbacks.

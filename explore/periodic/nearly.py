@@ -11,10 +11,13 @@ from orbitproof.explore.flow import FlowFailure
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, correct
 from orbitproof.explore.periodic.flow import SAMPLES, Matrix, Vector, arc_of, stiff_path
 from orbitproof.explore.periodic.section import AffineSection
+from orbitproof.explore.periodic.segments import nodes_of, segments_for
 
 _PIECES = 40
 _NEAR = 0.1
 """Distance, relative to the size of the orbit, from which Newton's method is tried."""
+_CLOSED = 1e-4
+"""The same, of a piece that is an orbit up to errors of the integration."""
 _TRIED = 12
 _SAME = 1e-6
 _AT_REST = 1e-6
@@ -102,12 +105,24 @@ def nearby_orbits(
     known: list[ClosedOrbit] = []
     for guess in found:
         try:
-            orbit = correct(problem, guess.point, guess.time, section)
-        except PeriodicFailure:
+            orbit = _corrected(problem, guess, section)
+        except (FlowFailure, PeriodicFailure):
             continue
         if not any(_same(orbit, other) for other in known):
             known.append(orbit)
             yield orbit
+
+
+def _corrected(problem: PeriodicProblem, guess: Recurrence, section: AffineSection | None) -> ClosedOrbit:
+    """The orbit near a guess, in segments where one shot takes too many explicit steps. Raises what fails."""
+    try:
+        return correct(problem, guess.point, guess.time, section)
+    except PeriodicFailure:
+        if guess.distance > _CLOSED:
+            raise
+    loop = stiff_path(problem.system, guess.point, guess.time, problem.values)[1]
+    number = segments_for(problem.system, loop, guess.time, problem.values)
+    return correct(problem, nodes_of(loop, number), guess.time, section)
 
 
 def _same(left: ClosedOrbit, right: ClosedOrbit) -> bool:

@@ -21,7 +21,13 @@ from orbitproof.explore.periodic.correction import (
     PeriodicProblem,
     correct_in_segments,
 )
-from orbitproof.explore.periodic.flow import arc_of, growth_of_bounds, velocity_at
+from orbitproof.explore.periodic.flow import (
+    arc_of,
+    growth_in_frames,
+    growth_of_bounds,
+    preserves_volume,
+    velocity_at,
+)
 from orbitproof.explore.periodic.nearly import equilibrium_of, follow, nearby_orbits, recurrences
 from orbitproof.explore.periodic.refinement import GROWTH_ALLOWED, PeriodicTask, digits_of_centre, refine_periodic
 from orbitproof.explore.periodic.section import AffineSection, sections, through_the_middle
@@ -40,6 +46,8 @@ _WORTH_TELLING = 0.01
 _ROUNDING = 1e-12
 """Error of multipliers, relative to the derivatives of the flow over a period."""
 _TOLD = 3
+_FEW = 10.0
+"""Bounds that may grow by fewer digits need no closer look."""
 _EVERY = 16
 """Every so many states of an orbit tell how bounds grow along it."""
 
@@ -98,9 +106,13 @@ class FoundOrbit:
     @cached_property
     def growth(self) -> float:
         """By how many digits bounds of errors may grow over the period; 0 where that is not known."""
-        orbit = self.orbit
-        rate = growth_of_bounds(self.problem.system, orbit.loop[::_EVERY], orbit.values)
-        return rate * orbit.period / log(10) if isfinite(rate) else 0.0
+        orbit, system = self.orbit, self.problem.system
+        states = orbit.loop[::_EVERY]
+        rate = growth_of_bounds(system, states, orbit.values)
+        digits = rate * orbit.period / log(10) if isfinite(rate) else 0.0
+        if digits > _FEW and not preserves_volume(system, states, orbit.values):
+            digits = min(digits, growth_in_frames(system, orbit.loop, orbit.period, orbit.values))
+        return digits
 
     def _digits_of_box(self) -> int:
         """Digits of the centre with which derivatives are known over its box: bounds of errors grow along the orbit."""
