@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 _EXTRAS = {
-    **dict.fromkeys(("jax", "jaxlib", "diffrax", "equinox", "mpmath", "scipy"), "explore"),
+    **dict.fromkeys(("jax", "jaxlib", "diffrax", "equinox", "optimistix", "mpmath", "scipy"), "explore"),
     **dict.fromkeys(("matplotlib", "jinja2", "latex2mathml"), "figures"),
     **dict.fromkeys(("ccsds_ndm", "xsdata", "lxml"), "oem"),
     "spiceypy": "spk",

@@ -39,7 +39,7 @@ GROWTH_ALLOWED = int(_MOST_DIGITS * _BOX_SHARE) + _BOX_DIGITS - _KNOWN_DIGITS
 """Bounds may grow by so many digits over a box about the centre with the most of them."""
 _MOST_BITS = 900
 """The verifier bounds no error below 2^-960: derivatives over a box as narrow as that are not known."""
-_MOST_STEPS = 4000
+_MOST_STEPS = 20_000
 _SMALLEST_EXPONENT = -60
 
 

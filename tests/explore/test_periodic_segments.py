@@ -20,6 +20,7 @@ from orbitproof.explore.periodic import (
     refine_bifurcation,
     refined,
 )
+from orbitproof.explore.periodic.flow import growth_in_frames, stiff_path
 from orbitproof.explore.periodic.segments import nodes_of, segments_for
 from orbitproof.shared.formats import define_system
 from orbitproof.verify import certify
@@ -40,6 +41,12 @@ CANARDS = define_system(
     {
         "name": "fitzhugh-nagumo", "state": "v w", "parameters": "eps I",
         "field": {"v": "v - v**3/3 - w + I", "w": "eps*(v + 7/10 - 4/5*w)"},
+    }
+)  # fmt: skip
+OREGONATOR = define_system(
+    {
+        "name": "oregonator", "state": "x y z", "parameters": "eps delta q f",
+        "field": {"x": "(q*y - x*y + x*(1 - x))/eps", "y": "(-q*y - x*y + f*z)/delta", "z": "x - z"},
     }
 )  # fmt: skip
 
@@ -101,4 +108,29 @@ def test_canards_are_followed_from_relaxation_to_a_hopf_point_and_proved() -> No
     canard = refined(found, "canard", 50)
     assert max(canard.radii) < Fraction(1, 10**30)
     (certificate,) = certify(canard, quiet=True)
+    assert certificate.proved, certificate.reason
+
+
+def test_errors_in_frames_grow_as_solutions_do_and_not_by_the_worst_rates() -> None:
+    field = {"u": "1", "x": "3*u*x", "y": "-50*y + 1000*x"}
+    shear = define_system({"name": "shear", "state": "u x y", "field": field})
+    states = np.column_stack([np.linspace(-1, 1, 257), np.zeros(257), np.zeros(257)])
+    # Errors that are made at u = 0 grow by exp(3/2), those of y are some 20 times those of x; the worst rate is 475.
+    assert 1.5 / np.log(10) < growth_in_frames(shear, states, 2.0, ()) < 5
+
+
+@pytest.mark.slow
+def test_the_oregonator_with_three_variables_is_found_and_proved() -> None:
+    """The scales of Tyson, and milder ones: the fast rates of a period add up to some 200,000 and 10,000."""
+    start, orbits = (0.5, 0.5, 0.5), []
+    tyson = {"eps": Fraction("0.0099"), "delta": Fraction("1.98e-5"), "q": Fraction("7.62e-5"), "f": Fraction(1)}
+    milder = {"eps": Fraction("0.04"), "delta": Fraction("4e-4"), "q": Fraction("8e-4"), "f": Fraction(1)}
+    for values, period in ((milder, 6.20943640513), (tyson, 7.736523599)):
+        stiff_path(OREGONATOR, start, 20.0, [float(value) for value in values.values()])
+        request = PeriodicRequest(OREGONATOR, values, start, transient=20)
+        (found,) = find_periodic(request, lambda _message, _fraction: None)
+        assert found.orbit.period == pytest.approx(period, rel=1e-9)
+        orbits.append(found)
+    assert orbits[1].orbit.segments > 1
+    (certificate,) = certify(refined(orbits[0], "oregonator", 30), quiet=True)
     assert certificate.proved, certificate.reason
