@@ -2,7 +2,7 @@
 
 From Coq Require Import List ZArith.
 From Bignums Require Import BigZ.
-From Orbitproof Require Import Polynomials Elements Formats Programs Steps Crossings Rows Intervals Jets Conclusions.
+From Orbitproof Require Import Polynomials Elements Formats Programs Steps Crossings Rows Identities Intervals Jets Conclusions.
 Import ListNotations.
 Local Open Scope bool_scope.
 Local Open Scope bigZ_scope.
@@ -225,8 +225,24 @@ Definition half_orbit_holds (t : bifurcation) (images : list state) : bool :=
   forallb (fun s => existsb (fun h => nonzero (lookup None (on_box h) zero)) (functions_at t s))
     (before_half (crossings_of_half t) images).
 
+(* The first integral is one, and the level coordinate follows from it (sections 1.4 and 12.1). *)
+Definition integrals_hold (t : bifurcation) : bool :=
+  match integral_of t with
+  | Some h => first_integral_holds (field (orbits t)) h (dimension (orbits t))
+  | None => true
+  end
+  && match of_level (orbits t) with
+     | Some l =>
+         match filter (fun i => match nth i (starts (domain (orbits t))) (Affine (Q 0 1) []) with OfLevel => true | _ => false end)
+                 (seq 0 (length (starts (domain (orbits t))))) with
+         | [w] => (w <? dimension (orbits t))%nat && level_form_holds (integral l) w (square l)
+         | _ => false
+         end
+     | None => true
+     end.
+
 Definition exact_hypotheses (t : bifurcation) : bool :=
-  symmetries_hold t && frames_hold t && adapted t && parameter_first t
+  symmetries_hold t && integrals_hold t && frames_hold t && adapted t && parameter_first t
   && (1 <=? multiplicity (claimed t))%nat && (1 <=? crossings_of_half t)%nat
   && (if tangential (claimed t) then true else (multiplicity (claimed t) =? 3)%nat)
   && (if tangential (claimed t)
