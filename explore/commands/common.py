@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.explore.three_body.names import BRANCHES, DEFAULT_BRANCH, FAMILY_NAMES
+from orbitproof.shared.formats import InputError, check_writable
 
 MAX_MULTIPLICITY = 1000
 DIGITS = (15, 400)
@@ -94,6 +95,25 @@ def add_orbit_choice(parser: Any) -> None:
         "the first from the birth, -1 that on the other side",
     )
     add_accept(parser)
+
+
+def check_outputs(*paths: Path | None) -> None:
+    """Raises `InputError` if no file is named that a trajectory is written to, or one cannot be written."""
+    if not any(paths):
+        raise InputError("-o, --oem, --spk: missing; name the CSV file or the ephemeris file to write")
+    for path in filter(None, paths):
+        check_writable(path)
+
+
+def add_claim_output(parser: Any, otherwise: str) -> None:
+    """``--digits``, ``--id``, ``--output``, ``--append``, ``--quiet``; what is printed `otherwise`."""
+    parser.add_argument("--digits", type=digits, default=50, metavar="N", help="default: %(default)s")
+    words = "of the claim, numbered if there are several (default: the system)"
+    parser.add_argument("--id", metavar="NAME", help=words)
+    words = f"candidates file to write; without, {otherwise}"
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help=words)
+    parser.add_argument("--append", action="store_true", help="keep what the output file already holds")
+    add_quiet(parser)
 
 
 def add_branch(parser: Any) -> None:

@@ -8,11 +8,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from orbitproof.explore.commands.common import add_orbit_choice, add_quiet, positive
+from orbitproof.explore.commands.common import add_orbit_choice, add_quiet, check_outputs, positive
 from orbitproof.explore.commands.trajectory import add_spice_numbers
 from orbitproof.explore.names import NoOrbit
 from orbitproof.shared.answers import tell
-from orbitproof.shared.formats import InputError, check_writable, write_text
+from orbitproof.shared.formats import InputError, write_text
 from orbitproof.shared.help_text import add_command
 from orbitproof.shared.printed_tables import wrapped
 
@@ -62,12 +62,7 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Carry the orbit over and write the files asked for; returns the exit code. Raises `InputError`."""
-    outputs = (options.output, options.oem, options.spk)
-    if not any(outputs):
-        raise InputError("-o, --oem, --spk: missing; name the CSV file or the ephemeris file to write")
-    for path in outputs:
-        if path is not None:
-            check_writable(path)
+    check_outputs(options.output, options.oem, options.spk)
     if options.periods > 1000:
         raise InputError(f"--periods {options.periods:g}: give at most 1000")
     gravity = _gravity(options.gm)

@@ -108,15 +108,7 @@ def add_parser(commands: Any) -> None:
     )
     words += "verify atlas; of several Hopf points the further files are FILE-2, .."
     parser.add_argument("--births", type=Path, metavar="FILE", help=words)
-    parser.add_argument("--digits", type=common.digits, default=50, metavar="N", help="default: %(default)s")
-    parser.add_argument(
-        "--id", metavar="NAME", help="of the claim, numbered if there are several (default: the system)"
-    )
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help="candidates file to write; without, what is found is printed"
-    )
-    parser.add_argument("--append", action="store_true", help="keep what the output file already holds")
-    common.add_quiet(parser)
+    common.add_claim_output(parser, "what is found is printed")
     parser.set_defaults(run=run)
 
 

@@ -154,15 +154,7 @@ def add_parser(commands: Any) -> None:
     )
     words = "with --along: the curve of the first orbit as pieces, through its folds, for orbitproof verify atlas"
     parser.add_argument("--atlas", type=Path, metavar="FILE", help=words)
-    parser.add_argument("--digits", type=common.digits, default=50, metavar="N", help="default: %(default)s")
-    parser.add_argument(
-        "--id", metavar="NAME", help="of the claim, numbered if there are several (default: the system)"
-    )
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help="candidates file to write; without, orbits are printed only"
-    )
-    parser.add_argument("--append", action="store_true", help="keep what the output file already holds")
-    common.add_quiet(parser)
+    common.add_claim_output(parser, "orbits are printed only")
     parser.set_defaults(run=run)
 
 

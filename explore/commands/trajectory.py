@@ -9,11 +9,11 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from orbitproof.explore.commands.common import add_orbit_choice, positive
+from orbitproof.explore.commands.common import add_orbit_choice, check_outputs, positive
 from orbitproof.explore.names import NoOrbit
 from orbitproof.explore.three_body.names import units_of_system
 from orbitproof.shared.answers import tell
-from orbitproof.shared.formats import InputError, check_writable, write_text
+from orbitproof.shared.formats import InputError, write_text
 from orbitproof.shared.help_text import add_command
 from orbitproof.shared.printed_tables import wrapped
 
@@ -188,12 +188,7 @@ def _as_json(samples: SampledOrbit, lines: list[str]) -> dict[str, Any]:
 
 def _check(options: argparse.Namespace) -> None:
     """Whether the options fit together, before anything is computed. Raises `InputError`."""
-    outputs = (options.output, options.oem, options.spk)
-    if not any(outputs):
-        raise InputError("-o, --oem, --spk: missing; name the CSV file or the ephemeris file to write")
-    for path in outputs:
-        if path is not None:
-            check_writable(path)
+    check_outputs(options.output, options.oem, options.spk)
     if options.points is not None:
         if options.error is not None:
             raise InputError("--points: --error says how dense the states are; leave out one of the two")

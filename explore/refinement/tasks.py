@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from orbitproof.explore.engines import Job, Lost, Progress, run_all
@@ -58,25 +59,13 @@ def refine_task(task: Task, progress: Progress | None = None) -> Refined:
     """Refine one point; a failure is a result, not an exception."""
     started = time.monotonic()
     try:
-        refined_alone = _ONE_POINT.get(task.kind)
+        double = partial(refine_double_resonance, k=task.k)
+        refined_alone = double if task.kind == DOUBLE_RESONANCE else _ONE_POINT.get(task.kind)
         if refined_alone is not None:
             candidate = refined_alone(
                 task.system,
                 task.parameters,
                 task.guess,
-                digits=task.digits,
-                crossings=task.crossings,
-                id=task.id,
-                provenance=task.provenance,
-                progress=progress,
-            )
-            return Refined(task, candidate, candidate.centre[0], None, time.monotonic() - started)
-        if task.kind == DOUBLE_RESONANCE:
-            candidate = refine_double_resonance(
-                task.system,
-                task.parameters,
-                task.guess,
-                task.k,
                 digits=task.digits,
                 crossings=task.crossings,
                 id=task.id,

@@ -7,8 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-import pytest
-from support.table_rows import CERTIFICATES, TINY, around, certificates, like, listed, only_section, printed
+from support.table_rows import TINY, around, certificates, like, listed, only_section, printed
 
 from orbitproof.figures.tables import (
     CertifiedRow,
@@ -26,17 +25,6 @@ from orbitproof.figures.tables import (
 )
 from orbitproof.figures.tables.published import compare, match
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
-
-
-@pytest.fixture(scope="module")
-def rows() -> list[CertifiedRow]:
-    return read_rows([CERTIFICATES])
-
-
-@pytest.fixture(scope="module")
-def halo(rows: list[CertifiedRow]) -> CertifiedRow:
-    """The Earth-Moon row with k = 2, C = 3.0216."""
-    return next(row for row in rows if row.id == "earth-moon-L1-halo-k2-1")
 
 
 def test_stored_proofs_lie_inside_what_the_paper_prints(rows: list[CertifiedRow]) -> None:

@@ -41,17 +41,6 @@ from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 from orbitproof.verify.evidence import bounds, certain_digits
 
 
-@pytest.fixture(scope="module")
-def rows() -> list[CertifiedRow]:
-    return read_rows([CERTIFICATES])
-
-
-@pytest.fixture(scope="module")
-def halo(rows: list[CertifiedRow]) -> CertifiedRow:
-    """The Earth-Moon row with k = 2, C = 3.0216."""
-    return next(row for row in rows if row.id == "earth-moon-L1-halo-k2-1")
-
-
 @pytest.mark.parametrize(
     ("text", "lower", "upper"),
     [
