@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Final, Literal
+from typing import Annotated, ClassVar, Literal, get_args
 
 from orbitproof.shared.claims.fields import Id, Line
 from orbitproof.shared.stored import rules
 
-Joining = Literal["begins on"]
-BEGINS: Final = "begins on"
+Joining = Literal["begins on", "ends on"]
+BEGINS, ENDS = get_args(Joining)
 
 
 @dataclass(frozen=True)

@@ -28,10 +28,10 @@ def life_from_json(entry: Mapping[str, Any], source: str) -> Life:
     for name in repeated_names(life.certificates):
         raise InputError(f"{source}: field arcs: {name!r} appears twice; give each arc once")
     for index, arc in enumerate(life.arcs):
-        where, others = f"{source}: field arcs[{index}].joints", [joint.arc for joint in arc.joints]
-        for name in repeated_names(others):
-            raise InputError(f"{where}: {name!r} appears twice; say once how they are joined")
-        for name in others:
+        where = f"{source}: field arcs[{index}].joints"
+        for how in repeated_names(joint.how for joint in arc.joints):
+            raise InputError(f"{where}: {how!r} appears twice; an arc begins once, and ends once")
+        for name in (joint.arc for joint in arc.joints):
             if name not in life.certificates or name == arc.id:
                 raise InputError(f"{where}: {name!r} is none of the other arcs; name one of them")
     return life

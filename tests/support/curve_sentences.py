@@ -21,6 +21,7 @@ from support.springs import SPRINGS
 
 from orbitproof.shared.claims import Claim, Covers
 from orbitproof.shared.claims.life import BEGINS, LifeArc, LifeJoint
+from orbitproof.shared.claims.life import ENDS as ENDS_ON
 from orbitproof.shared.claims.web import BRANCHES, ENDS, PASSES, Meeting, Web, WebArc
 from orbitproof.shared.formats import Atlas, BirthAtlas, EquilibriumAtlas, PeriodicAtlas, define_system, read_atlas
 from orbitproof.shared.systems import AROUND, AXIAL, CR3BP, CR3BP_PLANAR, VERTICAL, FixedLevel
@@ -49,7 +50,7 @@ from orbitproof.verify.lasting import (
     Reversibility,
 )
 from orbitproof.verify.lasting.fates import LastingList
-from orbitproof.verify.life import Birthplace, LifeCurve, LifeTheorem, ProvedLife
+from orbitproof.verify.life import Birth, Birthplace, LifeCurve, LifeTheorem, ProvedLife
 from orbitproof.verify.periodic_curve import (
     Counts,
     PeriodicCurveTheorem,
@@ -697,21 +698,22 @@ def lives() -> Told:
     place = PlaceOnCurve("e1", ball(3), False)
     of_orbits = (ball(1), Spectrum((), 1, 0, 0), ball(2))
     turn = Turn(True, ("p1", "p1"), (Q(0), Q(1, 2)), (ball(1), ball(2)))
-    joint = Birthplace(
-        "born", "rest", BEGINS, place, ball(4), {"x": ball(5), "y": ball(6)}, ball(1), Spectrum((), 1, 0, 0),
-        Sides(3, 0), Sides(1, 2),
-    )  # fmt: skip
+    birth = Birth({"a": ball(4), "x": ball(5), "y": ball(6)}, ball(1), Spectrum((), 1, 0, 0))
+    joint = Birthplace("born", "rest", BEGINS, place, birth, Sides(3, 0), Sides(1, 2))
+    ends = {"start": birth.point, "end": {"a": ball(7), "x": ball(8), "y": ball(9)}}
+    not_decided = replace(birth, others=Spectrum((), 0, 0, 1))
     for label, folds, turns, changes in (
         ("", (), (), {}),
         (" / with folds", EQUILIBRIA[-1][1], (turn,), {}),
-        (" / not decided", (), (), {"others": Spectrum((), 0, 0, 1), "before": None, "after": None}),
+        (" / not decided", (), (), {"birth": not_decided, "before": None, "after": None}),
+        (" / that ends", (), (), {"how": ENDS_ON}),
     ):
         at_rest = LifeCurve(rest_atlas(), ProvedEquilibriumCurve(NO_CHAIN, {}, folds, ()))
-        orbits = LifeCurve(circles_born(id="born"), ProvedBirthCurve(NO_CHAIN, {}, *of_orbits, turns))
+        orbits = LifeCurve(circles_born(id="born"), ProvedBirthCurve(NO_CHAIN, ends, *of_orbits, turns))
         proved = ProvedLife((at_rest, orbits), (ball(7), ball(8)), (replace(joint, **changes),), (("rest", "born"),))
         yield f"life{label}", life_in_words(LifeTheorem(life_claim()), proved, {"rest": "d1", "born": "d2"})
     closed = replace(at_rest, atlas=circle_of_equilibria(id="rest"))
-    unknown = replace(orbits, curve=ProvedBirthCurve(NO_CHAIN, {}, ball(1), Spectrum((), 1, 0, 0), NAN, ()))
+    unknown = replace(orbits, curve=ProvedBirthCurve(NO_CHAIN, ends, ball(1), Spectrum((), 1, 0, 0), NAN, ()))
     again = replace(unknown, atlas=circles_born(id="again"))
     said = life_claim(LifeArc("again", (LifeJoint("rest", BEGINS),)))
     proved = ProvedLife(

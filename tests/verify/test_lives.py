@@ -18,7 +18,7 @@ from support.life_cases import born, certificate_of, claim, life, life_of, rest,
 
 from orbitproof import verify
 from orbitproof.shared.claims import EquilibriumAtlas, EquilibriumCurveClaim, Piece
-from orbitproof.shared.claims.life import BEGINS, Life, LifeArc, LifeJoint
+from orbitproof.shared.claims.life import BEGINS, ENDS, Life, LifeArc, LifeJoint
 from orbitproof.shared.claims.parts import hanging_together
 from orbitproof.shared.formats import InputError, define_system
 from orbitproof.shared.formats.life import life_from_json, read_life_claim
@@ -113,6 +113,50 @@ def test_arcs_hang_together_by_chains() -> None:
     assert hanging_together(met) == (("a", "b", "c"), ("d", "e", "f"), ("g",))
 
 
+def from_birth_to_birth() -> LifeCurve:
+    """Circles from a = 0, omega = 1, to a = 1, omega = 2, as if their pieces were proved."""
+    atlas, near = replace(birth_cases.born_twice(), id="born"), Q(1, 2**40)
+    results = [
+        ProvedInterval(Q(-1), Q(1), (near,) * 3, (near,) * 3, (3 + arb(0, 1)) * arb.pi() / 2).stored(each.id, {})
+        for each in atlas.curve_pieces()
+    ]
+    outcome = conclude_births(atlas, results).outcome
+    assert isinstance(outcome, Proved), outcome
+    return LifeCurve(atlas, outcome.results)
+
+
+def test_orbits_from_birth_to_birth_begin_and_end_on_their_equilibria() -> None:
+    orbits = from_birth_to_birth()
+    system, joints = orbits.atlas.system, (LifeJoint("rest", BEGINS), LifeJoint("rest", ENDS))
+    said = Life("a life", "both ends", (LifeArc("rest"), LifeArc("born", joints)))
+    on = fabricated(rest_atlas(Q(-1, 4), Q(5, 4), system=system))
+    outcome = conclude_life(said, [on, orbits])
+    assert isinstance(outcome, Proved), outcome
+    begins, ends = outcome.results.joints
+    for joint, a, omega in ((begins, 0, 1), (ends, 1, 2)):
+        for ball, value in ((joint.birth.point["a"], a), (joint.birth.point["x"], a), (joint.birth.frequency, omega)):
+            assert ball.contains(value)
+            assert ball.rad() < 1e-9
+    words = " ".join(life_in_words(LifeTheorem(said), outcome.results, {"rest": "d", "born": "d"}).split())
+    assert "- ends on rest, on piece e1" in words
+    assert (
+        "Towards this end the orbits shrink to it, and their least periods tend to 2 pi/omega, omega in [1.9" in words
+    )
+    assert "All these births are at different equilibria" in words
+    short = fabricated(rest_atlas(Q(-1, 4), Q(1, 2), system=system))
+    assert why_not(said, short, orbits)[0] == "joints"
+    only_ends = Life("a life", "one end", (LifeArc("rest"), LifeArc("born", joints[1:])))
+    assert why_not(only_ends, short, orbits)[0] == "joints"
+    # One that is born where the other ends.
+    assert orbits.curve is not None
+    (piece, *_) = orbits.atlas.curve_pieces()
+    atlas = replace(orbits.atlas, id="again", pieces=(replace(piece, centre=(Q(1), *piece.centre[1:])),))
+    swapped = {"start": orbits.curve.ends["end"], "end": orbits.curve.ends["start"]}
+    again = LifeCurve(atlas, replace(orbits.curve, ends=swapped, pair_at_end=None))  # type: ignore[arg-type, call-arg]
+    three = replace(said, arcs=(*said.arcs, LifeArc("again")), connected=False)
+    assert why_not(three, on, orbits, again)[0] == "births"
+
+
 def line(rng: Random, moved: Q = Q(0)) -> EquilibriumAtlas:
     """A curve through (a, x, y) = (0, 0, 0) at some s, bent, in a turned frame, and moved across there."""
     h, s = Q(rng.randrange(1, 8), 8), Q(rng.randrange(-15, 16), 16)
@@ -199,9 +243,9 @@ def refused_arcs() -> dict[str, tuple[Life, Sequence[LifeCurve], str, str]]:
             claim(LifeArc("born", (JOINT,))), (line_, orbits, orbits), "arcs", "two arcs have the same id",
         ),
         "a copy": (claim(again), (line_, orbits, copied), "arcs", "two arcs have a piece in common"),
-        "the same birth": (claim(again), (line_, orbits, known(twice)), "births", "may begin at the same one"),
+        "the same birth": (claim(again), (line_, orbits, known(twice)), "births", "may be the same"),
         "the same birth, not joined": (
-            claim(LifeArc("again"), connected=False), (line_, orbits, known(twice)), "births", "begin at the same one",
+            claim(LifeArc("again"), connected=False), (line_, orbits, known(twice)), "births", "may be the same",
         ),
         "in another order": (claim(), (orbits, line_), "arcs", "not those of the claim"),
         "one too few": (claim(), (line_,), "arcs", "not those of the claim"),
@@ -212,12 +256,12 @@ def refused_arcs() -> dict[str, tuple[Life, Sequence[LifeCurve], str, str]]:
         ),
         "of equilibria": (
             Life("a life", "", (LifeArc("rest", (LifeJoint("born", BEGINS),)), LifeArc("born"))), (line_, orbits),
-            "joints", "it is no curve of orbits from their birth on",
+            "joints", "no orbits are proved to be born there",
         ),
         "on none": (claim(on="elsewhere"), (line_, orbits), "joints", "that is none of the arcs"),
-        "in no way": (
-            Life("a life", "", (LifeArc("rest"), LifeArc("born", (LifeJoint("rest", "ends on"),)))),  # type: ignore[arg-type]
-            (line_, orbits), "joints", "no such way",
+        "at its end": (
+            Life("a life", "", (LifeArc("rest"), LifeArc("born", (LifeJoint("rest", ENDS),)))), (line_, orbits),
+            "joints", "no orbits are proved to be born there",
         ),
     }  # fmt: skip
 
@@ -266,7 +310,7 @@ def test_births_are_different_if_one_coordinate_certainly_is() -> None:
             if isinstance(outcome, Proved):
                 digests = dict.fromkeys(("rest", "born", "again"), "d")
                 words = life_in_words(LifeTheorem(said), outcome.results, digests)
-                assert "The arcs of orbits begin at different equilibria" in words
+                assert "All these births are at different equilibria" in words
 
 
 def test_counts_beside_a_birth_are_those_of_the_nearest_parts_that_are_decided() -> None:
@@ -358,8 +402,8 @@ DOCUMENT = {
         ([{"id": "rest"}, {"id": "rest"}], "appears twice; give each arc once"),
         ([{"id": "born", "joints": [{"arc": "rest", "how": "begins on"}]}], "none of the other arcs"),
         ([{"id": "born", "joints": [{"arc": "born", "how": "begins on"}]}], "none of the other arcs"),
-        ([{"id": "rest"}, {"id": "born", "joints": [{"arc": "rest", "how": "begins on"}] * 2}], "say once how"),
-        ([{"id": "rest"}, {"id": "born", "joints": [{"arc": "rest", "how": "ends on"}]}], "joints[0].how"),
+        ([{"id": "rest"}, {"id": "born", "joints": [{"arc": "rest", "how": "begins on"}] * 2}], "ends once"),
+        ([{"id": "rest"}, {"id": "born", "joints": [{"arc": "rest", "how": "shares"}]}], "joints[0].how"),
     ],
 )
 def test_malformed_claims_are_refused_by_their_field(arcs: list[Any], message: str, tmp_path: Path) -> None:

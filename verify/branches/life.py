@@ -37,7 +37,7 @@ _CONCLUDED: Mapping[type, Callable[[Any, Any], Any]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class StoredBirthplace:
-    """Where an arc of orbits begins.
+    """Where an arc of orbits begins or ends.
 
     Attributes:
         arc: the id of the arc of equilibria.
@@ -75,7 +75,7 @@ class StoredLifeArc:
     """
 
     id: Id
-    kind: Annotated[str, rules(enum=("equilibrium-arc", "equilibrium-loop", "birth-arc"))]
+    kind: Annotated[str, rules(enum=("equilibrium-arc", "equilibrium-loop", "birth-arc", "birth-to-birth"))]
     parameter: Identifier
     values: arb
     period: arb | None = None
@@ -177,20 +177,21 @@ def _stored(life: ProvedLife, number: int) -> StoredLifeArc:
         kind=arc.atlas.claim.kind,
         parameter=arc.atlas.claim.parameter,
         values=values,
-        joints=tuple(_birthplace(joint) for joint in life.joints if joint.arc == arc.id),
+        joints=tuple(_birthplace(arc, joint) for joint in life.joints if joint.arc == arc.id),
         **known,
     )
 
 
-def _birthplace(found: Birthplace) -> StoredBirthplace:
+def _birthplace(arc: LifeCurve, found: Birthplace) -> StoredBirthplace:
+    point = found.birth.point
     return StoredBirthplace(
         arc=found.on,
         how=found.how,
         piece=found.place.piece,
         s=found.place.s,
-        value=found.value,
-        point=tuple(found.point.values()),
-        frequency=found.frequency,
+        value=point[arc.atlas.claim.parameter],
+        point=tuple(point[name] for name in arc.atlas.system.given_state),
+        frequency=found.birth.frequency,
         before=found.before,
         after=found.after,
     )

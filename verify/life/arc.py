@@ -7,9 +7,26 @@ from dataclasses import dataclass
 from flint import arb
 
 from orbitproof.shared.claims import BirthAtlas, EquilibriumAtlas
+from orbitproof.shared.claims.life import BEGINS, ENDS, Joining
 from orbitproof.verify.birth_curve import ProvedBirthCurve
+from orbitproof.verify.equilibrium.spectrum import Spectrum
 from orbitproof.verify.equilibrium_curve import ProvedEquilibriumCurve
 from orbitproof.verify.evidence import hull
+
+
+@dataclass(frozen=True)
+class Birth:
+    """An equilibrium at which orbits are born.
+
+    Attributes:
+        point: enclosures of the parameter and of the equilibrium, by coordinate.
+        frequency: omega of its eigenvalues +- i omega.
+        others: the other eigenvalues (38.5).
+    """
+
+    point: dict[str, arb]
+    frequency: arb
+    others: Spectrum
 
 
 @dataclass(frozen=True)
@@ -43,12 +60,16 @@ class LifeCurve:
         )
 
     @property
-    def birth(self) -> dict[str, arb] | None:
-        """Of orbits from their birth on the first value of the parameter and the equilibrium, enclosed; else `None`."""
+    def births(self) -> dict[Joining, Birth]:
+        """Where its orbits shrink to equilibria: at the beginning of a curve of orbits, and perhaps at its end."""
         if not isinstance(self.curve, ProvedBirthCurve):
-            return None
-        start = self.curve.ends["start"]
-        return {name: start[name] for name in (self.atlas.claim.parameter, *self.atlas.system.given_state)}
+            return {}
+        start, end = (
+            {name: self.curve.ends[key][name] for name in (self.atlas.claim.parameter, *self.atlas.system.given_state)}
+            for key in ("start", "end")
+        )
+        found: dict[Joining, Birth] = {BEGINS: Birth(start, self.curve.frequency, self.curve.eigenvalues)}
+        return found if self.curve.pair_at_end is None else {**found, ENDS: Birth(end, *self.curve.pair_at_end)}
 
     @property
     def pieces(self) -> set[tuple[object, ...]]:

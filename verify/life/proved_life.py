@@ -113,15 +113,15 @@ def _check_joints(checklist: Checklist, life: Life, arcs: Sequence[LifeCurve]) -
                     evidence.require(False, f"it is not shown {pair}: {birthplace}")
                     continue
                 found.append(birthplace)
-                evidence.record(f"{shown(joint.arc)}, s of the birth of {shown(arc.id)}", birthplace.place.s)
+                evidence.record(f"{shown(joint.arc)}, s where {shown(arc.id)} {joint.how} it", birthplace.place.s)
     return tuple(found)
 
 
 def _check_births(checklist: Checklist, arcs: Sequence[LifeCurve]) -> None:
-    statement = "any two arcs of orbits begin at different equilibria, or for different values of the parameter"
+    statement = "all births are at different equilibria, or for different values of the parameter"
     with checklist.hypothesis("births", "39.3", statement, "give each birth once, by one certificate") as evidence:
         evidence.require(True, "")
-        births = [(arc.id, arc.birth) for arc in arcs if arc.birth is not None]
+        births = [(arc.id, birth.point) for arc in arcs for birth in arc.births.values()]
         for (one, first), (other, second) in combinations(births, 2):
             different = any(excludes_zero(first[name] - second[name]) for name in first)
-            evidence.require(different, f"{shown(one)} and {shown(other)} may begin at the same one")
+            evidence.require(different, f"a birth of {shown(one)} and one of {shown(other)} may be the same")

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from flint import arb
 
+from orbitproof.shared.claims.life import BEGINS
 from orbitproof.shared.systems import shown
 from orbitproof.shared.wording import counted, itemised
 from orbitproof.verify.birth_curve import ProvedBirthCurve
@@ -33,8 +34,8 @@ def life_in_words(theorem: LifeTheorem, life: ProvedLife, digests: Mapping[str, 
     ]
     for arc, values in zip(life.arcs, life.values, strict=True):
         lines += _arc(name, arc, values, [each for each in life.joints if each.arc == arc.id], digests[arc.id])
-    if sum(isinstance(arc.curve, ProvedBirthCurve) for arc in life.arcs) > 1:
-        lines.append(f"The arcs of orbits begin at different equilibria, or for different values of {name}.")
+    if sum(len(arc.births) for arc in life.arcs) > 1:
+        lines.append(f"All these births are at different equilibria, or for different values of {name}.")
     for part in life.parts:
         if len(part) > 1:
             lines.append(
@@ -63,16 +64,18 @@ def _arc(name: str, arc: LifeCurve, values: arb, joints: list[Birthplace], diges
 
 def _birth(name: str, arc: LifeCurve, joint: Birthplace) -> str:
     system = arc.atlas.system
-    point = ", ".join(interval_text(ball, _DIGITS) for ball in joint.point.values())
-    state = ", ".join(names_in_words(system).get(each, each) for each in joint.point)
+    given, varying = system.given_state, arc.atlas.claim.parameter
+    point = ", ".join(interval_text(joint.birth.point[each], _DIGITS) for each in given)
+    state = ", ".join(names_in_words(system).get(each, each) for each in given)
     s, value, omega = (
         located(each, ball, _DIGITS)
-        for each, ball in (("s", joint.place.s), (name, joint.value), ("omega", joint.frequency))
+        for each, ball in (("s", joint.place.s), (name, joint.birth.point[varying]), ("omega", joint.birth.frequency))
     )
+    side = "beginning" if joint.how == BEGINS else "end"
     sentences = [
         f"{joint.how} {shown(joint.on)}, on piece {joint.place.piece} of it, {s}: at {value}, equilibrium ({state}) = "
         f"({point}).",
-        f"Towards this beginning the orbits shrink to it, and their least periods tend to 2 pi/omega, {omega}.",
+        f"Towards this {side} the orbits shrink to it, and their least periods tend to 2 pi/omega, {omega}.",
         f"i omega and -i omega are simple eigenvalues there, and cross the imaginary axis with a speed in {name} that "
         "is not 0.",
         *_sides(joint),
@@ -82,7 +85,7 @@ def _birth(name: str, arc: LifeCurve, joint: Birthplace) -> str:
 
 def _sides(joint: Birthplace) -> Iterator[str]:
     """What is known of the other eigenvalues, and of those of equilibria nearby."""
-    left, right, open_ones = joint.others.left, joint.others.right, joint.others.undecided
+    left, right, open_ones = joint.birth.others.left, joint.birth.others.right, joint.birth.others.undecided
     if not open_ones:
         yield (
             f"Of the equilibria of {shown(joint.on)} next to it those on one side have {left + 2} eigenvalues with "
