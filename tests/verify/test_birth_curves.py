@@ -44,6 +44,7 @@ from orbitproof.verify.evidence import (
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic import functions_at_start
 from orbitproof.verify.poincare import defined_values
+from orbitproof.verify.theorems.birth_curve import told
 from orbitproof.verify.words.birth_curve import birth_curve_in_words
 
 FAST = BirthLimits(precision=80, order=24, width=16, top=1)
@@ -528,9 +529,11 @@ def as_of(atlas: BirthAtlas) -> list[IntervalResult]:
 
 def test_a_curve_from_one_birth_to_another() -> None:
     atlas = cases.born_twice()
-    outcome = conclude_births(atlas, as_of(atlas)).outcome
+    concluded = conclude_births(atlas, as_of(atlas))
+    outcome = concluded.outcome
     assert isinstance(outcome, Proved), outcome
     found = outcome.results
+    assert told(concluded)["at_end"]["eigenvalues"] == told(concluded)["eigenvalues"]
     assert tuple(each.name for each in outcome.hypotheses) == outcome.theorem.hypotheses
     assert outcome.theorem.hypotheses[-2:] == ("simple-pair-at-end", "two-points")
     for key, a in (("start", 0), ("end", 1)):

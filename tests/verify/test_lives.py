@@ -24,7 +24,7 @@ from orbitproof.shared.formats import InputError, define_system
 from orbitproof.shared.formats.life import life_from_json, read_life_claim
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.birth_curve import ProvedBirthCurve, conclude_births
-from orbitproof.verify.branches.life import certified_life
+from orbitproof.verify.branches.life import _stored, certified_life
 from orbitproof.verify.branches.rests_on import resting
 from orbitproof.verify.certificate import Certificate, Given, Level, Recheck, digest, recheck, write_certificate
 from orbitproof.verify.curve import Chain, PlaceOnCurve, ProvedInterval, Stretch, is_inside_curve, read_tube
@@ -137,6 +137,8 @@ def test_orbits_from_birth_to_birth_begin_and_end_on_their_equilibria() -> None:
         for ball, value in ((joint.birth.point["a"], a), (joint.birth.point["x"], a), (joint.birth.frequency, omega)):
             assert ball.contains(value)
             assert ball.rad() < 1e-9
+    stored = [joint.frequency for joint in _stored(outcome.results, 1).joints]
+    assert stored == [begins.birth.frequency, ends.birth.frequency]
     words = " ".join(life_in_words(LifeTheorem(said), outcome.results, {"rest": "d", "born": "d"}).split())
     assert "- ends on rest, on piece e1" in words
     assert (
