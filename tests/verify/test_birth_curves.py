@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -14,6 +15,7 @@ from typing import Any
 import pytest
 from flint import arb, ctx
 from support import birth_cases as cases
+from support.forgeries import checked, forged
 
 from orbitproof.shared.claims import BirthAtlas
 from orbitproof.shared.formats import define_system
@@ -29,6 +31,7 @@ from orbitproof.verify.birth_curve import (
 )
 from orbitproof.verify.birth_curve import piece as proved_piece
 from orbitproof.verify.birth_curve.functions import mean_slope, slopes_at_start
+from orbitproof.verify.branches import conclusion_of, make_atlas_certificate
 from orbitproof.verify.claim.functions import enclose_functions
 from orbitproof.verify.curve import IntervalResult, check_newton
 from orbitproof.verify.curve.tube import Tube
@@ -575,3 +578,17 @@ def test_the_ends_are_other_equilibria_or_belong_to_other_parameters() -> None:
         with ctx.workprec(64), suppress(NotEstablishedError):
             proved_curve._check_two_points(checklist, atlas, {"start": start, "end": {**start, **changes}})
         assert checklist.hypotheses[-1].holds == wanted, changes
+
+
+def test_the_certificate_of_a_curve_from_birth_to_birth_says_both() -> None:
+    """It has the form of its schema, and is concluded again; a forged frequency of the end is noticed."""
+    atlas = cases.born_twice()
+    results = as_of(atlas)
+    document = make_atlas_certificate(atlas, results, conclusion_of(atlas, results, [], lambda _: [], None))
+    stored = json.loads(json.dumps(document))
+    assert stored["verdict"] == "proved"
+    assert checked(stored).stands
+    conclusion = stored["conclusion"]
+    assert conclusion["eigenvalues_at_end"] == conclusion["eigenvalues"]
+    wrong = {**stored, "conclusion": {**conclusion, "frequency_at_end": conclusion["frequency"]}}
+    assert not checked(forged(wrong, lambda entry: None)).stands

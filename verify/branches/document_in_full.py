@@ -51,6 +51,8 @@ class StoredConclusion:
     sides: tuple[SidedPart, ...] = ()
     frequency: arb | None = None
     eigenvalues: Spectrum | None = None
+    frequency_at_end: arb | None = None
+    eigenvalues_at_end: Spectrum | None = None
     complete: Order | None = None
 
 

@@ -35,12 +35,10 @@ def told(found: Conclusion[ProvedBirthCurve]) -> dict[str, Any]:
         "turns": [to_json(turn) for turn in known.turns],
         "frequency": to_json(known.frequency),
         "eigenvalues": to_json(known.eigenvalues),
-        **(
-            {"at_end": dict(zip(("frequency", "eigenvalues"), map(to_json, known.pair_at_end), strict=True))}
-            if known.pair_at_end is not None
-            else {}
-        ),
     }
+    if known.pair_at_end is not None:
+        omega, others = known.pair_at_end
+        more |= {"frequency_at_end": to_json(omega), "eigenvalues_at_end": to_json(others)}
     return whole_to_json(found, birth_curve_in_words(theorem, known), known.chain, **more)
 
 
