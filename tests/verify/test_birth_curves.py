@@ -536,7 +536,7 @@ def test_a_curve_from_one_birth_to_another() -> None:
     outcome = concluded.outcome
     assert isinstance(outcome, Proved), outcome
     found = outcome.results
-    assert told(concluded)["at_end"]["eigenvalues"] == told(concluded)["eigenvalues"]
+    assert told(concluded)["eigenvalues_at_end"] == told(concluded)["eigenvalues"]
     assert tuple(each.name for each in outcome.hypotheses) == outcome.theorem.hypotheses
     assert outcome.theorem.hypotheses[-2:] == ("simple-pair-at-end", "two-points")
     for key, a in (("start", 0), ("end", 1)):
