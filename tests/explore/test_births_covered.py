@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 from fractions import Fraction as Q
+from math import exp
 from pathlib import Path
 from typing import Any
 
@@ -166,3 +167,26 @@ def test_circles_are_proved_from_one_birth_to_another() -> None:
         assert found.ends[key]["a"].rad() < 1e-8
         assert omega.contains(1 + a)
     assert found.turns == ()
+
+
+@pytest.mark.slow
+def test_the_orbits_of_a_reactor_are_followed_from_birth_to_birth() -> None:
+    """From D = e^(-3/2) through the fold to 5 e^(-5/2), both known; of the pieces nothing is proved here."""
+    reactor = {
+        "name": "reactor", "state": "u v", "parameters": "D B c", "where": {"k": "D*(1 - u)*exp(v)"},
+        "field": {"u": "k - u", "v": "B*k - v - c*v"},
+    }  # fmt: skip
+    hopf = hopf_of(define_system(reactor), {"u": 0.4, "v": 1.2}, {"D": "21/100", "B": 12, "c": 3}, "D", (0.2, 0.24))
+    covered = cover_birth(hopf, (0.2, 0.5), "reactor")
+    assert covered.reaches
+    assert isinstance(covered.atlas, BirthAtlas)
+    assert covered.atlas.claim.kind == "birth-to-birth"
+    first, *_, last = covered.atlas.curve_pieces()
+    for piece, s, known in ((first, Q(-1), exp(-1.5)), (last, Q(1), 5 * exp(-2.5))):
+        value, amplitude = (
+            centre + sum(a * p for a, p in zip(row, piece.local(s), strict=True))
+            for centre, row in zip(piece.centre[:2], piece.frame[:2], strict=True)
+        )
+        assert abs(value - known) < 1e-9
+        assert amplitude == 0
+    assert min(float(piece.centre[0]) for piece in covered.atlas.curve_pieces()) < 0.2205
