@@ -121,12 +121,11 @@ Fixpoint onto_steps (f : format) (p : program) (ss : list step) (at_ parameters 
       else None
   end.
 
-Definition again (f : format) (x : element) : element := element_of f (known x) (unknown x).
-
 (* The state on the section, and the time from the state to there. *)
 Definition onto_section (f : format) (field : program) (section : nat) (ss : list step) (at_ parameters : state) (ones : bigZ)
     : option (state * element) :=
   let p := section_field field (length at_) section in
+  if negb (0 <=? ones) then None else
   let distance := nth section at_ missing in
   match onto_steps f p ss (at_ ++ [zero_element f]) (parameters ++ [distance]) 0 ones with
   | Some found => Some (removelast found, last found missing)

@@ -4,6 +4,8 @@ From Coq Require Import List ZArith.
 From Bignums Require Import BigZ.
 From Orbitproof Require Import Polynomials Elements.
 Import ListNotations.
+Local Open Scope bool_scope.
+Local Open Scope list_scope.
 
 Definition grade_of (weights exponents : list nat) : nat := fold_right Nat.add O (map2 Nat.mul weights exponents).
 
@@ -34,6 +36,19 @@ Definition pairs_of (ms : list (list nat)) : list (list (nat * nat)) :=
 Definition format_of (weights : list nat) (top : nat) (bits grade_bits : bigZ) (degree : nat) (eps : bigZ) : format :=
   let ms := monomials_of weights top in
   Format ms (map (grade_of weights) ms) (pairs_of ms) top bits grade_bits (S degree) eps.
+
+(* A format that is written down is what its weights and numbers say. *)
+Fixpoint all_same {A : Type} (eqb : A -> A -> bool) (a b : list A) : bool :=
+  match a, b with
+  | [], [] => true
+  | x :: a', y :: b' => eqb x y && all_same eqb a' b'
+  | _, _ => false
+  end.
+Definition good_format (f : format) (weights : list nat) : bool :=
+  let g := format_of weights (top f) (bits f) (grade_bits f) (pred (kept f)) (eps f) in
+  all_same same (monomials f) (monomials g) && same (grades f) (grades g)
+  && all_same (all_same (fun a b => Nat.eqb (fst a) (fst b) && Nat.eqb (snd a) (snd b))) (pairs f) (pairs g)
+  && Nat.leb 1 (kept f) && BigZ.leb 0 (bits f) && BigZ.leb 0 (grade_bits f) && BigZ.leb 0 (eps f).
 
 (* Another degree. *)
 Definition of_degree (f : format) (degree : nat) : format :=

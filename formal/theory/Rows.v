@@ -101,7 +101,7 @@ Definition begin (r : row) : option state :=
   let f := row_format r in
   let b := domain r in
   let given := map (input_of f b) (starts b) in
-  if good_box f b && (length (starts b) =? inputs (field r))%nat then
+  if good_format f (weights b) && good_box f b && (length (starts b) =? inputs (field r))%nat then
     match of_level r with
     | None => if forallb (fun s => match s with OfLevel => false | _ => true end) (starts b) then Some given else None
     | Some l =>
@@ -119,7 +119,8 @@ Record position := Position { here : state; clock : bigZ; count : counter }.
 
 Definition element_eqb (a b : element) : bool :=
   polys_eqb (known a) (known b) && polys_eqb [unknown a] [unknown b]
-  && (length (unknown a) =? length (unknown b))%nat.
+  && (length (unknown a) =? length (unknown b))%nat
+  && polys_eqb [size a] [size b] && (length (size a) =? length (size b))%nat.
 Fixpoint state_eqb (a b : state) : bool :=
   match a, b with
   | [], [] => true

@@ -243,7 +243,7 @@ Definition integrals_hold (t : bifurcation) : bool :=
 
 Definition exact_hypotheses (t : bifurcation) : bool :=
   symmetries_hold t && integrals_hold t && frames_hold t && adapted t && parameter_first t
-  && (1 <=? multiplicity (claimed t))%nat && (1 <=? crossings_of_half t)%nat
+  && (0 <=? precision t) && (1 <=? multiplicity (claimed t))%nat && (1 <=? crossings_of_half t)%nat
   && (if tangential (claimed t) then true else (multiplicity (claimed t) =? 3)%nat)
   && (if tangential (claimed t)
       then (multiplicity (claimed t) =? 1)%nat || Nat.even (multiplicity (claimed t)) || (5 <=? multiplicity (claimed t))%nat
@@ -313,7 +313,7 @@ Definition own_box_inside (t : bifurcation) (l : level) (o : own) : bool :=
   let kept := filter (fun i => varies (nth i form OfLevel)) indices in
   let dropped := filter (fun i => match nth i form (Affine (Q 0 1) []) with OfLevel => true | _ => false end) indices in
   let flat := of_degree (own_format o) 0 in
-  good_box flat b && (length (starts b) =? length form)%nat && (length (radii b) =? length (radii (domain (orbits t))))%nat
+  good_format (own_format o) (weights b) && good_box flat b && (length (starts b) =? length form)%nat && (length (radii b) =? length (radii (domain (orbits t))))%nat
   && forallb (fun so => match fst so, snd so with
                         | Affine c r, Affine c' r' => same_number c c' && (varies (fst so) || negb (varies (snd so)))
                         | OfLevel, Affine c r =>

@@ -34,11 +34,16 @@ class Planted:
 
 
 def numbers(file: Path) -> Iterator[Planted]:
-    """All numbers in the definitions of a file."""
+    """All numbers in the definitions of a file but those of a tube, which may be any that holds."""
     text = file.read_text("utf-8")
     for found in re.finditer(r"^Definition (\w+)(.*?)\.$", text, re.MULTILINE | re.DOTALL):
         start = text.index(":=", found.start())
+        # The tube of a step is its last list, before the number of terms.
+        tube = text.rfind("\n  [[", start, found.end()) if "step" in found[1] else found.end()
+        after = text.rfind("]]", start, found.end())
         for number in NUMBER.finditer(text, start, found.end()):
+            if tube < number.start() < after:
+                continue
             yield Planted(file.stem, found[1], number.start(), number.end())
 
 

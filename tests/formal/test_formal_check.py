@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import re
 import shutil
 import subprocess
 from fractions import Fraction as Q
@@ -115,18 +116,83 @@ def test_coq_multiplies_as_what_writes_the_files(tmp_path: Path) -> None:
         assert done.returncode == 0, done.stderr
 
 
+def coqc(folder: Path, name: str) -> bool:
+    command = ["coqc", "-q", "-R", "../theory", "Orbitproof", "-Q", ".", "", f"{name}.v"]
+    return subprocess.run(command, cwd=folder, capture_output=True, check=False).returncode == 0
+
+
+def changed(folder: Path, name: str, *changes: tuple[str, str]) -> bool:
+    """Whether Coq accepts a file after a change of its text; it is as before then."""
+    path = folder / f"{name}.v"
+    text = path.read_text("utf-8")
+    other = text
+    for pattern, replacement in changes:
+        other, found = re.subn(pattern, replacement, other, flags=re.DOTALL)
+        assert found == 1, pattern
+    path.write_text(other, "utf-8")
+    try:
+        return coqc(folder, name)
+    finally:
+        path.write_text(text, "utf-8")
+
+
 @needs_coq
 @pytest.mark.slow
-def test_the_kernel_accepts_a_row_and_no_other_number_in_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_the_kernel_accepts_a_row_and_no_other_number_in_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     words = ["orbitproof", "verify", "--formal", str(CERTIFICATES), "-o", str(tmp_path), "--only", ROW, "--quiet"]
     monkeypatch.setattr("sys.argv", words)
     assert orbitproof() == 0
-    checked = subprocess.run(["sh", str(tmp_path / "check.sh")], capture_output=True, text=True, check=False)
+    script = ["sh", str(tmp_path / "check.sh")]
+    checked = subprocess.run(script, capture_output=True, text=True, check=False)
     assert checked.returncode == 0, checked.stdout
     assert "assumptions: primitive integers, nothing else" in checked.stdout
     folder = tmp_path / ROW.replace("-", "_")
+
+    # Numbers of steps and crossings, one after the other.
     names = [path.stem for pattern in ("Step?.v", "Crossing?.v") for path in sorted(folder.glob(pattern))]
     for number, planted in enumerate(drawn(folder, names, 40, seed=51)):
         assert not accepted(folder, planted, (-1) ** number, tmp_path / "work"), planted
+
+    # Other claims: a multiplicity, a kind, the side, where the parameter is.
+    assert changed(folder, "Conclusion")
+    claim = r"(Claim 2 true) (\(-1\)|1|0)"
+    (side,) = re.findall(r"Claim 2 true (\(-1\)|1|0)\n", (folder / "Conclusion.v").read_text("utf-8"))
+    other = "1" if side != "1" else "(-1)"
+    for replacement in (rf"Claim 4 true {side}", "Claim 3 false 0", rf"Claim 2 true {other}", "Claim 2 true 0"):
+        assert not changed(folder, "Conclusion", (claim, replacement)), replacement
+    ends = r"(Claim 2 true \S+\n  )\((\(Q [^)]*\)), (\(Q [^)]*\))\)\."
+    assert not changed(folder, "Conclusion", (ends, r"\1(\3, \2)."))
+
+    # Forged: no way onto the section; a size that is not that of its element; a format that leaves products out.
+    crossing = (folder / "Crossing1.v").read_text("utf-8")
+    (source,) = re.findall(r"the_row (position_\d+) 1 the_steps", crossing)
+    assert not changed(folder, "Crossing1", (r"the_steps 0 image_1", f"[] (-1) (here {source})"))
+    row = (folder / "Row.v").read_text("utf-8")
+    for changes in (
+        ((r"(Definition position_0 : position := Position \()(.*?)(\)\n  0 )",
+          r"\1map (fun x => Element (known x) (unknown x) (nothing the_format)) (\2)\3"),),
+        ((r"(Definition the_format : format := Eval vm_compute in )(.*?)\.",
+          r"\1let f := \2 in Format (monomials f) (grades f) (map (fun _ => []) (pairs f)) (top f) (bits f) "
+          r"(grade_bits f) (kept f) (eps f)."),),
+    ):  # fmt: skip
+        text = row
+        for pattern, replacement in changes:
+            text, found = re.subn(pattern, replacement, text, flags=re.DOTALL)
+            assert found == 1, pattern
+        (folder / "Row.v").write_text(text, "utf-8")
+        assert coqc(folder, "Row")
+        (folder / "Start.v").write_text(
+            "From Orbitproof Require Import Rows.\nRequire Import Row.\n"
+            "Goal begins_at the_row position_0 = true. Proof. vm_compute. reflexivity. Qed.\n", "utf-8",
+        )  # fmt: skip
+        assert not coqc(folder, "Start")
+    (folder / "Start.v").unlink()
+    (folder / "Row.v").write_text(row, "utf-8")
+    assert coqc(folder, "Row")
+
+    # What is only assumed is said.
+    step = folder / "Step1.v"
+    text = step.read_text("utf-8")
+    step.write_text(re.sub(r"Lemma (step_1 : .*?)\nProof.*", r"Axiom \1", text, flags=re.DOTALL), "utf-8")
+    assumed = subprocess.run(script, capture_output=True, text=True, check=False)
+    assert (assumed.returncode, "NOT CHECKED" in assumed.stdout) == (1, True)
