@@ -16,6 +16,7 @@ from orbitproof.shared.formats import PeriodicAtlas, PeriodicCurveClaim, Piece
 from orbitproof.verify.curve import PROVED, Computation, IntervalResult, PieceResult, ProvedInterval
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic_curve import PeriodicLimits, prove_periodic_piece
+from orbitproof.verify.periodic_curve.returns import FramingWideOracle
 
 LIMITS = PeriodicLimits(96, 40, 24, 2)
 TUBE = Fraction(1, 10**8)
@@ -216,9 +217,10 @@ def attempt(
     number: int = 0,
     limits: PeriodicLimits = LIMITS,
     interval: tuple[Fraction, Fraction] = WHOLE,
+    oracle: FramingWideOracle = ORACLE,
 ) -> PieceResult[ProvedInterval]:
     """One piece, by default over all of s."""
-    return prove_periodic_piece(atlas, atlas.curve_pieces()[number], interval, ORACLE, limits)
+    return prove_periodic_piece(atlas, atlas.curve_pieces()[number], interval, oracle, limits)
 
 
 @cache

@@ -24,8 +24,8 @@ from orbitproof.verify.maps import (
     enclose_poincare_map,
     enclose_zeros,
     flow_map,
+    framed_orbits,
     image_of,
-    poincare_map,
 )
 from orbitproof.verify.maps.poincare_map import number_of
 from orbitproof.verify.oracle import ORACLE
@@ -282,10 +282,10 @@ def test_a_return_may_take_as_many_steps_as_an_approximation_of_it(monkeypatch: 
 
     circle, comes_to_rest = {"x": "y", "y": "-x"}, {"x": "y", "y": "-x - 3*y"}
     assert steps(circle, Mute()) > 3
-    monkeypatch.setattr(poincare_map, "MOST_STEPS", 1)
+    monkeypatch.setattr(framed_orbits, "MOST_STEPS", 1)
     assert steps(circle, ORACLE) > 3
     for field, oracle, many in ((circle, Mute(), 2), (comes_to_rest, ORACLE, 2), (comes_to_rest, Endless(), 9)):
-        monkeypatch.setattr(poincare_map, "MOST_EXPECTED", 7)
+        monkeypatch.setattr(framed_orbits, "MOST_EXPECTED", 7)
         with pytest.raises(IntegrationFailure, match=f"was not reached within {many} steps"):
             steps(field, oracle)
 

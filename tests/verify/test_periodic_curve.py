@@ -29,6 +29,8 @@ from orbitproof.shared.claims import evaluate
 from orbitproof.shared.formats import Covers, PeriodicAtlas
 from orbitproof.verify.curve import IntervalResult
 from orbitproof.verify.evidence import NotProved, Proved
+from orbitproof.verify.maps import framed_orbits
+from orbitproof.verify.oracle.approximations import Approximations
 from orbitproof.verify.periodic_curve import conclude_periodic
 
 
@@ -55,6 +57,21 @@ def test_exact_curves_are_proved_and_their_periods_contained(name: str) -> None:
         # The polynomials are the curve: only bounds of rounding are left.
         assert max(result.deviation) < Fraction(1, 10**12)
     assert conclude_periodic(ATLASES[name], proved(name)).is_proved
+
+
+def test_orbits_of_a_tube_may_take_as_many_steps_as_an_approximation_of_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From 2 steps on; orbits that are not said to come back are given up then."""
+
+    class Mute(Approximations):
+        def further_steps(self, *_: object) -> int:
+            return 0
+
+    monkeypatch.setattr(framed_orbits, "MOST_STEPS", 1)
+    atlas = turning_atlas()
+    assert attempt(atlas).is_proved
+    outcome = attempt(atlas, oracle=Mute()).outcome
+    assert isinstance(outcome, NotProved)
+    assert "was not reached in 2 steps" in outcome.reason.message
 
 
 @pytest.mark.parametrize("seed", range(3))

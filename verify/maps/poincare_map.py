@@ -12,10 +12,7 @@ from orbitproof.verify.maps.affine_section import AffineSection
 from orbitproof.verify.maps.framed_orbits import FramedOrbits, FramingOracle
 from orbitproof.verify.maps.image import Image, image_of
 from orbitproof.verify.maps.starting_set import Format, StartingSet
-from orbitproof.verify.poincare import MOST_STEPS, InTime
-
-MOST_EXPECTED = 20_000
-"""Further steps that orbits are followed to a crossing, if an approximation comes back: some stiff ones need them."""
+from orbitproof.verify.poincare import InTime
 
 
 def enclose_poincare_map(
@@ -44,8 +41,7 @@ def enclose_poincare_map(
         orbits = _orbits(program, start, section, chosen, oracle)
         counter = orbits.counters[0]
         number = None
-        few = most = crossings * 2 * MOST_STEPS
-        while orbits.steps < most:
+        while number is None or orbits.may_step(number, crossings):
             try:
                 arrived = orbits.step()
                 if number is None:
@@ -65,9 +61,6 @@ def enclose_poincare_map(
                 ).at(float(orbits.time))
             if progress is not None:
                 progress(orbits.steps)
-            if orbits.steps == few:
-                expected = 2 * orbits.further_steps(number - counter.crossings)
-                most = few + min(max(expected, 0), crossings * MOST_EXPECTED)
         else:
             raise IntegrationFailure(
                 "steps",

@@ -20,7 +20,7 @@ _NODES = 24
 _DEGREE = 20
 _LOG_TOLERANCE = -36.0
 _SAMPLES = np.linspace(0.0, 1.0, 33)
-_MOST_STEPS = 200
+_MOST_STEPS = 2000
 _NEGLIGIBLE = 1e-9
 _CENTRE = Grading((), 0)
 

@@ -13,10 +13,9 @@ from orbitproof.shared.formats import PeriodicAtlas, Piece
 from orbitproof.verify.algebra import Arithmetic, Series
 from orbitproof.verify.curve import tube_points
 from orbitproof.verify.evidence import IntegrationFailure, hull
-from orbitproof.verify.flow import Expansion, FlowStep, FrameOracle, InFrame
+from orbitproof.verify.maps import FramedOrbits, FramingOracle
 from orbitproof.verify.periodic import functions_at_start, section_of, stops_of
 from orbitproof.verify.poincare import (
-    MOST_STEPS,
     WIDE_PARTS,
     Coordinates,
     WideOracle,
@@ -28,27 +27,12 @@ from orbitproof.verify.poincare import (
 )
 
 
-class FramingWideOracle(WideOracle, FrameOracle, Protocol):
+class FramingWideOracle(WideOracle, FramingOracle, Protocol):
     """What may be asked about the orbits of a tube."""
 
 
-class _FramedOrbits(WideOrbits):
+class _FramedOrbits(FramedOrbits, WideOrbits):
     """As `WideOrbits`, the errors in a frame that the steps hand on (section 4.4)."""
-
-    def __init__(
-        self,
-        coordinates: Coordinates,
-        arithmetic: Arithmetic,
-        state: Sequence[Series],
-        constants: Sequence[Series],
-        oracle: FramingWideOracle,
-        wanted: int,
-    ) -> None:
-        super().__init__(coordinates, arithmetic, state, constants, oracle, wanted=wanted)
-        self._carried = InFrame(oracle)
-
-    def _advance(self, expansion: Expansion, step: Fraction) -> FlowStep:
-        return self._carried.advance(self.program, self.state, self.fixed, expansion, step)
 
 
 @dataclass(frozen=True)
@@ -119,16 +103,16 @@ class TubeOfOrbits:
         (23.3). Raises `IntegrationFailure`.
         """
         last = self.claim.crossings
-        orbits = _FramedOrbits(coordinates, self.arithmetic, self.state, self.constants, oracle, 2 * last)
+        orbits = _FramedOrbits(coordinates, self.arithmetic, self.state, self.constants, oracle, 0, 2 * last)
         images: dict[int, tuple[Series, ...]] = {}
         for stop in stops_of(last):
-            self._reach(orbits, 2 * stop, progress)
+            self._reach(orbits, 2 * stop, stop, progress)
             images[stop] = self.others(orbits.crossing(2 * stop)[0])
         return Returns(images, orbits.return_time)
 
-    def _reach(self, orbits: WideOrbits, number: int, progress: Callable[[int], None] | None) -> None:
-        """Follow the orbits until crossing `number` can be told."""
-        for _ in range(number * MOST_STEPS):
+    def _reach(self, orbits: _FramedOrbits, number: int, stop: int, progress: Callable[[int], None] | None) -> None:
+        """Follow the orbits until crossing `number` can be told, of which `stop` are in the direction."""
+        while orbits.may_step(number, stop):
             try:
                 arrived = orbits.step()
             except IntegrationFailure as failure:
