@@ -5,15 +5,7 @@ from __future__ import annotations
 from orbitproof.shared.formats import SURFACE, AnyAtlas
 from orbitproof.shared.systems import HILL_VARIED, MASS_PARAMETERS, shown
 
-_KINDS = {
-    "arc": "curve",
-    "loop": "closed curve",
-    "symmetric-arc": "symmetric curve",
-    "symmetric-loop": "symmetric closed curve",
-    SURFACE: "surface",
-    "periodic-arc": "curve",
-    "periodic-loop": "closed curve",
-}
+_KINDS = {"symmetric-arc": "symmetric curve", "symmetric-loop": "symmetric closed curve", SURFACE: "surface"}
 
 
 def heading_of(atlas: AnyAtlas) -> str:
@@ -21,6 +13,7 @@ def heading_of(atlas: AnyAtlas) -> str:
     mu = atlas.parameters.get("mu")
     masses = [name for name, value in MASS_PARAMETERS.items() if value == mu and name not in atlas.id.lower()]
     mass = "".join(f", {'-'.join(part.capitalize() for part in name.split('-'))}" for name in masses[:1])
+    kind = _KINDS.get(atlas.claim.kind) or ("closed curve" if atlas.claim.is_closed else "curve")
     if atlas.system is HILL_VARIED:
-        return f"{shown(atlas.id)}: {_KINDS[atlas.claim.kind]} of period doublings over the mass ({atlas.system.name})"
-    return f"{shown(atlas.id)}: {_KINDS[atlas.claim.kind]} of {atlas.system.name}{mass}"
+        return f"{shown(atlas.id)}: {kind} of period doublings over the mass ({atlas.system.name})"
+    return f"{shown(atlas.id)}: {kind} of {atlas.system.name}{mass}"

@@ -9,7 +9,7 @@ from typing import Any
 from orbitproof.figures.report.statements import is_proved
 from orbitproof.figures.report.theorems import VERTEX, Checked, has_second_proof
 from orbitproof.shared.systems import shown
-from orbitproof.verify.certificate.kinds import WEB
+from orbitproof.verify.certificate.kinds import LIFE, WEB
 
 Named = Callable[[Path], str]
 """How a file is called on the command line."""
@@ -22,7 +22,7 @@ def check_again(entries: Sequence[Checked], path: Path, named: Named, integrate:
     files: list[Path] = []
     option = "--curve"
     for entry in there:
-        option = "--certificates" if entry.part == WEB else option
+        option = "--certificates" if entry.part in (WEB, LIFE) else option
         files += [each.path for each in entry.rests_on]
         if (place := entry.document.get("place")) is not None:
             curve = curve_of(place, entries)

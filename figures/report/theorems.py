@@ -27,7 +27,7 @@ from orbitproof.verify.certificate import (
     read_any,
     systems_with,
 )
-from orbitproof.verify.certificate.kinds import CATALOGUE, INDEX, WEB, kind_named
+from orbitproof.verify.certificate.kinds import CATALOGUE, INDEX, LIFE, WEB, kind_named
 from orbitproof.verify.run import CheckLimits, Display, Workplace
 from orbitproof.verify.run.checking_again import checked_again
 from orbitproof.verify.second_proof import BadCertificate, CannotFollow, read_claim
@@ -85,7 +85,7 @@ class Checked:
     @property
     def chapter(self) -> str:
         """Chapter of the report."""
-        chapters = {VERTEX: "bifurcations", WEB: "webs", CATALOGUE: "catalogues", INDEX: "indices"}
+        chapters = {VERTEX: "bifurcations", WEB: "webs", LIFE: "webs", CATALOGUE: "catalogues", INDEX: "indices"}
         return chapters.get(self.part) or ("surfaces" if self.certificate.atlas.is_surface else "curves")
 
     @property
@@ -162,7 +162,7 @@ def check_files(
     workplace = Workplace(timeout=timeout, memory=memory, quiet=True)
     with display.shown():
         # Webs after the indices that they rest on.
-        for parts in ((VERTEX, ARC), (INDEX,), (WEB, CATALOGUE)):
+        for parts in ((VERTEX, ARC), (INDEX,), (WEB, LIFE, CATALOGUE)):
             own = {entry: name for name, (_, entry) in given.items() if entry.key[0] in parts}
             with closing(checked_again(list(own), every, False, workplace, known, places=False)) as checks:
                 for entry, check in checks:

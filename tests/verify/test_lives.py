@@ -17,6 +17,7 @@ from support.forgeries import forged, forged_elsewhere, noticed
 from support.life_cases import born, certificate_of, claim, life, life_of, rest, rest_atlas
 
 from orbitproof import verify
+from orbitproof.figures.commands.report import main as report
 from orbitproof.shared.claims import EquilibriumAtlas, EquilibriumCurveClaim, Piece
 from orbitproof.shared.claims.life import BEGINS, ENDS, Life, LifeArc, LifeJoint
 from orbitproof.shared.claims.parts import hanging_together
@@ -505,5 +506,10 @@ def test_a_life_from_the_command_line_and_from_python(tmp_path: Path, capsys: py
     paths[2].write_text(json.dumps({**DOCUMENT, "arcs": [{"id": "rest"}, {"id": "born"}]}))
     assert main(["life", str(paths[2]), *given, "--quiet"]) == 1
     assert "NOT PROVED: connected" in capsys.readouterr().out
+    told = tmp_path / "report.md"
+    assert report([*map(str, [*paths[:2], paths[3]]), "-o", str(told), "--no-pictures", "--quiet"]) == 0
+    written = told.read_text("utf-8")
+    assert "**Theorem 3** (Equilibria and the orbits that are born on them" in written
+    assert "orbitproof verify life --recheck certificate.json --certificates rest.json born.json" in written
     (found,) = verify.certify(claim(), rests_on=below())
     assert found.document == life().document
