@@ -277,11 +277,12 @@ costs: $(VENV)/dev.stamp
 campaign: $(VENV)/dev.stamp
 	@$(BOUND) $(BIN)/python tests/soundness/campaign.py --jobs $(JOBS) --output campaign.json
 
-# SLIPS: faults made by rule, drawn at random, beside those of the table.
+# SLIPS: faults made by rule, drawn at random, beside those of the table. SAMPLE: so many of all, drawn at random; 0 tries all.
 SLIPS := 200
+SAMPLE := 0
 
 faults: $(VENV)/dev.stamp
-	@$(BIN)/python tests/faults/run.py --jobs $(JOBS) --slow --slips $(SLIPS) --output faults.json
+	@$(BIN)/python tests/faults/run.py --jobs $(JOBS) --slow --slips $(SLIPS) --sample $(SAMPLE) --output faults.json
 
 reading-list: $(BIN)/python
 	@$(BIN)/python docs/reading_list.py $(CHAPTER)

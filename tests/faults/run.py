@@ -2,11 +2,11 @@
 
 The files beside this one are the table, one for each room of the trusted modules (`read`): faults that change an idea.
 Beside them stand faults by rule (`slips`), drawn from all that can be made of the trusted modules: with ``--slips 200
---seed 1`` two hundred, always the same until the modules change. Every fault is applied to a
-copy of the package, and the tests of its room run on the copy until one of them fails; those that `make test` runs, and
-with ``--slow`` those that `make test-slow` runs where no other has noticed the fault. Results are kept one by one, and
-the same command goes on; it tries a fault again when its patch or the modules beside it have changed, and one that no
-test has noticed when its tests have.
+--seed 1`` two hundred, always the same until the modules change; of all of them ``--sample 300`` draws three hundred.
+Every fault is applied to a copy of the package, and the tests of its room run on the copy until one of them fails:
+those that `make test` runs, and with ``--slow`` those that `make test-slow` runs where no other has noticed the fault.
+Results are kept one by one, and the same command goes on; it tries a fault again when its patch or the modules beside
+it have changed, and one that no test has noticed when its tests have.
 """
 
 from __future__ import annotations
@@ -324,12 +324,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--only", default="", metavar="TEXT", help="faults with this text in 'room: what it breaks'")
     parser.add_argument("--slow", action="store_true", help="the slow tests too, where no other has noticed the fault")
     parser.add_argument("--slips", type=int, default=0, metavar="N", help="so many faults by rule beside the table")
-    parser.add_argument("--seed", type=int, default=1, help="which of them")
+    parser.add_argument("--seed", type=int, default=1, help="which of them, and which sample")
+    parser.add_argument("--sample", type=int, default=0, metavar="N", help="only so many of all, drawn at random")
     options = parser.parse_args(arguments)
     table_of_faults = read()
     made = drawn(options.slips, options.seed, table_of_faults)
     faults = [fault for fault in (*table_of_faults, *made) if options.only in fault.name]
-    results = run(faults, options.output, options.jobs, options.slow, lambda line: print(line, file=sys.stderr))
+    if options.sample:
+        faults = random.Random(options.seed).sample(faults, min(options.sample, len(faults)))
+    try:
+        results = run(faults, options.output, options.jobs, options.slow, lambda line: print(line, file=sys.stderr))
+    except KeyboardInterrupt:
+        print(f"stopped; {options.output} has what is known, and the same command goes on", file=sys.stderr)
+        return 1
     print(table(faults, results))
     good = [
         result["verdict"] in ("found", "timed out") or fault.harmless
