@@ -10,7 +10,7 @@ here=$(pwd)
 if ! command -v coqc >/dev/null 2>&1; then
   echo "coqc is missing; on Debian and Ubuntu: apt install coq libcoq-bignums" >&2; exit 2
 fi
-theory="Polynomials Elements Formats Programs Steps Crossings Rows Identities Intervals Jets Conclusions Theorems Sound SoundIntervals"
+theory="Polynomials Elements Formats Programs Steps Crossings Rows Identities Intervals Jets Conclusions Theorems Sound SoundIntervals SoundElements"
 [ $# -gt 0 ] || set -- */Conclusion.v
 echo "theory: compiling" >&2
 rm -f theory/*.vo
