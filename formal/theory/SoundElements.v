@@ -3,7 +3,7 @@
 
 From Coq Require Import List ZArith Reals Lra Lia.
 From Bignums Require Import BigZ.
-From Orbitproof Require Import Polynomials Elements Sound.
+From Orbitproof Require Import Polynomials Elements Formats Programs Steps Sound.
 Import ListNotations.
 Local Open Scope R_scope.
 Local Open Scope list_scope.
@@ -588,5 +588,278 @@ Proof.
     rewrite Emix. eapply Rle_trans; [apply sz_plus|]. 
     pose proof (sz_plus g (asum N (fun m => scal (C m - V m) (mono m))) (beyond c e)).
     pose proof (sz_plus g (mult X d') (mult d (plus Y d'))). unfold Rdiv in *. lra.
+Qed.
+
+(* No polynomial of an element has powers that are not kept. *)
+Definition short (x : element) : Prop := forall i, (length (nth i (known x) []) <= kept f)%nat.
+
+Lemma short_eadd x y : good x -> good y -> short x -> short y -> short (eadd f x y).
+Proof.
+  intros (Lx & _) (Ly & _) Hx Hy i. unfold eadd. cbn [known element_of].
+  rewrite nth_map2_padd by (rewrite Lx, Ly; reflexivity). rewrite length_padd. apply Nat.max_lub; [apply Hx | apply Hy].
+Qed.
+Lemma short_emul x y : short (emul f x y).
+Proof.
+  intros i. unfold emul. cbn [known element_of]. set (ms := map (monomial_product f (known x) (known y)) (pairs f)).
+  assert (Lm : length ms = length (grades f)) by (unfold ms; rewrite map_length; exact number_of_pairs).
+  assert (GK : forall g, In g (grades f) -> (g <= top f)%nat).
+  { intros g Hin. apply (In_nth _ _ O) in Hin as (j & Hj & <-). apply (grades_kept j Hj). }
+  destruct (rounded_are (grades f) ms O Lm GK) as (_ & L2 & M & _).
+  destruct (Nat.lt_ge_cases i (length (grades f))) as [Hi|Hi].
+  - rewrite (M i Hi), map_length. unfold ms.
+    rewrite (nth_indep _ _ (monomial_product f (known x) (known y) [])) by (rewrite map_length, number_of_pairs; exact Hi).
+    rewrite map_nth. apply monomial_product_is.
+  - rewrite nth_overflow by (rewrite L2; exact Hi). cbn. lia.
+Qed.
+
+Lemma eval_map_opp p : eval (map BigZ.opp p) t = -1 * eval p t.
+Proof. rewrite eval_opp. lra. Qed.
+Lemma nth_map2_psub a : forall b i, length a = length b -> nth i (map2 psub a b) [] = psub (nth i a []) (nth i b []).
+Proof.
+  induction a as [|p a IH]; intros [|q b] i H; cbn in H; try lia; [destruct i; reflexivity|].
+  destruct i as [|i]; [reflexivity|]. cbn. apply IH. lia.
+Qed.
+Theorem esub_sound x y u v : good x -> good y -> contains x u -> contains y v ->
+  good (esub f x y) /\ contains (esub f x y) (plus u (scal (-1) v)).
+Proof.
+  intros (Lx & Ex & _ & _) (Ly & Ey & _ & _) (d & -> & Hd) (d' & -> & Hd').
+  assert (K : length (known x) = length (known y)) by (rewrite Lx, Ly; reflexivity).
+  assert (U : length (nadd (unknown x) (unknown y)) = S last) by (rewrite length_nadd; [exact Ex | rewrite Ex; exact Ey]).
+  unfold esub. split; [apply good_element_of; [rewrite length_map2; assumption | exact U]|].
+  exists (plus d (scal (-1) d')). split.
+  - rewrite scal_plus, plus_swap. f_equal. unfold known_part. cbn [known element_of]. rewrite <- asum_scal, <- asum_plus.
+    apply asum_ext. intros i _. rewrite scal_scal, <- plus_scal. f_equal. unfold value_of. rewrite nth_map2_psub by exact K.
+    rewrite eval_psub. unfold Rdiv. ring.
+  - intros g Hg. cbn [unknown element_of].
+    rewrite at_nadd by (apply below_length; assumption).
+    specialize (Hd g Hg). specialize (Hd' g Hg). eapply Rle_trans; [apply sz_plus|].
+    pose proof (sz_scal g (-1) d') as Q. replace (Rabs (-1)) with 1 in Q by (rewrite Rabs_left; lra). unfold Rdiv in *. lra.
+Qed.
+
+(* Multiples by rational numbers. *)
+Lemma rational_up a b : (0 < BigZ.to_Z b)%Z -> r_ a / r_ b <= r_ (- BigZ.div (- a) b)%bigZ.
+Proof.
+  intros Hb. rewrite r_opp. unfold r_. rewrite BigZ.spec_div, BigZ.spec_opp.
+  assert (0 < IZR (BigZ.to_Z b)) by (apply IZR_lt; assumption).
+  pose proof (Z.mul_div_le (- BigZ.to_Z a) _ Hb) as H1. apply IZR_le in H1. rewrite mult_IZR, opp_IZR in H1.
+  apply (Rmult_le_reg_l (IZR (BigZ.to_Z b))); [assumption|].
+  replace (IZR (BigZ.to_Z b) * (IZR (BigZ.to_Z a) / IZR (BigZ.to_Z b))) with (IZR (BigZ.to_Z a)) by (field; lra). lra.
+Qed.
+Lemma rational_floor a b : (0 < BigZ.to_Z b)%Z -> r_ (BigZ.div a b) <= r_ a / r_ b < r_ (BigZ.div a b) + 1.
+Proof.
+  intros Hb. unfold r_. rewrite BigZ.spec_div. assert (0 < IZR (BigZ.to_Z b)) by (apply IZR_lt; assumption).
+  pose proof (Z.mul_div_le (BigZ.to_Z a) _ Hb) as H1. pose proof (Z.mul_succ_div_gt (BigZ.to_Z a) _ Hb) as H2.
+  apply IZR_le in H1. apply IZR_lt in H2. rewrite mult_IZR in H1, H2. rewrite succ_IZR in H2.
+  split.
+  - apply (Rmult_le_reg_l (IZR (BigZ.to_Z b))); [assumption|].
+    replace (IZR (BigZ.to_Z b) * (IZR (BigZ.to_Z a) / IZR (BigZ.to_Z b))) with (IZR (BigZ.to_Z a)) by (field; lra). lra.
+  - apply (Rmult_lt_reg_l (IZR (BigZ.to_Z b))); [assumption|].
+    replace (IZR (BigZ.to_Z b) * (IZR (BigZ.to_Z a) / IZR (BigZ.to_Z b))) with (IZR (BigZ.to_Z a)) by (field; lra). lra.
+Qed.
+Lemma eval_divided n d p : (0 < BigZ.to_Z d)%Z ->
+  Rabs (eval (map (fun c => BigZ.div (n * c) d) p) t - r_ n / r_ d * eval p t) <= INR (length p).
+Proof.
+  intros Hd. induction p as [|a p IH].
+  - cbn. rewrite Rmult_0_r, Rminus_0_r, Rabs_R0. lra.
+  - cbn [map eval length]. rewrite S_INR. pose proof (rational_floor (n * a)%bigZ d Hd) as Ha. rewrite r_mul in Ha.
+    replace (r_ (BigZ.div (n * a) d) + t * eval (map (fun c => BigZ.div (n * c) d) p) t - r_ n / r_ d * (r_ a + t * eval p t))
+      with ((r_ (BigZ.div (n * a) d) - r_ n * r_ a / r_ d)
+            + t * (eval (map (fun c => BigZ.div (n * c) d) p) t - r_ n / r_ d * eval p t)) by (unfold Rdiv; ring).
+    eapply Rle_trans; [apply Rabs_triang|]. rewrite Rabs_mult, (Rabs_pos_eq t) by lra.
+    assert (Rabs (r_ (BigZ.div (n * a) d) - r_ n * r_ a / r_ d) <= 1) by (apply Rabs_le; lra).
+    pose proof (Rabs_pos (eval (map (fun c => BigZ.div (n * c) d) p) t - r_ n / r_ d * eval p t)). pose proof (pos_INR (length p)). nra.
+Qed.
+Lemma nth_map_poly (phi : poly -> poly) l i : phi [] = [] -> nth i (map phi l) [] = phi (nth i l []).
+Proof. intros H. rewrite <- H at 1. apply map_nth. Qed.
+
+Lemma raised_are gs (h : nat -> bigZ) e k : length e = S last -> (forall g, In g gs -> (g <= top f)%nat) ->
+  length (fold_right (fun g e => raise g (h g) e) e gs) = S last /\
+  at_ (fold_right (fun g e => raise g (h g) e) e gs) k
+  = at_ e k + sum (length gs) (fun i => ind (k =? nth i gs O)%nat * r_ (h (nth i gs O))).
+Proof.
+  intros He. induction gs as [|g gs IH]; intros Hg.
+  - cbn. split; [exact He | lra].
+  - cbn [fold_right]. destruct (IH (fun g' Hg' => Hg g' (or_intror Hg'))) as [L E].
+    split; [rewrite length_raise; exact L|].
+    rewrite at_raise by (rewrite L; pose proof (Hg g (or_introl eq_refl)); unfold last; lia).
+    rewrite E. change (length (g :: gs)) with (S (length gs)). rewrite sum_shift. cbn [nth]. lra.
+Qed.
+
+Theorem escale_sound n d x u : (0 < BigZ.to_Z d)%Z -> good x -> short x -> contains x u ->
+  good (escale f n d x) /\ short (escale f n d x) /\ contains (escale f n d x) (scal (r_ n / r_ d) u).
+Proof.
+  intros Pd (Lx & Ex & _ & _) Hs (z & -> & Hz). pose proof P_pos as Pp.
+  assert (Rd : 0 < r_ d) by (unfold r_; apply IZR_lt; assumption).
+  set (errors := map (fun e => (- BigZ.div (- (BigZ.abs n * e)) d)%bigZ) (unknown x)).
+  assert (Le : length errors = S last) by (unfold errors; rewrite map_length; exact Ex).
+  assert (Q : forall g, (g <= last)%nat -> sz g (scal (r_ n / r_ d) z) <= at_ errors g / P).
+  { intros g Hg. unfold errors. rewrite at_map by (apply below_length; assumption).
+    pose proof (rational_up (BigZ.abs n * nth g (unknown x) 0)%bigZ d Pd) as U. rewrite r_mul, r_abs in U.
+    eapply Rle_trans; [apply sz_scal|]. unfold Rdiv at 1. rewrite Rabs_mult, (Rabs_pos_eq (/ r_ d)) by (left; apply Rinv_0_lt_compat; assumption).
+    specialize (Hz g Hg). unfold at_ in Hz. pose proof (Rabs_pos (r_ n)). pose proof (sz_nonneg g z).
+    assert (I1 : 0 < / r_ d) by (apply Rinv_0_lt_compat; assumption). assert (I2 : 0 < / P) by (apply Rinv_0_lt_compat; assumption).
+    apply (Rle_trans _ (Rabs (r_ n) * / r_ d * (r_ (nth g (unknown x) 0%bigZ) / P))).
+    - apply Rmult_le_compat_l; [nra | assumption].
+    - unfold Rdiv in *. replace (Rabs (r_ n) * / r_ d * (r_ (nth g (unknown x) 0%bigZ) * / P))
+        with (Rabs (r_ n) * r_ (nth g (unknown x) 0%bigZ) * / r_ d * / P) by ring.
+      apply Rmult_le_compat_r; [lra|]. exact U. }
+  unfold escale. fold errors. rewrite BigZ.spec_eqb. destruct (Z.eqb_spec (BigZ.to_Z d) (BigZ.to_Z 1%bigZ)) as [E1|E1].
+  - assert (D1 : r_ d = 1) by (unfold r_; rewrite E1; reflexivity).
+    split; [apply good_element_of; [rewrite map_length; exact Lx | exact Le]|]. split.
+    + intros i. cbn [known element_of]. rewrite nth_map_poly by reflexivity. unfold pscale. rewrite map_length. apply Hs.
+    + exists (scal (r_ n / r_ d) z). split; [|exact Q]. rewrite scal_plus. f_equal. unfold known_part. cbn [known element_of].
+      rewrite <- asum_scal. apply asum_ext. intros i _. rewrite scal_scal. f_equal. unfold value_of.
+      rewrite nth_map_poly by reflexivity. rewrite eval_pscale, D1. unfold Rdiv. rewrite Rinv_1. ring.
+  - assert (GK : forall g, In g (grades f) -> (g <= top f)%nat).
+    { intros g Hin. apply (In_nth _ _ O) in Hin as (j & Hj & <-). apply (grades_kept j Hj). }
+    destruct (raised_are (grades f) (rounding f) errors O Le GK) as [L _].
+    split; [apply good_element_of; [rewrite map_length; exact Lx | exact L]|]. split.
+    + intros i. cbn [known element_of]. rewrite nth_map_poly by reflexivity. rewrite map_length. apply Hs.
+    + set (V := fun i => value_of (map (map (fun c => BigZ.div (n * c) d)) (known x)) i).
+      set (W := fun i => r_ n / r_ d * value_of (known x) i).
+      exists (plus (asum N (fun i => scal (W i - V i) (mono i))) (scal (r_ n / r_ d) z)). split.
+      * rewrite scal_plus, plus_assoc. f_equal. unfold known_part. cbn [known element_of]. rewrite <- asum_scal, <- asum_plus.
+        apply asum_ext. intros i _. rewrite scal_scal, <- plus_scal. f_equal. unfold V, W. lra.
+      * intros g Hg. cbn [unknown element_of]. destruct (raised_are (grades f) (rounding f) errors g Le GK) as [_ E]. rewrite E.
+        assert (Ed : forall a b, (a + b) / P = b / P + a / P) by (intros; unfold Rdiv; ring).
+        assert (Es : forall a, a / P = / P * a) by (intros; unfold Rdiv; ring).
+        rewrite Ed. eapply Rle_trans; [apply sz_plus|].
+        apply Rplus_le_compat; [|exact (Q g Hg)].
+        eapply Rle_trans; [apply sz_terms; assumption|]. rewrite Es, <- sum_scale. apply sum_le. intros i Hi.
+        replace (/ P * (ind (g =? nth i (grades f) 0)%nat * r_ (rounding f (nth i (grades f) 0%nat))))
+          with (ind (g =? grade i)%nat * (r_ (rounding f (grade i)) / P)) by (unfold Rdiv, grade; ring).
+        apply Rmult_le_compat_l; [apply ind_nonneg|]. unfold rounding.
+        pose proof (bound_is_above (units f) (scale f (grade i))) as B.
+        eapply Rle_trans; [|exact B].
+        assert (Un : r_ (units f) = INR (kept f)) by (unfold units, r_; rewrite to_Z_of_nat; symmetry; apply INR_IZR_INZ).
+        rewrite Un. unfold V, W, value_of. rewrite nth_map_poly by reflexivity.
+        pose proof (two_to_pos (scale f (grade i))) as Ps.
+        pose proof (eval_divided n d (nth i (known x) []) Pd) as D. pose proof (le_INR _ _ (Hs i)) as K.
+        assert (I3 : 0 < / two_to (scale f (grade i))) by (apply Rinv_0_lt_compat; assumption).
+        replace (r_ n / r_ d * (eval (nth i (known x) []) t / two_to (scale f (grade i)))
+                 - eval (map (fun c => BigZ.div (n * c) d) (nth i (known x) [])) t / two_to (scale f (grade i)))
+          with ((r_ n / r_ d * eval (nth i (known x) []) t - eval (map (fun c => BigZ.div (n * c) d) (nth i (known x) [])) t)
+                * / two_to (scale f (grade i))) by (unfold Rdiv; ring).
+        rewrite Rabs_mult, (Rabs_pos_eq (/ _)) by lra. rewrite Rabs_minus_sym.
+        apply Rmult_le_compat_r; [lra|]. eapply Rle_trans; [exact D | exact K].
+Qed.
+
+(* Numbers. The first monomial is the unit, and the only one of grade 0. *)
+Variable unit : A.
+Hypothesis N_pos : (0 < N)%nat.
+Hypothesis mono_unit : mono O = unit.
+Hypothesis grade_unit : forall i, (i < N)%nat -> (grade i = O <-> i = O).
+Hypothesis bits_nonneg : (0 <= BigZ.to_Z (bits f))%Z.
+Hypothesis kept_pos : (1 <= kept f)%nat.
+
+Lemma nth_map_in {X Y : Type} (phi : X -> Y) l dx dy : forall i, (i < length l)%nat -> nth i (map phi l) dy = phi (nth i l dx).
+Proof. induction l as [|x l IH]; intros [|i] H; cbn in *; try lia; [reflexivity|]. apply IH. lia. Qed.
+Lemma nth_of_grade (c : poly) i : nth i (map (fun g => match g with O => c | _ => [] end) (grades f)) [] =
+  if (i <? N)%nat then match grade i with O => c | _ => [] end else [].
+Proof.
+  destruct (Nat.ltb_spec i N) as [H|H].
+  - rewrite (nth_map_in _ _ O) by exact H. reflexivity.
+  - apply nth_overflow. rewrite map_length. exact H.
+Qed.
+Lemma asum_first n c F : (0 < n)%nat -> (forall i, (i < n)%nat -> i <> O -> F i = zero) -> F O = c -> asum n F = c.
+Proof.
+  intros Hn HF H0. induction n as [|n IH]; [lia|]. destruct n as [|n].
+  - cbn. rewrite H0, plus_comm. apply plus_zero.
+  - change (asum (S (S n)) F) with (plus (asum (S n) F) (F (S n))). rewrite (HF (S n)) by lia. rewrite plus_zero.
+    apply IH; [lia|]. intros i Hi. apply HF. lia.
+Qed.
+
+Theorem econst_sound a b : (0 < BigZ.to_Z b)%Z ->
+  good (econst f a b) /\ short (econst f a b) /\ contains (econst f a b) (scal (r_ a / r_ b) unit).
+Proof.
+  intros Pb. pose proof P_pos as Pp. pose proof (two_to_pos (bits f)) as Pw.
+  assert (Rb : 0 < r_ b) by (unfold r_; apply IZR_lt; assumption).
+  unfold econst. set (c := BigZ.div (BigZ.shiftl a (bits f)) b).
+  set (e := if (c * b =? BigZ.shiftl a (bits f))%bigZ then 0%bigZ else bound f 1 (bits f)).
+  set (ps := map (fun g => match g with O => [c] | _ => [] end) (grades f)).
+  assert (Le : length (raise O e (nothing f)) = S last) by (rewrite length_raise; apply length_nothing).
+  assert (S : r_ (BigZ.shiftl a (bits f)) = r_ a * two_to (bits f)) by (destruct (r_shiftl a (bits f)) as [E|E]; [exact E | lia]).
+  split; [apply good_element_of; [unfold ps; rewrite map_length; reflexivity | exact Le]|]. split.
+  - intros i. cbn [known element_of]. unfold ps. rewrite nth_of_grade. destruct (i <? N)%nat; [|cbn; lia].
+    destruct (grade i); cbn; lia.
+  - set (r := r_ a / r_ b - r_ c / two_to (bits f)).
+    assert (Kp : known_part ps = scal (r_ c / two_to (bits f)) unit).
+    { unfold known_part. apply asum_first; [exact N_pos | |].
+      - intros i Hi Hi0. unfold value_of, ps. rewrite nth_of_grade. rewrite (proj2 (Nat.ltb_lt i N) Hi).
+        destruct (grade i) eqn:G; [exfalso; apply Hi0; exact (proj1 (grade_unit i Hi) G)|]. cbn. unfold Rdiv. rewrite Rmult_0_l. apply scal_zero.
+      - unfold value_of, ps. rewrite nth_of_grade. rewrite (proj2 (Nat.ltb_lt O N) N_pos).
+        rewrite (proj2 (grade_unit O N_pos) eq_refl). rewrite mono_unit. f_equal. cbn [eval]. rewrite Rmult_0_r, Rplus_0_r.
+        f_equal. unfold two_to, scale. f_equal. rewrite BigZ.spec_add, BigZ.spec_mul, to_Z_of_nat. cbn. lia. }
+    exists (scal r unit). split.
+    + cbn [known element_of]. rewrite Kp, <- plus_scal. f_equal. unfold r. lra.
+    + intros g Hg. cbn [unknown element_of]. rewrite at_raise by (rewrite length_nothing; lia). rewrite at_nothing, Rplus_0_l.
+      eapply Rle_trans; [apply sz_scal|].
+      assert (U : sz g unit <= ind (g =? 0)%nat).
+      { rewrite <- mono_unit. eapply Rle_trans; [apply sz_mono; assumption|]. rewrite (proj2 (grade_unit O N_pos) eq_refl). lra. }
+      assert (B : Rabs r <= r_ e / P).
+      { pose proof (rational_floor (BigZ.shiftl a (bits f)) b Pb) as F. fold c in F. rewrite S in F.
+        assert (Er : r = (r_ a * two_to (bits f) / r_ b - r_ c) / two_to (bits f)) by (unfold r; field; lra).
+        unfold e. destruct (c * b =? BigZ.shiftl a (bits f))%bigZ eqn:X.
+        - rewrite BigZ.spec_eqb in X. apply Z.eqb_eq in X.
+          assert (X' : r_ c * r_ b = r_ a * two_to (bits f)) by (rewrite <- r_mul, <- S; unfold r_; rewrite X; reflexivity).
+          rewrite Er, <- X'. replace (r_ c * r_ b / r_ b - r_ c) with 0 by (field; lra). unfold Rdiv. rewrite Rmult_0_l, Rabs_R0, r_0. lra.
+        - pose proof (bound_is_above 1%bigZ (bits f)) as Q. rewrite r_1 in Q. eapply Rle_trans; [|exact Q].
+          rewrite Er. unfold Rdiv. rewrite Rabs_mult, (Rabs_pos_eq (/ _)) by (left; apply Rinv_0_lt_compat; assumption).
+          apply Rmult_le_compat_r; [left; apply Rinv_0_lt_compat; assumption|]. apply Rabs_le. unfold Rdiv in F. lra. }
+      pose proof (Rabs_pos r). pose proof (sz_nonneg g unit). pose proof (ind_nonneg (g =? 0)%nat).
+      apply (Rle_trans _ (Rabs r * ind (g =? 0)%nat)); [apply Rmult_le_compat_l; assumption|].
+      unfold Rdiv in *. rewrite (Rmult_comm (Rabs r)), Rmult_assoc. apply Rmult_le_compat_l; assumption.
+Qed.
+
+(* Programs without powers. *)
+Definition node_in (values : list A) (n : node) : A :=
+  let v i := nth i values zero in
+  match n with
+  | Const a b => scal (r_ a / r_ b) unit
+  | Add i j => plus (v i) (v j)
+  | Sub i j => plus (v i) (scal (-1) (v j))
+  | Mul i j => mult (v i) (v j)
+  | Scale i a b => scal (r_ a / r_ b) (v i)
+  | Power _ _ _ => zero
+  end.
+Definition run_in (ns : list node) (values : list A) : list A := fold_left (fun vs n => vs ++ [node_in vs n]) ns values.
+Definition no_power (n : node) : Prop := match n with Power _ _ _ => False | _ => True end.
+Definition right_ (x : element) (u : A) : Prop := good x /\ short x /\ contains x u.
+
+Lemma short_esub x y : good x -> good y -> short x -> short y -> short (esub f x y).
+Proof.
+  intros (Lx & _) (Ly & _) Hx Hy i. unfold esub. cbn [known element_of].
+  rewrite nth_map2_psub by (rewrite Lx, Ly; reflexivity). unfold psub. rewrite length_padd, map_length. apply Nat.max_lub; [apply Hx | apply Hy].
+Qed.
+Lemma right_nth xs us i : Forall2 right_ xs us -> (i < length xs)%nat -> right_ (nth i xs missing) (nth i us zero).
+Proof.
+  intros H. revert i. induction H as [|x u xs us Hx H IH]; intros [|i] Hi; cbn in *; try lia; [exact Hx|]. apply IH. lia.
+Qed.
+
+Theorem run_sound ns : forall xs us gs out, Forall no_power ns -> well_formed_from (length xs) ns = true ->
+  Forall2 right_ xs us -> run f ns xs gs = Some out -> Forall2 right_ out (run_in ns us).
+Proof.
+  induction ns as [|n ns IH]; intros xs us gs out Hn Hw Hr Hrun.
+  - cbn in Hrun. injection Hrun as <-. exact Hr.
+  - cbn [well_formed_from] in Hw. apply Bool.andb_true_iff in Hw as [Hp Hw]. inversion Hn as [|n' ns' Hn1 Hn2]; subst n' ns'.
+    assert (Place : forall i, In i (places_of n) -> right_ (nth i xs missing) (nth i us zero)).
+    { intros i Hi. apply right_nth; [exact Hr|]. rewrite forallb_forall in Hp. apply Nat.ltb_lt. apply Hp. exact Hi. }
+    assert (Next : forall x, right_ x (node_in us n) -> run f ns (xs ++ [x]) gs = Some out -> Forall2 right_ out (run_in (n :: ns) us)).
+    { intros x Hx Hgo. cbn [run_in fold_left]. eapply IH; [exact Hn2 | | | exact Hgo].
+      - rewrite app_length. cbn. rewrite Nat.add_1_r. exact Hw.
+      - apply Forall2_app; [exact Hr|]. constructor; [exact Hx | constructor]. }
+    destruct n as [a b | i j | i j | i j | i a b | i p q]; cbn [run] in Hrun; cbn [places_of] in Place.
+    + destruct (0 <? b)%bigZ eqn:B; [|discriminate]. apply (Next _ (econst_sound a b ltac:(apply BigZ.ltb_lt in B; exact B)) Hrun).
+    + destruct (Place i) as (G1 & S1 & C1); [cbn; tauto|]. destruct (Place j) as (G2 & S2 & C2); [cbn; tauto|].
+      destruct (eadd_sound _ _ _ _ G1 G2 C1 C2) as [G C].
+      apply (Next _ (conj G (conj (short_eadd _ _ G1 G2 S1 S2) C)) Hrun).
+    + destruct (Place i) as (G1 & S1 & C1); [cbn; tauto|]. destruct (Place j) as (G2 & S2 & C2); [cbn; tauto|].
+      destruct (esub_sound _ _ _ _ G1 G2 C1 C2) as [G C].
+      apply (Next _ (conj G (conj (short_esub _ _ G1 G2 S1 S2) C)) Hrun).
+    + destruct (Place i) as (G1 & S1 & C1); [cbn; tauto|]. destruct (Place j) as (G2 & S2 & C2); [cbn; tauto|].
+      destruct (emul_sound _ _ _ _ G1 G2 C1 C2) as [G C]. apply (Next _ (conj G (conj (short_emul _ _) C)) Hrun).
+    + destruct (0 <? b)%bigZ eqn:B; [|discriminate]. destruct (Place i) as (G1 & S1 & C1); [cbn; tauto|].
+      apply (Next _ (escale_sound a b _ _ ltac:(apply BigZ.ltb_lt in B; exact B) G1 S1 C1) Hrun).
+    + contradiction.
 Qed.
 End Algebra.
