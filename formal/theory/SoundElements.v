@@ -862,4 +862,75 @@ Proof.
       apply (Next _ (escale_sound a b _ _ ltac:(apply BigZ.ltb_lt in B; exact B) G1 S1 C1) Hrun).
     + contradiction.
 Qed.
+
+(* The defect of an approximate solution x, one component of it, where `value` contains that component of the field on x. *)
+Lemma defects_are gs num den : forall xs vs k, length xs = length gs -> length vs = length gs ->
+  (forall g, In g gs -> (g <= top f)%nat) ->
+  let term := fun i => bound f (l1 (psub (pscale num (nth i vs [])) (map (fun c => BigZ.shiftl c den) (pderiv (nth i xs [])))))
+                         (scale f (nth i gs O) + den)%bigZ in
+  let e := fold_right (fun gpq e => let '(g, (p, q)) := gpq in
+    raise g (bound f (l1 (psub (pscale num q) (map (fun c => BigZ.shiftl c den) (pderiv p)))) (scale f g + den)%bigZ) e)
+    (nothing f) (combine gs (combine xs vs)) in
+  length e = S last /\ at_ e k = sum (length gs) (fun i => ind (k =? nth i gs O)%nat * r_ (term i)).
+Proof.
+  induction gs as [|g gs IH]; intros [|p xs] [|q vs] k Hx Hv Hg; cbn in Hx, Hv; try lia.
+  - cbn [fold_right combine length sum]. cbv zeta. split; [apply length_nothing | apply at_nothing].
+  - cbn [combine fold_right]. cbv zeta.
+    destruct (IH xs vs k ltac:(lia) ltac:(lia) (fun g' Hg' => Hg g' (or_intror Hg'))) as [L E].
+    split; [rewrite length_raise; exact L|].
+    rewrite at_raise by (rewrite L; pose proof (Hg g (or_introl eq_refl)); unfold last; lia).
+    rewrite E. change (length (g :: gs)) with (S (length gs)). rewrite sum_shift. cbn [nth]. lra.
+Qed.
+Lemma eval_shiftl den p : (0 <= BigZ.to_Z den)%Z -> eval (map (fun c => BigZ.shiftl c den) p) t = two_to den * eval p t.
+Proof.
+  intros H. induction p as [|a p IH]; cbn [map eval]; [lra|]. rewrite IH. destruct (r_shiftl a den) as [E|E]; [rewrite E; ring | lia].
+Qed.
+
+Definition rate_of (xs : list poly) : A :=
+  asum N (fun i => scal (eval (pderiv (nth i xs [])) t / two_to (scale f (grade i))) (mono i)).
+
+Theorem defect_is_bounded num den xs value F g :
+  (0 <= BigZ.to_Z num)%Z -> (0 <= BigZ.to_Z den)%Z -> length xs = N -> good value -> contains value F -> (g <= last)%nat ->
+  sz g (plus (scal (r_ num / two_to den) F) (scal (-1) (rate_of xs))) <= at_ (defect f num den xs value) g / P.
+Proof.
+  intros Hn Hd Lx (Lv & Ev & _ & _) (d & -> & Hz) Hg. pose proof P_pos as Pp. pose proof (two_to_pos den) as Pd.
+  assert (GK : forall g, In g (grades f) -> (g <= top f)%nat).
+  { intros g' Hin. apply (In_nth _ _ O) in Hin as (j & Hj & <-). apply (grades_kept j Hj). }
+  destruct (defects_are (grades f) num den xs (known value) g Lx Lv GK) as [L E]. cbv zeta in L, E.
+  unfold defect. set (known_e := known_defect f num den xs (known value)).
+  assert (L' : length known_e = S last) by exact L.
+  assert (E' := E : at_ known_e g = _). clearbody known_e.
+  rewrite at_nadd by (apply below_length; [first [exact L' | rewrite map_length; exact Ev] | exact Hg]).
+  set (h := r_ num / two_to den).
+  set (v := value_of (known value)).
+  set (x' := fun i => eval (pderiv (nth i xs [])) t / two_to (scale f (grade i))).
+  assert (S : plus (scal h (plus (known_part (known value)) d)) (scal (-1) (rate_of xs))
+              = plus (asum N (fun i => scal (h * v i - x' i) (mono i))) (scal h d)).
+  { rewrite scal_plus, <- plus_assoc, (plus_comm (scal h d)), plus_assoc. f_equal.
+    unfold known_part, rate_of. rewrite <- !asum_scal, <- asum_plus. apply asum_ext. intros i _.
+    rewrite !scal_scal, <- plus_scal. f_equal. unfold v, x'. lra. }
+  rewrite S. assert (Ed : forall a b, (a + b) / P = a / P + b / P) by (intros; unfold Rdiv; ring).
+  rewrite Ed. eapply Rle_trans; [apply sz_plus|]. apply Rplus_le_compat.
+  - eapply Rle_trans; [apply sz_terms; assumption|]. rewrite E'.
+    assert (Es : forall a, a / P = / P * a) by (intros; unfold Rdiv; ring). rewrite Es, <- sum_scale. apply sum_le. intros i Hi.
+    match goal with |- _ <= / P * (ind ?c * r_ ?b) => replace (/ P * (ind c * r_ b)) with (ind c * (r_ b / P)) by (unfold Rdiv; ring) end.
+    apply Rmult_le_compat_l; [apply ind_nonneg|].
+    set (q := nth i (known value) []). set (p := pderiv (nth i xs [])).
+    set (w := psub (pscale num q) (map (fun c => BigZ.shiftl c den) p)).
+    pose proof (bound_is_above (l1 w) (scale f (grade i) + den)%bigZ) as B. rewrite two_to_add in B.
+    eapply Rle_trans; [|exact B]. pose proof (two_to_pos (scale f (grade i))) as Ps.
+    assert (W : h * v i - x' i = eval w t / (two_to (scale f (grade i)) * two_to den)).
+    { unfold w. rewrite eval_psub, eval_pscale, eval_shiftl by exact Hd. unfold h, v, x', value_of. fold q p. field. split; lra. }
+    rewrite W. unfold Rdiv. rewrite Rabs_mult, (Rabs_pos_eq (/ _)) by (left; apply Rinv_0_lt_compat; nra).
+    apply Rmult_le_compat_r; [left; apply Rinv_0_lt_compat; nra | apply l1_is_a_bound; exact t_in].
+  - rewrite at_map by (apply below_length; assumption).
+    pose proof (up_is_above (num * nth g (unknown value) 0)%bigZ den) as [_ U]. rewrite r_mul in U.
+    assert (Hr : 0 <= r_ num) by (unfold r_; apply IZR_le; assumption).
+    assert (Hh : 0 <= h) by (unfold h; apply Rmult_le_pos; [assumption | left; apply Rinv_0_lt_compat; assumption]).
+    eapply Rle_trans; [apply sz_scal|]. rewrite Rabs_pos_eq by assumption. specialize (Hz g Hg). unfold at_ in Hz.
+    apply (Rle_trans _ (h * (r_ (nth g (unknown value) 0%bigZ) / P))); [apply Rmult_le_compat_l; assumption|].
+    replace (h * (r_ (nth g (unknown value) 0%bigZ) / P)) with (r_ num * r_ (nth g (unknown value) 0%bigZ) / two_to den / P)
+      by (unfold h; field; split; lra).
+    unfold Rdiv at 1 3. apply Rmult_le_compat_r; [left; apply Rinv_0_lt_compat; assumption | exact U].
+Qed.
 End Algebra.
