@@ -121,6 +121,10 @@ def claim_of(certificate: Certificate) -> Candidate:
     system = candidate.system
     if system.defined or system.fixed_level is not None or (candidate.uses_symmetry and candidate.k > 1):
         raise InputError(f"{certificate.id}: functions, fixed levels, and symmetries with k > 1 are not covered")
+    if len(candidate.radii) > 3:
+        raise InputError(
+            f"{certificate.id}: systems with more than two degrees of freedom on the section are not covered"
+        )
     if "level_form" not in certificate.statement:
         return candidate
     form = level_form(candidate)

@@ -105,6 +105,7 @@ Definition is_regular (m : list (list rational)) : bool :=
 
 Definition is_zero (x : rational) : bool := over x =? 0.
 Definition row_of (s : initial) : list rational := match s with Affine _ r => r | OfLevel => [] end.
+Definition centre_of (s : initial) : rational := match s with Affine c _ => c | OfLevel => Q 0 1 end.
 Definition varies (s : initial) : bool := negb (forallb is_zero (row_of s)).
 Definition frame (t : bifurcation) : list (list rational) :=
   match of_level (orbits t) with Some l => [row_of (level_of l)] | None => [] end
@@ -128,7 +129,12 @@ Definition in_fixed_set (t : bifurcation) : bool :=
   && (length (kernel t) =? pred (length (radii b)))%nat
   && (length (reversor t) =? 2 * length (radii b) - (if has_integral t then 0 else 1))%nat.
 Definition frames_hold (t : bifurcation) : bool :=
-  in_fixed_set t && (length (frame t) =? length (radii (domain (orbits t))))%nat && is_regular (frame t)
+  in_fixed_set t
+  && match of_level (orbits t) with
+     | Some l => is_number (centre_of (level_of l)) && (length (row_of (level_of l)) =? length (radii (domain (orbits t))))%nat
+     | None => true
+     end
+  && (length (frame t) =? length (radii (domain (orbits t))))%nat && is_regular (frame t)
   && (length (kernel_frame t) =? length (kernel t))%nat && is_regular (kernel_frame t).
 
 (* Frames that S acts on by signs (section 8.6). *)
@@ -260,7 +266,6 @@ Definition inverse (m : list (list rational)) : list (list rational) :=
   map (fun i => map (fun j => rdiv (minor m j i) d) (seq 0 (length m))) (seq 0 (length m)).
 
 Definition same_number (a b : rational) : bool := over a * under b =? over b * under a.
-Definition centre_of (s : initial) : rational := match s with Affine c _ => c | OfLevel => Q 0 1 end.
 Definition rabs (a : rational) : rational := Q (BigZ.abs (over a)) (under a).
 Definition rless (a b : rational) : bool := over a * under b <? over b * under a.
 Definition rdot (a b : list rational) : rational := fold_right radd (Q 0 1) (map2 rmul a b).
