@@ -33,9 +33,12 @@ for row in "$@"; do
   parts=$(ls ./*.v | sed 's|^\./||; s|\.v$||' | grep -v '^Row$\|^Conclusion$')
   # What is said in the end does not depend on notations or definitions of the files themselves.
   cat >Statement.v <<'END'
+From Bignums Require Import BigZ.
 Require Orbitproof.Theorems.
 Require Row.
 Require Conclusion.
+Open Scope bigZ_scope.
+Eval vm_compute in Conclusion.the_bifurcation.
 Check (Conclusion.all_checked : Orbitproof.Theorems.checked Conclusion.the_bifurcation).
 Print Assumptions Conclusion.all_checked.
 END
