@@ -283,6 +283,7 @@ def folds_are_exact(package: ModuleType) -> None:
     conditions, jets = module(package, "conditions"), module(package, "jets")
     p0, p1, p2 = (variable(j, 3) for j in range(3))
     radii = [F(1, 2**44), F(1, 2**40), F(1, 2**44)]
+    start = [Series.constant(value, 3) for value in (F(1, 2**45), F(0), F(-1, 2**46))]
 
     def conclusion(equations: list[Series], level: Series) -> Any:
         size = len(equations) + 1
@@ -298,8 +299,8 @@ def folds_are_exact(package: ModuleType) -> None:
         return {h.name for h in conclusion(equations, level).hypotheses if not h.holds}
 
     for bend in (F(1), F(-3), F(1, 5)):
-        curve, away = p1 * F(1, 2**10) + p1 * p1 * bend, p1 * F(1, 2**9) + p1 * p1 * 7
-        level = p0 * 2 - p1 * F(1, 2**9) + p1 * p1 * F(1, 3) + p0 * p1
+        curve, away = start[0] + p1 * F(1, 2**10) + p1 * p1 * bend, start[2] + p1 * F(1, 2**9) + p1 * p1 * 7
+        level = p0 * 2 - p1 * F(1, 2**9) + p1 * p1 * F(1, 3) + (p0 - start[0]) * p1
         second = 2 * level.composed({0: curve, 1: p1})[1, 1]
         for equations in ([(p0 - curve) * 5], [(p0 - curve) * 2 + (p2 - away), (p0 - curve) - (p2 - away) * 3]):
             if len(equations) == 1:
@@ -313,7 +314,9 @@ def folds_are_exact(package: ModuleType) -> None:
                 contains({(): found.normal_form["beta"]}, {(): rational(second / 2)}, "beta")
                 assert found.normal_form["beta"].rad() < 1e-6
                 assert found.side == ("above" if second > 0 else "below")
-                assert all(abs(c) < 1e-20 for c in found.point)
+                for value, series in zip(found.point, start, strict=False):
+                    assert value.contains(rational(series[()]))
+                    assert value.rad() < 1e-20
     upright = p1 * p1
     assert fails([p0 - upright], p0) == set()
     assert fails([p0 - upright - Series.constant(F(1, 2**43), 3)], p0) == {"curve"}

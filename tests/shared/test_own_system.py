@@ -389,6 +389,8 @@ def test_a_system_with_functions_goes_through_a_pipe_and_a_file() -> None:
         (changed(LORENZ, defined=[["z", "tan", "v0 = x"]]), "defined"),
         (changed(LORENZ, defined=[["y", "sin", "x"]]), "defined"),
         (changed(LORENZ, defined=5), "defined"),
+        (changed(LORENZ, defined=[["z", "sin"]]), "defined: is no list"),
+        (changed(LORENZ, defined=[5]), "defined: is no list"),
     ],
 )  # fmt: skip
 def test_functions_that_cannot_be_read_are_named_in_one_line(entry: dict[str, Any], words: str) -> None:

@@ -300,6 +300,7 @@ def test_time_limit_of_a_row_is_not_proved_with_that_reason() -> None:
     entry = certify(candidate(), Limits(timeout=1e-6))
     assert entry.verdict == "not proved"
     assert entry.reason.condition == "time"
+    assert not is_proof_of(entry, candidate())
 
 
 @pytest.mark.parametrize(

@@ -13,12 +13,14 @@ from flint import arb
 from support import krein_cases
 from support.closed_form_maps import claim, description
 
+from orbitproof.shared.formats import LEVEL, Equation
 from orbitproof.verify.bifurcation.conditions import check_enclosures
 from orbitproof.verify.double_resonance import ResonanceEnclosures
 from orbitproof.verify.double_resonance import proved_double_resonance as double
 from orbitproof.verify.evidence import Checklist, DerivativeTable, NotEstablishedError, indices_up_to
 from orbitproof.verify.newton import Jet
 from orbitproof.verify.orbit import OrbitEnclosures, proved_orbit
+from orbitproof.verify.periodic_bifurcation.enclosures import is_complete
 from orbitproof.verify.reversor_breaking import BreakingEnclosures, check_half_return
 from orbitproof.verify.twist import proved_stable_orbit as room
 
@@ -134,6 +136,27 @@ def test_each_derivative_of_each_function_has_to_be_there(make: Callable[[int], 
             assert refused(check, replace(found, back=(found.back[0],)))
             assert refused(check, replace(found, back=tuple(row[: 2 - (k == i)] for k, row in enumerate(found.back))))
         assert refused(check, replace(found, first_integral=None))
+
+
+def test_a_table_of_a_return_is_complete_with_every_derivative_and_no_other() -> None:
+    whole, indices = table(3), indices_up_to(3, 3)
+    assert is_complete(whole, indices)
+    assert not is_complete(whole, indices_up_to(3, 2))
+    for part in ("box", "centre"):
+        known = getattr(whole, part)
+        for index in indices:
+            rest = {each: ball for each, ball in known.items() if each != index}
+            for other in (rest, {**known, index: arb("nan")}, {**known, index: arb(0, "inf")}):
+                assert not is_complete(replace(whole, **{part: other}), indices), (part, index)
+
+
+def test_a_derivative_that_may_be_singular_shows_no_orbit() -> None:
+    """All of whose entries are 1 +- 1/2."""
+    found, _ = of_orbit(1)
+    candidate: Any = SimpleNamespace(radii=RADII[:2], crossings=1, equation=Equation(LEVEL, Fraction(1)))
+    with pytest.raises(NotEstablishedError, match="the derivative may be singular in the box") as error:
+        proved_orbit._check_newton(Checklist(), candidate, found)
+    assert error.value.reason.condition == "orbit"
 
 
 @pytest.mark.parametrize("bad", [(0, (1, 0)), (0, (0, 3)), (1, (1, 0)), (1, (2, 1))])

@@ -212,11 +212,12 @@ POWER = lambda base, exponent: mpmath.power(base, NUMBER(exponent))  # noqa: E73
 def _case(name: str) -> Case:
     if name == "another":
         field = record(
-            lambda s, p: (s[2] * s[0] ** Fraction(1, 2), s[3] / s[0], s[0] - 1 / s[1], p[0] * s[1] - s[0] ** 3),
-            ("x", "y", "vx", "vy"), ("b",),
+            lambda s, p: (s[2] * s[0] ** Fraction(1, 2), s[3] / s[0], s[0] - p[1] / s[1], p[0] * s[1] - s[0] ** 3),
+            ("x", "y", "vx", "vy"), ("b", "c"),
         )  # fmt: skip
-        other = lambda s, p: s[0] * s[1] + p[0] * s[0] ** 3 / s[1] - (2 - s[0]) ** 2 * s[3] ** 2  # noqa: E731
-        return field, other, rates_along(field, 4, other), [mpmath.mpf(value) for value in (1.5, 0.75, 0.3, -0.4, 0.7)]
+        other = lambda s, p: s[0] * s[1] + p[0] * s[0] ** 3 / s[1] - (p[1] - s[0]) ** 2 * s[3] ** 2  # noqa: E731
+        values = 1.5, 0.75, 0.3, -0.4, 0.7, 1.9
+        return field, other, rates_along(field, 4, other), [mpmath.mpf(value) for value in values]
     coordinates = physical(CR3BP) if name == "physical" else regularised(CR3BP, STATE, [float(MU)])
     assert coordinates is not None
     regularisation = coordinates.regularisation

@@ -90,6 +90,14 @@ def test_a_quadratic_dependence_is_found_exactly_where_the_program_shows_it(inte
     assert quadratic_coefficient(with_integral(integral)) == coefficient
 
 
+def test_there_is_a_level_form_only_where_the_first_integral_is_quadratic_in_the_level_coordinate() -> None:
+    jacobi = CR3BP.first_integral
+    assert jacobi is not None
+    for more, there in ((lambda s: 0 * s[0], True), (lambda s: s[4] ** 4, False), (lambda s: s[0] * s[4], False)):
+        system = replace(CR3BP, first_integral=lambda s, p, more=more: (jacobi(s, p)[0] + more(s),))
+        assert (level_form(replace(known("em2"), system=system)) is not None) == there
+
+
 def test_the_velocity_across_the_section_follows_from_the_jacobi_constant() -> None:
     assert quadratic_coefficient(CR3BP) == -1
     assert quadratic_coefficient(FALKNER_SKAN) is None

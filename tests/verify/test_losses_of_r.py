@@ -52,6 +52,7 @@ def test_coefficients_are_those_of_the_flow(modes: Certificate) -> None:
     h, step, y = float(cases.level_of(odd=True)), 1e-3, 1e-4
     b = [cases.flow([0.0, 0.0, y, np.sqrt(level - y * y)], 10.0)[0] / y for level in (h + step, h - step)]
     assert abs(float(found.gamma.mid()) - (b[0] - b[1]) / (2 * step)) < 1e-5
+    assert modes.parameter.overlaps(found.parameter)
     assert modes.normal_form["gamma"].overlaps(found.gamma)
     assert modes.normal_form["beta"].overlaps(found.beta)
     assert modes.normal_form["kappa"].overlaps(found.opening)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import random
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -31,7 +31,15 @@ from orbitproof.verify.__main__ import main
 from orbitproof.verify.branches import catalogue, catalogue_table, certified_rows, certified_table, rows_of_curve
 from orbitproof.verify.branches.catalogue import orbits_of
 from orbitproof.verify.branches.catalogue_table import rounded_up
-from orbitproof.verify.certificate import Certificate, Recheck, recheck, write_certificate
+from orbitproof.verify.certificate import (
+    Certificate,
+    Examination,
+    Given,
+    Recheck,
+    read_certificate,
+    recheck,
+    write_certificate,
+)
 from orbitproof.verify.curve import ProvedCurve, conclude
 from orbitproof.verify.evidence import Proved, ball_to_json, enclose, exact_value, symmetric
 from orbitproof.verify.orbit import stability_from
@@ -398,6 +406,24 @@ def test_an_orbit_beside_that_which_was_found_is_stated_as_well() -> None:
     entry = catalogue._document(catalogue_cases.curve(), "other", Fraction(1, 10**6), (row,))
     assert check(entry).stands
     assert not check(forged(entry, lambda entry: entry["statement"].update(within="1e-12"))).stands
+
+
+def test_rows_are_numbered_from_1_and_rest_on_the_curve_that_is_named(tmp_path: Path) -> None:
+    def findings(change: Callable[[Document], Any]) -> set[str]:
+        entry = Certificate(forged(document(), change))
+        return {each.place for each in catalogue.form(entry, Given((catalogue_cases.curve(),)), Examination())}
+
+    assert findings(lambda entry: None) == set()
+    assert findings(lambda entry: entry["rows"].reverse()) == {"rows"}
+    assert findings(lambda entry: [row.update(number=row["number"] + 1) for row in entry["rows"]]) == {"rows"}
+    assert findings(lambda entry: entry["rests_on"].update(digest="sha256:" + 64 * "0")) == {"rests_on"}
+    assert findings(lambda entry: entry["rests_on"].update(id="another")) == {"rests_on"}
+    file = tmp_path / "rows.json"
+    write_certificate(file, document())
+    assert read_certificate(file, "catalogue-certificate") == Certificate(document())
+    file.write_text(file.read_text().replace('"id": "', '"id": "my-'))
+    with pytest.raises(InputError, match="field digest"):
+        read_certificate(file, "catalogue-certificate")
 
 
 def shifted(ball: dict[str, str]) -> None:
