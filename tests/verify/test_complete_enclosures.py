@@ -170,10 +170,11 @@ def test_each_derivative_of_the_full_return_of_a_stable_orbit_is_finite(
     monkeypatch.setattr(room, "half_return_jets", lambda *rest: None)
     monkeypatch.setattr(room, "full_return_jets", lambda *rest: tuple(jets))
     assert room._check_return(Checklist(), claimed, found) == tuple(jets)
+    half.is_complete = lambda n, has_integral: False
+    with pytest.raises(NotEstablishedError, match="a derivative is missing"):
+        room._check_return(Checklist(), claimed, found)
+    half.is_complete = lambda n, has_integral: True
     component, index = bad
     jets[component] = Jet(2, 3, {**jets[component].coefficients, index: arb("nan")})
-    with pytest.raises(NotEstablishedError):
-        room._check_return(Checklist(), claimed, found)
-    half.is_complete = lambda n, has_integral: False
-    with pytest.raises(NotEstablishedError):
+    with pytest.raises(NotEstablishedError, match="not finite"):
         room._check_return(Checklist(), claimed, found)
