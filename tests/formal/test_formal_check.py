@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import random
 import re
 import shutil
@@ -86,6 +87,53 @@ def test_all_theories_are_written_and_compiled() -> None:
     script = (THEORY.parent / "check.sh").read_text("utf-8")
     (line,) = [line for line in script.splitlines() if line.startswith("theory=")]
     assert set(line.removeprefix("theory=").strip('"').split()) == {path.stem for path in THEORY.glob("*.v")}
+
+
+def test_the_script_takes_no_other_files_and_no_other_assumptions(tmp_path: Path) -> None:
+    """With a stand-in for Coq that accepts all and names what a row rests on."""
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "theory").mkdir()
+    stand_in = tmp_path / "bin" / "coqc"
+    shutil.copy(THEORY.parent / "check.sh", tmp_path)
+
+    def answer(*names: str, row: str, heading: str = "Axioms:") -> tuple[int, bool]:
+        lines = "\n".join(["statement", "     : checked", heading, *names])
+        stand_in.write_text(
+            f"#!/bin/sh\ncase \"$*\" in *Statement.v) cat <<'END'\n{lines}\nEND\nesac\n", encoding="utf-8"
+        )
+        stand_in.chmod(0o755)
+        environment = {**os.environ, "PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}"}
+        done = subprocess.run(
+            ["sh", str(tmp_path / "check.sh"), row], capture_output=True, text=True, check=False, env=environment
+        )
+        return done.returncode, ": checked in" in done.stdout
+
+    def row_of(name: str, *others: str) -> str:
+        (tmp_path / name).mkdir()
+        for file in ("Row.v", "Step1.v", "Crossing1.v", "Conclusion.v", *others):
+            (tmp_path / name / file).touch()
+        return name
+
+    good = ("PrimInt63.add", "  : PrimInt63.int -> PrimInt63.int", "PrimInt63.int : Set")
+    row = row_of("row")
+    assert answer(*good, row=row) == (0, True)
+    for name in (
+        "cheat : False",
+        "PrimInt63.cheat : False",
+        "Row.PrimInt63.int : False",
+        "bad is assumed to be guarded.",
+    ):
+        assert answer(*good, name, row=row) == (1, False)
+    assert answer(row=row, heading="Closed under the global context") == (1, False)
+    for number, other in enumerate(("PrimInt63.v", "Step01.v", "Step1x.v", "other.cmxs", ".hidden.v")):
+        assert answer(*good, row=row_of(f"other{number}", other)) == (1, False), other
+    linked, foldered = row_of("linked"), row_of("foldered")
+    (tmp_path / linked / "Orbitproof").symlink_to(tmp_path / "theory")
+    (tmp_path / foldered / "Orbitproof").mkdir()
+    (tmp_path / row_of("moved") / "Step1.v").unlink()
+    (tmp_path / "moved" / "Step1.v").symlink_to(tmp_path / "row" / "Step1.v")
+    for name in (linked, foldered, "moved"):
+        assert answer(*good, row=name) == (1, False), name
 
 
 @needs_coq
