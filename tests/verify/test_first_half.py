@@ -20,13 +20,14 @@ from orbitproof.shared.claims import Atlas, Piece
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR, FALKNER_SKAN
 from orbitproof.verify.algebra import Grading, WideArithmetic
-from orbitproof.verify.curve import PieceLimits
+from orbitproof.verify.curve import HalfReturn, PieceLimits
 from orbitproof.verify.evidence import IntegrationFailure, guarded
 from orbitproof.verify.functions import REACH, BoundedFunction, bounded
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.out_of_plane import VariationFunctions
 from orbitproof.verify.poincare import HalfOrbits
 from orbitproof.verify.stability import TubeOfOrbits, orbit_functions
+from orbitproof.verify.stability import first_half as room
 from orbitproof.verify.stability.first_half import _needed, _on_curve, from_first_half, is_enough, preserves_volume
 
 DATA = Path(__file__).parents[1] / "data"
@@ -45,6 +46,12 @@ def planar() -> TubeOfOrbits:
     assert isinstance(atlas, Atlas)
     (piece,) = atlas.curve_pieces()
     return tube_of(atlas, piece, (Fraction(1, 2), Fraction(9, 16)), PieceLimits(56, 18, 6))
+
+
+@cache
+def half() -> HalfReturn:
+    with guarded(120):
+        return planar().wider(None)
 
 
 def functions(tube: TubeOfOrbits) -> list[BoundedFunction]:
@@ -139,13 +146,33 @@ def test_half_orbits_are_followed_to_the_crossing_of_the_claim(monkeypatch: pyte
         asked.append(crossings)
         raise IntegrationFailure("stability", "it is not followed here", "wait")
 
+    half()
     with guarded(120):
-        half = planar().wider(None)
         monkeypatch.setattr(HalfOrbits, "half_orbit", recorded)
         for crossings in (1, 2):
             with pytest.raises(IntegrationFailure, match="not followed here"):
-                from_first_half(replace(planar(), crossings=crossings), half)
+                from_first_half(replace(planar(), crossings=crossings), half())
     assert asked == [1, 2]
+
+
+def test_variations_stand_by_rows_and_the_parameter_is_found_from_the_derivative_of_q_by_q(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    given, tube = [], planar()
+    with guarded(120):
+        rows = [
+            [tube.arithmetic.constant(Fraction(3 * i + j)) for j in range(3)] for i in range(len(tube.system.state) + 2)
+        ]
+        monkeypatch.setattr(room, "_derivatives", lambda *_: rows)
+        monkeypatch.setattr(room, "_parameter", lambda *arguments: given.append(arguments[-1]) or arguments[-2])
+        found = from_first_half(tube, half()).out_of_plane
+        assert isinstance(found, VariationFunctions)
+        values = [entry.value(arb(0)) for entry in found.known.entries]
+    (q,) = tube.system.kernel_coordinates
+    assert given == [rows[q][0]]
+    last = 3 * len(tube.system.state)
+    for value, wanted in zip(values, (last + 1, last + 2, last + 4, last + 5), strict=True):
+        assert value.contains(wanted)
 
 
 def test_the_points_have_the_error_with_which_the_curve_is_known() -> None:
