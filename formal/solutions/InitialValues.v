@@ -195,3 +195,15 @@ Proof.
   - intros z Z0 Zs i t Hi Hit. apply (unique m _ (field_of_is_lipschitz (the_field q) m (map real_of (the_parameters q))) (real_of (the_time q)) z y);
       try assumption; lra.
 Qed.
+
+(* For statements in formulas: integers are written as such, and fields of programs as sums and products. *)
+Ltac numbers := repeat match goal with
+  |- context [r_ ?c] => let n := eval vm_compute in (BigZ.to_Z c) in change (r_ c) with (IZR n) end.
+Ltac in_formulas := cbn -[r_ real_of Rplus Rminus Rmult Rdiv Rinv Ropp Rabs Rle]; unfold real_of; cbn [fst snd]; numbers.
+Ltac same_number := in_formulas; field.
+(* From what is known of a solution y, component by component. *)
+Ltac derivative H :=
+  match type of H with is_derive ?u ?s ?l =>
+    match goal with |- is_derive _ _ ?k =>
+      let E := fresh in assert (E : @eq R l k) by same_number; exact (eq_rect l (fun z => is_derive u s z) H k E)
+    end end.
