@@ -297,8 +297,7 @@ def export(certificate: Certificate, progress: Progress = lambda n, what: None) 
 
 
 def _own(certificate: Certificate) -> OwnBox:
-    claim = certificate.candidate
-    assert isinstance(claim, Candidate)
+    claim = claim_of(certificate)
     system = claim.system
     assert system.first_integral_program is not None
     bits = 64 + 2 * max(max(0, r.denominator.bit_length() - r.numerator.bit_length()) for r in claim.radii)

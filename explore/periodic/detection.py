@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,6 +37,22 @@ _SINGULAR = 1e-4
 """Singular values below this part of the largest are those of two families that cross."""
 
 Test = Callable[[FamilyMember], float]
+
+
+class _OfKind(NamedTuple):
+    sign: int
+    times: int
+    has_new_orbits: bool
+
+
+_OF_KINDS = {
+    FOLD: _OfKind(1, 1, False),
+    DOUBLING: _OfKind(-1, 2, True),
+    TORUS: _OfKind(-1, 1, False),
+    PITCHFORK: _OfKind(-1, 1, True),
+    BRANCH: _OfKind(-1, 1, False),
+}
+"""What differs from kind to kind, as properties of `Bifurcation` tell it."""
 
 
 @dataclass(frozen=True)
@@ -81,17 +98,17 @@ class Bifurcation:
     @property
     def sign(self) -> int:
         """The multiplier, of a pitchfork that of the map followed by the symmetry, where it is real."""
-        return 1 if self.kind == FOLD else -1
+        return _OF_KINDS[self.kind].sign
 
     @property
     def has_new_orbits(self) -> bool:
         """Whether one family of new orbits is known to begin there."""
-        return self.kind in (DOUBLING, PITCHFORK)
+        return _OF_KINDS[self.kind].has_new_orbits
 
     @property
     def times(self) -> int:
         """How many periods of the old orbit one of a new one is near."""
-        return 2 if self.kind == DOUBLING else 1
+        return _OF_KINDS[self.kind].times
 
 
 class UnresolvedError(Exception):
