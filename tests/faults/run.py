@@ -121,12 +121,13 @@ def trusted_modules() -> list[str]:
 
 
 def drawn(count: int, seed: int, table: Sequence[Fault]) -> list[Fault]:
-    """Faults by rule, drawn at random; the tests are those of the room that has most faults in the same folder."""
+    """Faults by rule, drawn at random; tests are those of the rooms with most faults in the folder and in the file."""
     every = [slip for file in trusted_modules() for slip in slips.slips(ROOT, file)]
     random.Random(seed).shuffle(every)
     rooms: dict[str, Counter[str]] = {}
     for fault in table:
-        rooms.setdefault(_folder(fault.file), Counter())[fault.room] += 1
+        for place in (fault.file, _folder(fault.file)):
+            rooms.setdefault(place, Counter())[fault.room] += 1
     tests = {fault.room: fault.tests for fault in table}
     found: dict[str, Fault] = {}
     for slip in every:
@@ -135,7 +136,8 @@ def drawn(count: int, seed: int, table: Sequence[Fault]) -> list[Fault]:
             break
         if not slips.changes(slip, text):
             continue
-        [(room, _)] = rooms.get(_folder(slip.file), rooms["verify/certificate"]).most_common(1)
+        places = [each for each in (_folder(slip.file), slip.file) if each in rooms] or ["verify/certificate"]
+        room, *more = dict.fromkeys(rooms[each].most_common(1)[0][0] for each in places)
         begin, end = slip.begin, slip.end
         while text.count(text[begin:end]) > 1:
             begin, end = max(begin - 1, 0), end + 1
@@ -143,7 +145,8 @@ def drawn(count: int, seed: int, table: Sequence[Fault]) -> list[Fault]:
         breaks = f"{slip.file}:{slip.line}: {slip.rule}: {slip.function}: {slip.says}"
         first = tuple(dict.fromkeys(test for fault in table if fault.file == slip.file for test in fault.first))
         section = ", ".join(slip.sections)
-        found[breaks] = Fault(room, breaks, section, slip.file, text[begin:end], new, first, tests[room], None)
+        around = tuple(dict.fromkeys(test for name in (room, *more) for test in tests[name]))
+        found[breaks] = Fault(room, breaks, section, slip.file, text[begin:end], new, first, around, None)
     return list(found.values())
 
 

@@ -381,6 +381,10 @@ def test_coordinates_that_do_not_move_as_their_functions_are_refused() -> None:
     sine, cosine = system.defined
     assert not keeps_its_functions(replace(system, defined=(sine, replace(cosine, argument=lambda s, p: (2 * s[0],)))))
     assert not keeps_its_functions(replace(system, defined=(sine, replace(cosine, function="exp"))))
+    # A sine without a cosine, which moves as an exponential does.
+    alone = with_rates(sin_x="sin_x*vx", cos_x="cos_x*vx")
+    assert not keeps_its_functions(replace(alone, defined=(sine, replace(cosine, function="exp"))))
+    assert keeps_its_functions(replace(alone, defined=tuple(replace(each, function="exp") for each in system.defined)))
     # An argument has earlier coordinates only.
     both = tuple(replace(each, argument=lambda s, p: (s[0] + 0 * s[5],)) for each in (sine, cosine))
     assert not keeps_its_functions(replace(system, defined=both))
@@ -608,6 +612,9 @@ def test_no_letter_stands_for_two_things_in_a_statement() -> None:
     letters = [line.partition(" = ")[0].strip() for line in lines if line.startswith("  ")]
     assert len([name for name in letters if len(name) == 1 and name not in "wH"]) >= 6
     assert len(set(letters)) == len(letters)
+    # And each function is called by its own name.
+    for each in system.defined:
+        assert any(line.strip().startswith(f"{each.name} = {each.function}(") for line in lines), lines
 
 
 def test_lasting_stability_is_said_of_the_coordinates_that_are_given() -> None:

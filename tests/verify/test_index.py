@@ -366,6 +366,9 @@ def test_what_is_known_of_a_step_has_the_errors_of_its_grades() -> None:
     (values,) = moving([square], 0, Fraction(1)).over(arb(0.5, 0.5))
     assert values.contains(arb(0))
     assert values.contains(arb(1))
+    # Of however many terms.
+    long = Series(arithmetic, [fmpz_poly([*[0] * 60, 1 << 64]), fmpz_poly([])], arithmetic.zero_errors())
+    assert moving([long], 0, Fraction(1)).over(arb(1))[0].contains(arb(1))
 
 
 def test_what_is_left_of_a_vector_is_unknown_by_both_errors() -> None:
@@ -531,6 +534,21 @@ def test_half_orbits_from_plane_to_plane_turn_as_those_from_the_section_of_the_a
     assert all(one.overlaps(other) for one, other in zip(across.angles, along.angles, strict=True))
     for size in (arb(0), arb(0, 1e-9), arb(-1)):
         assert along_curve._start(atlas, {"eps2": size, **point}) is None
+
+
+def test_the_flow_is_that_of_the_energy_in_coordinates_and_momenta() -> None:
+    """Hamilton's equations at states at random: the symplectic form of field and vector is a rate of the energy."""
+    half, chance = (
+        following._HalfOrbit(Start(CR3BP_AXIAL, tuple(map(arb, AXIAL_ORBIT)), MU, 1, False), 128, ORACLE),
+        random.Random(35),
+    )
+    for _ in range(20):
+        state, vector = ([arb(chance.uniform(-1, 1)) for _ in range(6)] for _ in range(2))
+        flow, along = (half._canonical(each, half.blocks[0]) for each in (half._field(state), vector))
+        form = sum(((a.conjugate() * b).imag for a, b in zip(flow, along, strict=True)), arb(0))
+        rate = sum((a * b for a, b in zip(half._gradient(state), vector, strict=True)), arb(0))
+        assert (form + rate).contains(0)
+        assert float((form + rate).rad()) < 1e-9 < abs(float(rate.mid()))
 
 
 def test_vectors_are_those_of_the_section_that_is_meant() -> None:

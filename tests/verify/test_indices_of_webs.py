@@ -66,14 +66,18 @@ def test_the_index_that_is_claimed_is_stored_and_told_as_its_certificate_has_it(
     assert [(entry["kind"], entry["id"]) for entry in document()["rests_on"]] == [CURVE, INDEX]
     assert document()["rests_on"][1]["digest"] == of_index()["digest"]
     assert [each["name"] for each in document()["hypotheses"]][-1] == "indices"
-    stored, counted = document()["arcs"][0]["index"], of_index()["orbits"]
-    assert [sum(entry["index"]) for entry in stored] == [entry["index"] for entry in counted] == [2, 3]
-    for key in ("piece", "s", "begin", "end"):
-        assert [entry[key] for entry in stored] == [entry[key] for entry in counted]
     words = document()["statement"]["theorem"]
     assert f"The index of orbits of the arc {NAME} ({of_index()['digest']}), of others nothing is said:" in words
     assert "- all orbits from the beginning of the curve (piece p001, s in [-1, -1]) to birth out of the plane" in words
     assert "these places not included: 3, in the plane 1 and across it 2" in words
+
+
+def test_an_index_is_stored_in_its_parts_and_with_the_interval_of_its_orbits() -> None:
+    stored, counted = document()["arcs"][0]["index"], of_index()["orbits"]
+    assert [sum(entry["index"]) for entry in stored] == [entry["index"] for entry in counted] == [2, 3]
+    assert [tuple(entry["index"]) for entry in stored] == [(1, 1), (1, 2)]
+    for key in ("piece", "s", "begin", "end"):
+        assert [entry[key] for entry in stored] == [entry[key] for entry in counted]
 
 
 def test_without_a_claim_nothing_is_said_of_an_index() -> None:
