@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from orbitproof.formal.arithmetic import NotShownError
-from orbitproof.formal.files import THEORY, write_row
+from orbitproof.formal.files import THEORY, name_of, write_row
 from orbitproof.formal.rows import export
 from orbitproof.shared.answers import answered, tell
 from orbitproof.shared.formats import InputError, refused, select_ids
@@ -59,6 +59,10 @@ def _done(options: argparse.Namespace) -> int:
 def _run(options: argparse.Namespace) -> int:
     stored = read_certificates(options.file)
     selected = [stored[name] for name in select_ids(stored, options.only, "certificate")]
+    folders: dict[str, str] = {}
+    for entry in selected:
+        if (other := folders.setdefault(name_of(entry.id), entry.id)) != entry.id:
+            raise InputError(f"{entry.id}: it would have the folder of {other}; write one of them elsewhere (--only)")
     theory = options.output / "theory"
     try:
         theory.mkdir(parents=True, exist_ok=True)

@@ -83,6 +83,20 @@ def test_what_is_not_covered_is_named_and_nothing_is_written_of_it(
     assert {path.name for path in tmp_path.iterdir()} == {"theory", "check.sh"}
 
 
+def test_rows_that_would_share_a_folder_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stored = json.loads(CERTIFICATES.read_text("utf-8"))
+    (entry,) = [entry for entry in stored["certificates"] if entry["id"].endswith("odd-k4-1")]
+    stored["certificates"] = [entry, {**entry, "id": entry["id"].replace("-", "_")}]
+    (tmp_path / "two.json").write_text(json.dumps(stored), "utf-8")
+    words = ["orbitproof", "verify", "--formal", str(tmp_path / "two.json"), "-o", str(tmp_path / "out")]
+    monkeypatch.setattr("sys.argv", words)
+    assert orbitproof() == 2
+    assert f"it would have the folder of {entry['id']}" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 def test_all_theories_are_written_and_compiled() -> None:
     script = (THEORY.parent / "check.sh").read_text("utf-8")
     (line,) = [line for line in script.splitlines() if line.startswith("theory=")]
