@@ -54,7 +54,7 @@ def refine_double_resonance(
     """
     if len(guess) != 1 + len(system.fixed_coordinates) or not all(map(isfinite, guess)):
         raise RefinementFailure("the guess needs a finite number for the parameter, and for each coordinate of Fix(R)")
-    equations = _Equations(system, parameters, k, crossings)
+    equations = _Newton(system, parameters, k, crossings)
     start = [Fraction(value) for value in guess]
     try:
         found = newton_with_digits(equations.linearised, start, bits_of(digits), _RULE, progress)
@@ -77,7 +77,7 @@ def refine_double_resonance(
     )
 
 
-class _Equations:
+class _Newton:
     """The equations of Newton's method; difference quotients stay until the precision grows.
 
     Attributes:
