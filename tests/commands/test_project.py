@@ -266,6 +266,22 @@ def test_modules_stay_one_idea_long() -> None:
             assert len(module.read_text("utf-8").splitlines()) <= 450, module.name
 
 
+def twice(body: list[ast.stmt]) -> list[str]:
+    """Classes and functions of a body that a later one of the same name replaces."""
+    nodes = [node for node in body if isinstance(node, ast.ClassDef | ast.FunctionDef)]
+    further = re.compile(r"overload|\w+\.(setter|register.*)")
+    names = [node.name for node in nodes if not any(further.fullmatch(ast.unparse(d)) for d in node.decorator_list)]
+    inner = [name for node in nodes if isinstance(node, ast.ClassDef) for name in twice(node.body)]
+    return [name for name in set(names) if names.count(name) > 1] + inner
+
+
+def test_no_definition_is_replaced_by_a_later_one_of_its_name() -> None:
+    source = "@dataclass\nclass A:\n    def f(self): ...\n    def f(self): ...\n\nclass A: ..."
+    assert twice(ast.parse(source).body) == ["A", "f"]
+    sources = {path: path.read_text("utf-8") for path in tracked_files() if path.suffix == ".py"}
+    assert not {path: names for path, text in sources.items() if (names := twice(ast.parse(text).body))}
+
+
 def names_in(face: Path) -> set[str]:
     """The names that a room's `__init__` hands on."""
     imports = [node for node in ast.walk(ast.parse(face.read_text("utf-8"))) if isinstance(node, ast.ImportFrom)]
