@@ -418,6 +418,43 @@ def test_a_fold_where_pieces_meet_is_an_extremum_between_them() -> None:
     assert "Along it a has a minimum between a point with a in" in said
 
 
+def test_where_a_piece_is_entered_is_one_part() -> None:
+    """Eigenvalues x +- i on x = a, y = 0; the first piece knows x well and a badly, the second one the other way round.
+
+    The second may be entered before x = 0, so that what is counted there may lie before the end of the first.
+    """
+    field, where = {"x": "g*u - y", "y": "u + g*y"}, {"u": "x - a", "g": "x - u**2 - y**2"}
+    system = define_system({"name": "c", "state": "x y", "parameters": "a", "where": where, "field": field})
+    (zero, one), origin = (Q(0), Q(1)), Q(-2307692, 10**7)
+    by_x, by_a, places = (one, one, zero), (one, zero, zero), (-one, Q(-2309, 10000), Q(-2306, 10000), one)
+
+    def piece(name: str, start: Q, end: Q, rows: Sequence[tuple[Q, ...]], polynomial: tuple[Q, ...]) -> Piece:
+        middle, frame, tube = (start + end) / 2, (*rows, (zero, zero, one)), (Q(1, 2**7),) * 2
+        polynomials = (polynomial, (zero,))
+        return Piece(name, "regular", (middle, middle, zero), frame, (end - start) / 2, polynomials, tube, "physical")
+
+    first = piece("p", Q(-1, 4), Q(1, 2**17), (by_x, by_a), (-Q(1, 2**15),))
+    stable, unstable = Sides(2, 0), Sides(0, 2)
+    for eps, rest in ((Q(1, 2**13), [None, unstable]), (zero, [])):
+        last = piece("q", Q(-1, 8), Q(1, 5), (by_a, by_x), (eps * origin**2, -2 * eps * origin, eps))
+        atlas = EquilibriumAtlas("c", "c", system, {}, EquilibriumCurveClaim("equilibrium-arc", "a"), (first, last))
+        parts = [(first, (-one, one)), *((last, part) for part in pairwise(places))]
+        outcome = conclude_equilibria(
+            atlas, [prove_equilibrium_piece(atlas, of, part, FAST).stored for of, part in parts]
+        ).outcome
+        assert isinstance(outcome, Proved), outcome
+        found = outcome.results
+        stretch = found.chain.stretches[1]
+        assert stretch.enters < places[1] < origin < stretch.entered
+        assert [part.sides for part in found.sides] == [stable, None, unstable, None, unstable, *rest]
+        assert [part.pieces for part in found.sides] == [("p", "p")] * 3 + [("q", "q")] * (2 + len(rest))
+        assert found.sides[3].between == (stretch.enters, stretch.entered)
+        assert all(found.sides[3].all_values.contains(value) for value in (-3e-5, 0, 3e-6))
+        assert found.sides[4].between[0] == stretch.entered
+        said = equilibrium_curve_in_words(EquilibriumCurveTheorem(atlas), found)
+        assert said.count("an equilibrium there has one on the axis") == 1
+
+
 def test_slopes_are_within_those_of_the_polynomial_and_the_bound() -> None:
     """The polynomial is off by c s, the curve's own slope by c."""
     atlas = cases.curve_of_equilibria()

@@ -345,6 +345,23 @@ def test_counts_beside_a_birth_are_those_of_the_nearest_parts_that_are_decided()
             _beside(curve, PlaceOnCurve(piece, s, False))
 
 
+def test_a_part_where_the_next_piece_may_be_entered_is_not_after_a_birth() -> None:
+    """The first piece ends just behind the birth, and knows a so badly that the second may be entered before it."""
+    zero, one, end = Q(0), Q(1), Q(1, 2**17)
+    (last,) = rest_atlas(Q(-1, 8), Q(1, 5)).curve_pieces()
+    (first,) = rest_atlas(Q(-1, 4), end).curve_pieces()
+    frame = ((one, one, zero), (one, zero, zero), (zero, zero, one))
+    rough = replace(first, id="e0", frame=frame, polynomial=((-4 * end,), (zero,)), tube=(Q(1, 2**7),) * 2)
+    on = known(certificate_of(rest_atlas(pieces=(rough, last))))
+    assert on.curve is not None
+    stretch = on.curve.chain.stretches[1]
+    assert last.centre[0] + last.half_width * stretch.enters < 0
+    with ctx.workprec(256):
+        found = joint_shown(known(born()), JOINT, on)
+    assert isinstance(found, Birthplace), found
+    assert (found.place.piece, found.before, found.after) == ("e0", Sides(2, 0), Sides(0, 2))
+
+
 def test_the_values_on_an_arc_contain_those_of_all_its_points() -> None:
     """a = x^2 from x = -1/2 to 1/2."""
     values = known(certificate_of(equilibrium_cases.curve_of_equilibria())).values

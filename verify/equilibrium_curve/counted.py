@@ -74,10 +74,23 @@ def _joined(first: SidedPart, last: SidedPart) -> SidedPart:
 
 
 def _parts_of(atlas: EquilibriumAtlas, stretch: Stretch) -> Iterator[SidedPart]:
-    """The parts of what the curve runs along of a piece, each on one proved interval."""
+    """The parts of what the curve runs along of a piece: where it may enter, then each on one proved interval."""
     tube, run = stretch.tube, stretch.run
-    name, reached = tube.piece.id, stretch.enters
-    for proved, start, end in run.between(stretch.enters, stretch.leaves):
+    name, reached = tube.piece.id, stretch.entered
+
+    def part(low: Fraction, high: Fraction, everywhere: arb, sides: Sides | None) -> SidedPart:
+        at = tube.point(run, low)[0], tube.point(run, high)[0]
+        return SidedPart((name, name), (low, high), at, everywhere, sides)
+
+    if stretch.enters < stretch.entered:
+        # Counts of a part of it may be those of points before the place at which the piece before is left.
+        entering = run.between(stretch.enters, stretch.entered)
+        points = [tube.points(proved.deviation, low, high) for proved, low, high in entering]
+        counts = [_sides(atlas, point) for point in points]
+        everywhere = hull(points[0][0], *(point[0] for point in points[1:]))
+        same = all(sides == counts[0] for sides in counts)
+        yield part(stretch.enters, stretch.entered, everywhere, counts[0] if same else None)
+    for proved, start, end in run.between(stretch.entered, stretch.leaves):
         first = max(start, reached)
         if first >= end:
             continue
@@ -98,9 +111,7 @@ def _parts_of(atlas: EquilibriumAtlas, stretch: Stretch) -> Iterator[SidedPart]:
                 half for low, high in open_parts for half in ((low, (low + high) / 2), ((low + high) / 2, high))
             ]  # fmt: skip
         for low, high, sides in sorted(decided, key=lambda part: part[:2]):
-            at = tube.point(run, low)[0], tube.point(run, high)[0]
-            everywhere = tube.points(proved.deviation, low, high)[0]
-            yield SidedPart((name, name), (low, high), at, everywhere, sides)
+            yield part(low, high, tube.points(proved.deviation, low, high)[0], sides)
         reached = end
 
 
