@@ -40,7 +40,7 @@ help:
 	@echo "make faults     faults made on purpose, one line each, and which tests notice them (faults.json; hours, goes on where it stopped)"
 	@echo "make reading-list CHAPTER=curve   what has to be read to believe a theorem: files in order, lines"
 	@echo "make release-check   wheel and sdist, installed empty; commands of README and documents, each run once (hours)"
-	@echo "make formal     a certified bifurcation, checked by the kernel of Coq (into $(FORMAL)/; ROWS: others of CERTIFICATES)"
+	@echo "make formal     a certified bifurcation and an initial value problem, checked by the kernel of Coq (into $(FORMAL)/; ROWS: others)"
 	@echo "make bench      benchmarks; each prints its numbers"
 	@echo "make clean      remove $(VENV), $(OUT), $(SITE) and caches"
 
@@ -63,6 +63,11 @@ $(VENV)/dev.stamp: pyproject.toml setup.py | $(BIN)/python
 	@echo "installing orbitproof with all extras (the first time it downloads a few hundred megabytes)" >&2
 	@$(BIN)/python -m pip install --editable '.[explore,figures,oem,spk,parquet,interactive,cluster,docs,dev]'
 	@touch $@ $(VENV)/demo.stamp
+
+$(VENV)/base.stamp: pyproject.toml setup.py | $(BIN)/python
+	@echo "installing orbitproof" >&2
+	@$(BIN)/python -m pip install --editable .
+	@touch $@
 
 $(VENV)/docs.stamp: pyproject.toml setup.py | $(BIN)/python
 	@echo "installing orbitproof with the extras explore, figures, oem, spk and docs" >&2
@@ -290,14 +295,19 @@ reading-list: $(BIN)/python
 bench: $(VENV)/dev.stamp
 	@for file in tests/benchmarks/bench_*.py; do echo "$$file"; $(BIN)/python $$file || exit 1; done
 
-# CERTIFICATES: a file of certificates; ROWS: which of them, by id, with * and ?.
-CERTIFICATES := tests/data/figures-certificates.json
+# CANDIDATES: a file of candidates; ROWS: which of them, by id, with * and ?. What is proved and checked already is kept. Then
+# the initial value problem of formal/README.md.
+CANDIDATES := tests/data/known-bifurcations.json
 ROWS := falkner-skan-*-k2-*
+FORMAL_ROWS = $(foreach row,$(ROWS),'$(row)') --jobs $(JOBS)
 
-formal: $(VENV)/demo.stamp
-	@command -v coqc >/dev/null || { echo "Coq is missing; on Debian and Ubuntu: apt install coq libcoq-bignums" >&2; exit 2; }
-	@$(BOUND) $(BIN)/orbitproof verify --formal $(CERTIFICATES) -o $(FORMAL) --only $(foreach row,$(ROWS),'$(row)') --quiet
-	@sh $(FORMAL)/check.sh -j $(JOBS)
+formal: $(VENV)/base.stamp
+	@command -v coqc >/dev/null || { echo "Coq is missing; on Debian and Ubuntu: apt install coq libcoq-bignums libcoq-coquelicot" >&2; exit 2; }
+	@$(BOUND) mkdir -p $(FORMAL); start=$$(date +%s); failed=0; step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
+	step $(BIN)/orbitproof verify $(CANDIDATES) -o $(FORMAL)/certificates.json --only $(FORMAL_ROWS); \
+	step $(BIN)/orbitproof verify --recheck --formal $(FORMAL)/certificates.json -o $(FORMAL) --only $(FORMAL_ROWS); \
+	(cd $(FORMAL) && sed -n '/^```python/,/^```/{/^```/!p;}' ../formal/README.md | $(abspath $(BIN))/python -) || exit; \
+	step sh formal/solutions/check.sh $(FORMAL)/Lorenz.v; echo "time: $$(($$(date +%s) - start)) s"; exit $$failed
 
 clean:
 	rm -rf $(VENV) $(OUT) $(SITE) .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info

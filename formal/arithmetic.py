@@ -247,7 +247,7 @@ def times(n: int, a: Element, b: Element) -> Element:
 class Node:
     """As `node` of `theory/Programs.v`: const, add, sub, mul, scale or power (value: p, q of a power -p/q)."""
 
-    kind: str
+    operation: str
     places: tuple[int, ...] = ()
     value: Fraction = Fraction(0)
 
@@ -263,7 +263,7 @@ class Program:
     @property
     def number_of_powers(self) -> int:
         """How many guesses are needed."""
-        return sum(node.kind == "power" for node in self.nodes)
+        return sum(node.operation == "power" for node in self.nodes)
 
 
 Slope = Element | int
@@ -281,7 +281,7 @@ def run(
     number = 0
     for node in program.nodes:
         at = [values[i] for i in node.places]
-        match node.kind:
+        match node.operation:
             case "const":
                 values.append(form.const(node.value))
             case "add":
@@ -332,7 +332,7 @@ def slopes(program: Program, size: int, values: Sequence[Element], form: Format)
     for k, node in enumerate(program.nodes, start=program.inputs):
         d = [found[i] for i in node.places]
         at = [values[i] for i in node.places]
-        match node.kind:
+        match node.operation:
             case "const":
                 row: list[Slope] = [0] * size
             case "add":

@@ -11,6 +11,7 @@ from orbitproof.formal.rows import LevelData, Row
 THEORY = Path(__file__).parent / "theory"
 OF_ORBITS = ("Polynomials", "Elements", "Formats", "Programs", "Steps", "Crossings", "Rows")
 OF_CONCLUSIONS = ("Intervals", "Jets", "Conclusions", "Theorems")
+_SOURCE = re.compile(r"(Row|Conclusion|(Step|Crossing)[1-9][0-9]*)\.v")
 
 _HEAD = """\
 From Coq Require Import List ZArith.
@@ -151,6 +152,11 @@ def _theorem(row: Row) -> str:
 def name_of(identifier: str) -> str:
     """A folder and a name for Coq."""
     return re.sub(r"\W", "_", identifier)
+
+
+def sources_of(row: Path) -> list[Path]:
+    """The files of a row, which lie in this folder; `check.sh` takes no others."""
+    return sorted(path for path in row.glob("*.v") if _SOURCE.fullmatch(path.name))
 
 
 def write_row(row: Row, folder: Path) -> Path:

@@ -63,11 +63,11 @@ def _field(program: Program, given: Sequence[Poly], bits: int, length: int) -> l
     values = [list(p) for p in given]
     for node in program.nodes:
         at = [values[i] for i in node.places]
-        match node.kind:
+        match node.operation:
             case "const":
                 found = [(node.value.numerator << bits) // node.value.denominator]
             case "add" | "sub":
-                found = _padd(at[0], at[1], 1 if node.kind == "add" else -1)
+                found = _padd(at[0], at[1], 1 if node.operation == "add" else -1)
             case "scale":
                 found = [node.value.numerator * c // node.value.denominator for c in at[0]]
             case _:
@@ -115,13 +115,13 @@ def _formula(program: Program, names: Sequence[str]) -> list[str]:
         number = f"({node.value.numerator} / {node.value.denominator})"
         if node.value.denominator == 1:
             number = f"({node.value.numerator})" if node.value < 0 else str(node.value.numerator)
-        match node.kind:
+        match node.operation:
             case "const":
                 texts.append(number)
             case "scale":
                 texts.append(f"({number} * {at[0]})")
             case _:
-                texts.append(f"({at[0]} {_SIGNS[node.kind]} {at[1]})")
+                texts.append(f"({at[0]} {_SIGNS[node.operation]} {at[1]})")
     return [texts[i] for i in program.outputs]
 
 

@@ -48,7 +48,7 @@ def norms(es: Sequence[Norm]) -> str:
 def node(n: Node) -> str:
     """One operation."""
     places = " ".join(map(str, n.places))
-    match n.kind:
+    match n.operation:
         case "const":
             return f"Const {z(n.value.numerator)} {z(n.value.denominator)}"
         case "scale":
@@ -56,7 +56,7 @@ def node(n: Node) -> str:
         case "power":
             return f"Power {places} {-n.value.numerator} {n.value.denominator}"
         case _:
-            return f"{n.kind.capitalize()} {places}"
+            return f"{n.operation.capitalize()} {places}"
 
 
 def program(p: Program) -> str:
