@@ -3,7 +3,7 @@
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
-.PHONY: help demo branches web theorems examples report archive release-check figures docs notebooks test lint check test-slow costs campaign faults reading-list bench formal clean
+.PHONY: help demo branches web theorems examples report archive release-check figures docs notebooks test lint check test-slow costs campaign faults reading-list bench coq formal clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -301,8 +301,10 @@ CANDIDATES := tests/data/known-bifurcations.json
 ROWS := falkner-skan-*-k2-*
 FORMAL_ROWS = $(foreach row,$(ROWS),'$(row)') --jobs $(JOBS)
 
-formal: $(VENV)/base.stamp
+coq:
 	@command -v coqc >/dev/null || { echo "Coq is missing; on Debian and Ubuntu: apt install coq libcoq-bignums libcoq-coquelicot" >&2; exit 2; }
+
+formal: coq $(VENV)/base.stamp
 	@$(BOUND) mkdir -p $(FORMAL); start=$$(date +%s); failed=0; step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
 	step $(BIN)/orbitproof verify $(CANDIDATES) -o $(FORMAL)/certificates.json --only $(FORMAL_ROWS); \
 	step $(BIN)/orbitproof verify --recheck --formal $(FORMAL)/certificates.json -o $(FORMAL) --only $(FORMAL_ROWS); \

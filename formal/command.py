@@ -72,6 +72,8 @@ def _done(options: argparse.Namespace) -> int:
 def _run(options: argparse.Namespace) -> int:
     if options.output is None:
         raise InputError("-o: give a folder for the Coq files")
+    if options.integrate:
+        raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
     stored = read_certificates(options.file)
     selected = [stored[name] for name in select_ids(stored, options.only, "certificate")]
     own_folders(selected)

@@ -6,6 +6,7 @@ import random
 import re
 import shutil
 import subprocess
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +28,14 @@ class Planted:
     begin: int
     end: int
 
+    @property
+    def files(self) -> list[str]:
+        """What has to be compiled to see it: of `Row.v` also the step that goes there, or the crossing."""
+        if self.file != "Row":
+            return [self.file]
+        what, number = self.of.split("_")
+        return ["Row", f"Crossing{number}" if what == "image" else f"Step{max(1, int(number))}"]
+
     def text(self, original: str, change: int) -> str:
         """The file with this number changed."""
         value = int(original[self.begin : self.end], 0) + change
@@ -34,9 +43,14 @@ class Planted:
 
 
 def numbers(file: Path) -> Iterator[Planted]:
-    """All numbers in the definitions of a file but those of a tube, which may be any that holds."""
+    """All numbers in the definitions of a file but those of a tube, which may be any that holds.
+
+    Of `Row.v` those of where the orbits are: the rest is what is claimed.
+    """
     text = file.read_text("utf-8")
     for found in re.finditer(r"^Definition (\w+)(.*?)\.$", text, re.MULTILINE | re.DOTALL):
+        if file.stem == "Row" and not re.fullmatch(r"(position|image)_\d+", found[1]):
+            continue
         start = text.index(":=", found.start())
         # The tube of a step is its last list, before the number of terms.
         tube = text.rfind("\n  [[", start, found.end()) if "step" in found[1] else found.end()
@@ -58,14 +72,27 @@ def drawn(folder: Path, names: list[str], how_many: int, seed: int) -> list[Plan
 
 
 def accepted(folder: Path, planted: Planted, change: int, work: Path) -> bool:
-    """Whether Coq accepts a file of a compiled row with one number changed."""
+    """Whether Coq accepts the files of a compiled row in which one number is changed."""
     work.mkdir(exist_ok=True)
     for path in work.iterdir():
         path.unlink()
-    for path in folder.glob("*.vo"):
-        if path.stem not in (planted.file, "Conclusion"):
-            shutil.copy(path, work)
+    if planted.file != "Row":
+        shutil.copy(folder / "Row.vo", work)
+    for name in planted.files:
+        shutil.copy(folder / f"{name}.v", work)
     original = (folder / f"{planted.file}.v").read_text("utf-8")
     (work / f"{planted.file}.v").write_text(planted.text(original, change), "utf-8")
-    command = ["coqc", "-q", "-R", str(folder.parent / "theory"), "Orbitproof", "-Q", ".", "", f"{planted.file}.v"]
-    return subprocess.run(command, cwd=work, capture_output=True, check=False).returncode == 0
+    command = ["coqc", "-q", "-R", str(folder.parent / "theory"), "Orbitproof", "-Q", ".", ""]
+    return all(
+        subprocess.run([*command, f"{name}.v"], cwd=work, capture_output=True, check=False).returncode == 0
+        for name in planted.files
+    )
+
+
+if __name__ == "__main__":
+    # python tests/formal/planted.py FOLDER/ROW 100: which of so many numbers of a compiled row Coq accepts changed.
+    row, count = Path(sys.argv[1]).resolve(), int(sys.argv[2])
+    names = sorted(path.stem for path in row.glob("*.v") if path.stem not in ("Conclusion", "Statement"))
+    planted = drawn(row, names, count, seed=51)
+    kept = [p for n, p in enumerate(planted) if accepted(row, p, (-1) ** n, row.parent / "planted")]
+    print(f"{row.name}: {len(planted) - len(kept)} of {len(planted)} refused", *kept, sep="\n  ")

@@ -261,8 +261,8 @@ def test_the_kernel_accepts_a_row_and_no_other_number_in_it(tmp_path: Path, monk
     assert first.endswith("assumptions: primitive integers, nothing else")
     assert second == f"{assumed.name}: NOT CHECKED: it rests on more than primitive integers:"
 
-    # Numbers of steps and crossings, one after the other.
-    names = [path.stem for pattern in ("Step?.v", "Crossing?.v") for path in sorted(folder.glob(pattern))]
+    # Numbers of steps and crossings, and of where the orbits are, one after the other.
+    names = ["Row", *(path.stem for pattern in ("Step?.v", "Crossing?.v") for path in sorted(folder.glob(pattern)))]
     for number, planted in enumerate(drawn(folder, names, 24, seed=51)):
         assert not accepted(folder, planted, (-1) ** number, tmp_path / "work"), planted
 
