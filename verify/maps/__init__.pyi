@@ -9,5 +9,6 @@ from .framed_orbits import FramingOracle as FramingOracle
 from .image import Image as Image
 from .image import image_of as image_of
 from .poincare_map import enclose_poincare_map as enclose_poincare_map
+from .poincare_map import time_at_crossing as time_at_crossing
 from .starting_set import Format as Format
 from .starting_set import StartingSet as StartingSet

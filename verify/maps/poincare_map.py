@@ -70,7 +70,7 @@ def enclose_poincare_map(
         # On the section its coordinate is 0 exactly.
         on_section = list(image)
         on_section[section.pivot] = orbits.arithmetic.constant(Fraction(0))
-        return image_of(start, section.own_state(on_section), _time(orbits), orbits.steps)
+        return image_of(start, section.own_state(on_section), time_at_crossing(orbits), orbits.steps)
 
 
 def _crossing(orbits: FramedOrbits, number: int) -> Sequence[Series]:
@@ -87,7 +87,7 @@ def _crossing(orbits: FramedOrbits, number: int) -> Sequence[Series]:
         ) from None
 
 
-def _time(orbits: FramedOrbits) -> Series:
+def time_at_crossing(orbits: FramedOrbits) -> Series:
     """The time at the crossing that was found last."""
     middle, radius = exact_value(orbits.time.mid()), exact_value(orbits.time.rad())
     return orbits.arithmetic.constant(middle).widened(radius) + orbits.delay
