@@ -35,6 +35,7 @@ CHAPTERS = {
     "periodic": ("verify.periodic.following", "verify.periodic.force", "verify.periodic.proved_periodic"),
     "equilibrium": ("verify.equilibrium.proved_equilibrium",),
     "hopf": ("verify.equilibrium.proved_hopf",),
+    "homoclinic": ("verify.homoclinic.following", "verify.homoclinic.proved_homoclinic"),
     "periodic-bifurcation": (
         "verify.periodic_bifurcation.following",
         "verify.periodic.force",
@@ -71,6 +72,7 @@ OTHER_WORDS = {
     "periodic": ("periodic-orbit",),
     "equilibrium": ("one-equilibrium", "fixed-point"),
     "hopf": ("hopf-point", "hopf-bifurcation", "andronov-hopf"),
+    "homoclinic": ("homoclinic-orbit", "horseshoe"),
     "periodic-bifurcation": ("periodic-fold", "periodic-doubling", "periodic-pitchfork", "doubling", "pitchfork"),
     "torus": ("periodic-torus", "neimark-sacker"),
     "periodic-curve": ("periodic-atlas", "periodic-arc", "periodic-loop"),

@@ -185,6 +185,7 @@ multiplicity = _whole(1, MAX_MULTIPLICITY, "a multiplicity")
 digits = _whole(*DIGITS, "a number of digits")
 """A number of decimal digits."""
 
+crossings = _whole(1, 100, "a number of crossings")
 generations = _whole(0, 20, "a number of generations")
 
 # argparse names the type in its message about text that is no number at all.

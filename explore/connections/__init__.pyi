@@ -1,3 +1,4 @@
+from .claims import homoclinic_claim as homoclinic_claim
 from .homoclinic import ConnectionFailure as ConnectionFailure
 from .homoclinic import Homoclinic as Homoclinic
 from .homoclinic import Hyperbolic as Hyperbolic

@@ -107,9 +107,9 @@ class OnLevel:
         basis = JetBasis.graded((1,) * max(1, len(directions)), 1 if directions else 0)
         jets = []
         for number, value in enumerate((p, q)):
-            jet = basis.constant(context.mpf(value))
+            jet = basis.constant(_number(value, context))
             for variable, direction in enumerate(directions):
-                jet.coefficients[basis.variable(variable)] = context.mpf(direction[number])
+                jet.coefficients[basis.variable(variable)] = _number(direction[number], context)
             jets.append(jet)
         start = self.start(*jets, context)
         for crossing in section_crossings(self.system, self.parameters, start, None, context):
@@ -310,6 +310,10 @@ def closer(found: Homoclinic, distance: float, digits: int) -> Homoclinic:
     while abs(a) > distance:
         a, number = a / orbit.multiplier, number + 2 * orbit.half
     return refined(orbit, a, number, digits)
+
+
+def _number(value: Any, context: mpmath.MPContext) -> Any:
+    return mpf(value, context) if isinstance(value, Fraction) else context.mpf(value)
 
 
 def _nth(places: Iterator[Place], number: int) -> Place:

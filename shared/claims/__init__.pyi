@@ -43,6 +43,8 @@ from .fields import CLAIMS as CLAIMS
 from .fields import EQUILIBRIUM_CURVES as EQUILIBRIUM_CURVES
 from .fields import PERIODIC_CURVES as PERIODIC_CURVES
 from .fields import SURFACE as SURFACE
+from .homoclinic import HOMOCLINIC as HOMOCLINIC
+from .homoclinic import HomoclinicOrbit as HomoclinicOrbit
 from .periodic import PERIODIC as PERIODIC
 from .periodic import PeriodicOrbit as PeriodicOrbit
 from .periodic_bifurcation import PERIODIC_BIFURCATIONS as PERIODIC_BIFURCATIONS

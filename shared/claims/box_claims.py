@@ -4,6 +4,7 @@ from typing import get_args
 
 from orbitproof.shared.claims.candidate import Candidate
 from orbitproof.shared.claims.equilibria import Equilibrium, HopfPoint
+from orbitproof.shared.claims.homoclinic import HomoclinicOrbit
 from orbitproof.shared.claims.periodic import PeriodicOrbit
 from orbitproof.shared.claims.periodic_bifurcation import PeriodicBifurcation
 from orbitproof.shared.codec import kinds_said
@@ -11,7 +12,7 @@ from orbitproof.shared.codec import kinds_said
 InSection = PeriodicOrbit | PeriodicBifurcation
 """A claim of which no symmetry of a reversible system is used: its box lies in a section."""
 
-WithoutReversor = InSection | Equilibrium | HopfPoint
+WithoutReversor = InSection | Equilibrium | HopfPoint | HomoclinicOrbit
 """A claim of which no symmetry of a reversible system is used."""
 
 KINDS_WITHOUT_REVERSOR: dict[str, type[WithoutReversor]] = {

@@ -31,7 +31,6 @@ class HomoclinicOrbit(WithoutSymmetry):
         parameters: exact values of all parameters of the vector field, by name.
         reversing_symmetry: the signs of R, 4 of them, two of them -1.
         section: the coordinate that is 0 on the section; R negates it.
-        level: of the first integral.
         level_coordinate: w, a coordinate that R fixes.
         level_sign: the sign of w at the points of the box.
         crossings: the number of crossings of the section, in either direction, in a period of the periodic orbit.
@@ -40,6 +39,7 @@ class HomoclinicOrbit(WithoutSymmetry):
         cone: the unstable manifold rises at most so steeply in (a, s).
         centre: shape (2,), c, and the middle of the interval of a in which the homoclinic orbit is.
         radii: shape (2,), r, and the half-width of this interval, both positive.
+        level: of the first integral; there has to be one.
         provenance: free-form, ignored by the verifier.
     """
 
@@ -48,7 +48,6 @@ class HomoclinicOrbit(WithoutSymmetry):
     parameters: Mapping[Identifier, Rational]
     reversing_symmetry: Signs
     section: Identifier
-    level: Rational
     level_coordinate: Identifier
     level_sign: Literal[1, -1]
     crossings: Crossings
@@ -57,6 +56,7 @@ class HomoclinicOrbit(WithoutSymmetry):
     cone: Fraction
     centre: Numbers
     radii: Numbers
+    level: Rational | None = None
     provenance: Mapping[str, Any] = stored(always=True, default_factory=dict)
 
     kind = HOMOCLINIC
@@ -68,6 +68,8 @@ class HomoclinicOrbit(WithoutSymmetry):
         system = self.system
         if len(system.state) != 4 or system.defined:
             refuse("system", f"{system.name} has not 4 coordinates in plain arithmetic", "give another system")
+        if self.level is None:
+            refuse("level", "missing", "give that of the first integral")
         if system.first_integral_program is None:
             refuse("level", f"{system.name} has no first integral", "give a system that has one")
         signs = self.reversing_symmetry

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from flint import arb
 
-from orbitproof.shared.claims import AroundPoint
+from orbitproof.shared.claims import AroundPoint, HomoclinicOrbit
 from orbitproof.shared.formats import BoxClaim, Candidate, InSection
 from orbitproof.verify.bifurcation import coordinates_in_box
 from orbitproof.verify.evidence import (
@@ -116,6 +116,13 @@ def periodic_precision(claim: InSection, digits: int) -> int:
     """
     widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in claim.half_widths)
     wanted = widths + ceil(digits * _BITS_PER_DIGIT) + _RESERVE + 2 * _RESERVE_PER_RETURN * claim.crossings
+    return max(LEAST_PRECISION, -(-wanted // 8) * 8)
+
+
+def homoclinic_precision(claim: HomoclinicOrbit, digits: int) -> int:
+    """Bits to begin with for a homoclinic orbit: errors grow on the way as much as the interval is narrow."""
+    widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in claim.half_widths)
+    wanted = 2 * widths + _RESERVE + 2 * _RESERVE_PER_RETURN * (claim.crossings + claim.arrival) // 2
     return max(LEAST_PRECISION, -(-wanted // 8) * 8)
 
 

@@ -1,0 +1,71 @@
+"""Homoclinic orbits as claims for the verifier."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import ceil, log2
+
+from orbitproof.explore.connections.homoclinic import Homoclinic, Hyperbolic, closer
+from orbitproof.shared.claims import HomoclinicOrbit
+from orbitproof.shared.numbers import round_dyadic
+
+_BOX = Fraction(3, 2)
+"""The box reaches so many times as far as the homoclinic orbit begins."""
+_INTERVAL = 2.0**-24
+"""Half-width of the interval of a, as a part of a."""
+_BITS = 64
+_WIDER = 2
+"""The cone is so many times as wide as the samples ask for."""
+
+
+def homoclinic_claim(found: Homoclinic, name: str, near: float, digits: int) -> HomoclinicOrbit:
+    """The claim about a homoclinic orbit that begins at most at the distance `near` from the periodic orbit.
+
+    Raises `ConnectionFailure`.
+    """
+    at = closer(found, near, digits)
+    orbit, setting = at.orbit, at.orbit.setting
+    system = setting.system
+    scale = ceil(-log2(abs(at.distance)))
+    a = round_dyadic(at.distance, _BITS)
+    radius = _short(_BOX * abs(a))
+    assert system.level_coordinate is not None
+    return HomoclinicOrbit(
+        id=name,
+        system=system,
+        parameters=dict(setting.parameters),
+        reversing_symmetry=tuple(1 if sign > 0 else -1 for sign in system.reversing_symmetry),
+        section=system.section,
+        level=setting.level,
+        level_coordinate=system.level_coordinate,
+        level_sign=1 if setting.sign > 0 else -1,
+        crossings=2 * orbit.half,
+        arrival=at.crossings,
+        slope=round_dyadic(orbit.slope, _BITS),
+        cone=_short(_WIDER * Fraction(_steepness(orbit, radius))),
+        centre=(round_dyadic(orbit.p, 2 * scale + _BITS), a),
+        radii=(radius, _short(Fraction(_INTERVAL) * abs(a))),
+        provenance={"digits": digits},
+    )
+
+
+def _short(value: Fraction) -> Fraction:
+    """A positive number with few digits, up to an eighth larger."""
+    exponent = ceil(-log2(value)) + 3
+    return Fraction(ceil(value * Fraction(2) ** exponent)) / Fraction(2) ** exponent
+
+
+def _steepness(orbit: Hyperbolic, radius: Fraction) -> float:
+    """The greatest slope, in (a, s), of images of the unstable direction at the corners of the box."""
+    bits = 64 + 2 * ceil(-log2(radius))
+    steepest = 0.0
+    for a, s in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+        p = orbit.p + radius * (a + s)
+        q = orbit.slope * radius * (a - s)
+        for number, place in enumerate(orbit.setting.crossings(p, q, [(1, orbit.slope)], bits), start=1):
+            if number == 2 * orbit.half:
+                along, across = (float(slopes[0]) for slopes in place.slopes)
+                across /= float(orbit.slope)
+                steepest = max(steepest, abs((along - across) / (along + across)))
+                break
+    return max(steepest, 2.0**-_BITS)
