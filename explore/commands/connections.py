@@ -90,11 +90,7 @@ def run(options: argparse.Namespace) -> int:
         found = []
         for side in (1, -1) if options.side is None else (options.side,):
             report.stage("unstable manifold")
-            found += [
-                each
-                for each in homoclinic_orbits(orbit, side, max(arrivals), lambda share: report.update("samples", share))
-                if each.crossings in arrivals
-            ]
+            found += homoclinic_orbits(orbit, side, arrivals)
         print(f"{'a':>16}  crossings to Fix(R)")
         for each in found:
             print(f"{float(each.distance):16.8e}  {each.crossings}")

@@ -8,30 +8,29 @@ to the stable one. Not rigorous.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
-from math import exp, log, log2
+from math import log, log2
 from typing import Any
 
 import mpmath
+import numpy as np
 
-from orbitproof.explore.flow import Flow, FlowFailure, flow_of
+from orbitproof.explore.connections.swarm import Array, crossings_of
 from orbitproof.explore.numerics import fraction, mpf, working_context
 from orbitproof.explore.refinement import IntegrationFailure, Jet, JetBasis, operations, section_crossings
 from orbitproof.shared.systems import ReversibleSystem
 
 _FIRST = 1e-7
 """Samples of the unstable manifold begin so far from the periodic orbit, relative to its distance from 0."""
-_SAMPLES = 96
+_SAMPLES = 64
 _NEWTON_STEPS = 40
 _FEW_BITS = 64
-_BISECTIONS = 40
-_POLISH = 3
-_LONGEST = 40
-"""Orbits are followed for so many half periods."""
-_CLOSEST = 1e-6
+_LONGEST = 12
+"""Orbits are followed for so many periods longer than the periodic orbit has as many crossings."""
+_REFINEMENTS = 3
+_CLOSEST = 1e-4
 """Where q changes its sign and is not so small, it jumps."""
 
 
@@ -205,64 +204,57 @@ def hyperbolic_orbit(setting: OnLevel, guess: Fraction, half: int, digits: int) 
 
 
 def homoclinic_orbits(
-    orbit: Hyperbolic, side: int, most: int, progress: Callable[[float], None] | None = None
+    orbit: Hyperbolic, side: int, arrivals: Collection[int]
 ) -> list[Homoclinic]:
-    """Orbits of one branch of the unstable manifold that come to Fix(R) at one of the next `most` crossings.
+    """Orbits of one branch of the unstable manifold that come to Fix(R) at certain crossings.
 
     Arguments:
         side: 1 for the branch on which p grows, -1 for the other.
-        progress: is called with the share of the samples that is done.
+        arrivals: numbers of these crossings, counted from the fundamental interval that is sampled.
     """
-    samples = []
     length = log(abs(float(orbit.multiplier))) * (1 if orbit.multiplier > 0 else 2)
-    first = _FIRST * max(1.0, abs(float(orbit.p)))
-    for number in range(_SAMPLES + 1):
-        distance = side * first * exp(length * number / _SAMPLES)
-        samples.append((distance, _heights(orbit, distance, most)))
-        if progress is not None:
-            progress(number / _SAMPLES)
+    first = side * _FIRST * max(1.0, abs(float(orbit.p)))
+    distances = first * np.exp(length * np.linspace(0, 1, _SAMPLES + 1))
     found = []
-    for (low, left), (high, right) in zip(samples, samples[1:], strict=False):
-        for number, (one, other) in enumerate(zip(left, right, strict=False), start=1):
-            if one * other < 0:
-                root = _root(orbit, low, high, one, number)
-                if root is not None:
-                    found.append(root)
+    heights = _heights(orbit, distances, max(arrivals))
+    for number in sorted(arrivals):
+        for place in _changes(heights[number - 1]):
+            ends = distances[place], distances[place + 1]
+            for _ in range(_REFINEMENTS):
+                inner = np.linspace(*ends, _SAMPLES + 1)
+                values = _heights(orbit, inner, number)[-1]
+                changes = _changes(values)
+                if len(changes) != 1:
+                    break
+                ends = inner[changes[0]], inner[changes[0] + 1]
+            else:
+                # Where q jumps, the orbits between have other crossings.
+                if abs(values[changes[0]]) < _CLOSEST:
+                    found.append(Homoclinic(orbit, Fraction(float(sum(ends) / 2)), number))
     return found
 
 
-def _heights(orbit: Hyperbolic, distance: float, most: int) -> list[float]:
-    """q at the next crossings, as many as the orbit has before it comes too close to a singularity."""
+def _changes(values: Array) -> list[int]:
+    """Where a function changes its sign from one sample to the next."""
+    return [int(place) for place in np.flatnonzero(values[:-1] * values[1:] < 0)]
+
+
+def _heights(orbit: Hyperbolic, distances: Array, most: int) -> Array:
+    """q at the next crossings, shape (most, N), NaN where an orbit has not so many."""
     setting = orbit.setting
-    flow, section = flow_of(setting.system), setting.system.section_index
-    parameters = [float(setting.parameters[name]) for name in setting.system.parameters]
-    result: list[float] = []
-    try:
-        context = working_context(53)
-        jets = (JetBasis.graded((1,), 0).constant(context.mpf(value)) for value in orbit.point_at(distance))
-        state = [float(jet.coefficients[0]) for jet in setting.start(*jets, context)]
-        side = 0.0
-        for _ in range(_LONGEST):
-            path = flow.samples(state, orbit.period / 2, parameters)
-            for before, after in pairwise(path):
-                if side * after[section] < 0:
-                    result.append(float(_onto(flow, before, after, parameters, section)[setting.across]))
-                    if len(result) == most:
-                        return result
-                side = after[section] or side
-            state = path[-1]
-    except (FlowFailure, IntegrationFailure, ZeroDivisionError):
-        pass
-    return result
+    system, program = setting.system, setting.system.program
+    parameters = [float(setting.parameters[name]) for name in system.parameters]
 
+    def field(state: Array) -> Array:
+        values = program.evaluate([*state, *parameters], float, lambda base, power: base ** float(power))
+        return np.array([np.broadcast_to(value, state.shape[1:]) for value in values])
 
-def _onto(flow: Flow, before: Any, after: Any, parameters: Sequence[float], section: int) -> Any:
-    """The state on the section between two others, by Newton's method in the time from the nearer one."""
-    state = before if abs(before[section]) < abs(after[section]) else after
-    for _ in range(_POLISH):
-        rate = flow.derivative(state, 0.0, parameters).velocity[section]
-        state = flow.derivative(state, -state[section] / rate, parameters).state
-    return state
+    context, basis, start = working_context(53), JetBasis.graded((1,), 0), []
+    for distance in distances:
+        p, q = (basis.constant(context.mpf(value)) for value in orbit.point_at(float(distance)))
+        start.append([float(jet.coefficients[0]) for jet in setting.start(p, q, context)])
+    time = orbit.period * (most / (2 * orbit.half) + _LONGEST)
+    return crossings_of(field, np.array(start).T, system.section_index, most, time)[:, setting.across]
 
 
 def _from(orbit: Hyperbolic, distance: Any, bits: int, with_slope: bool) -> Iterator[Place]:
@@ -272,31 +264,32 @@ def _from(orbit: Hyperbolic, distance: Any, bits: int, with_slope: bool) -> Iter
     return orbit.setting.crossings(mpf(orbit.p, context) + a, slope * a, directions, bits)
 
 
-def _root(orbit: Hyperbolic, low: float, high: float, value: float, number: int) -> Homoclinic | None:
-    """By bisection; `None` if q jumps there, where the orbits between have other crossings."""
-    last = value
-    for _ in range(_BISECTIONS):
-        middle = (low + high) / 2
-        if middle in (low, high):
-            break
-        heights = _heights(orbit, middle, number)
-        if len(heights) < number:
-            return None
-        last = heights[-1]
-        low, high = (middle, high) if last * value > 0 else (low, middle)
-    return Homoclinic(orbit, Fraction(low), number) if abs(last) < _CLOSEST else None
+def _root(
+    orbit: Hyperbolic, ends: tuple[float, float], values: tuple[float, float], number: int
+) -> Homoclinic | None:
+    """The zero of q between; `None` if q jumps there, where the orbits between have other crossings."""
+
+    def height(distance: float) -> float:
+        heights = _heights(orbit, distance, number)
+        return heights[-1] if len(heights) == number else nan
+
+    root = bracketed_zero(height, ends, values, _TOLERANCE * abs(ends[0]))
+    return Homoclinic(orbit, Fraction(root), number) if abs(height(root)) < _CLOSEST else None
 
 
 def refined(orbit: Hyperbolic, guess: Fraction, number: int, digits: int) -> Homoclinic:
     """The point of the unstable direction whose orbit meets Fix(R) at crossing `number`. Raises `ConnectionFailure`."""
-    bits = 96 + round(3.33 * digits)
-    context = working_context(bits)
+    # What is lost on the way, from the distance of the start to that of the end.
+    lost = 32 - int(log2(abs(guess)))
+    bits = lost + 32 + round(3.33 * digits)
+    context, few = working_context(bits), lost + 32
     a = mpf(guess, context)
     try:
         for _ in range(_NEWTON_STEPS):
-            at = _nth(_from(orbit, fraction(a), bits, True), number)
+            at = _nth(_from(orbit, fraction(a), few, True), number)
             step = at.q / at.slopes[1][0]
             a -= step
+            few = bits if abs(step) < 1e-4 * abs(a) else few
             if abs(step) < context.mpf(10) ** -digits * abs(a):
                 return Homoclinic(orbit, fraction(a), number)
     except (IntegrationFailure, ZeroDivisionError) as failure:

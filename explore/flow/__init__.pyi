@@ -11,7 +11,6 @@ from .compilation import compiling as compiling
 from .compilation import configure_jax as configure_jax
 from .fields import given_field as given_field
 from .fields import power as power
-from .flow import Flow as Flow
 from .flow import FlowFailure as FlowFailure
 from .flow import FlowResult as FlowResult
 from .flow import Matrix as Matrix

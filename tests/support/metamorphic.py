@@ -13,7 +13,7 @@ from fractions import Fraction
 from random import Random
 from typing import Any, TypeVar
 
-from orbitproof.shared.claims import Atlas, BirthAtlas, Candidate, Covers, Piece
+from orbitproof.shared.claims import Atlas, BirthAtlas, Candidate, Covers, HomoclinicOrbit, Piece
 from orbitproof.shared.formats import (
     COORDINATE,
     HALF_PERIOD,
@@ -259,6 +259,8 @@ def changed_claim(claim: BoxClaim, change: Change) -> BoxClaim:
     """The claim told otherwise."""
     if isinstance(claim, Candidate):
         return _candidate(claim, change)
+    if isinstance(claim, HomoclinicOrbit):
+        return _homoclinic(claim, change)
     return _in_section(claim, change) if isinstance(claim, InSection) else _around_point(claim, change)
 
 
@@ -325,6 +327,22 @@ def _around_point(claim: Any, change: Change) -> Any:
             "kernel": tuple(told(row, ZERO) for row in claim.kernel),
         }
     return replace(claim, **known)
+
+
+def _homoclinic(claim: HomoclinicOrbit, change: Change) -> HomoclinicOrbit:
+    """a and s have the unit of p; q is `slope` times a difference of them."""
+    assert claim.level is not None
+    signs = dict(zip(claim.system.state, claim.reversing_symmetry, strict=True))
+    unit, is_turned = change.factor(claim.along), change.factor(claim.level_coordinate) < 0
+    return replace(
+        claim, system=changed_system(claim.system, change), parameters=_numbers(claim.parameters, change),
+        reversing_symmetry=tuple(signs[name] for name in order_of(claim.system, change)),
+        section=change.name(claim.section), level=claim.level * change.level,
+        level_coordinate=change.name(claim.level_coordinate),
+        level_sign=-claim.level_sign if is_turned else claim.level_sign,
+        slope=claim.slope * change.factor(claim.across) / unit, centre=tuple(value * unit for value in claim.centre),
+        radii=tuple(value * abs(unit) for value in claim.radii),
+    )  # fmt: skip
 
 
 def _in_section(claim: InSection, change: Change) -> InSection:

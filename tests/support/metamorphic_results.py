@@ -23,7 +23,7 @@ LEAST = 2.0**-60
 NEAR = Fraction(1, 2**20)
 """So near are ends of intervals of s."""
 
-NAMED = ("point", "other_point", "direction", "start", "end", "value", "jacobian", "derivatives")
+NAMED = ("point", "meeting", "other_point", "direction", "start", "end", "value", "jacobian", "derivatives")
 """Fields whose keys are names of coordinates and parameters."""
 CALLED = ("parameter_name", "level_name", "along", "twist_coordinate", "twist_momentum")
 """Fields that hold a name."""
@@ -32,7 +32,7 @@ RATES = ("frequency", "eigenvalues")
 OF_PARAMETER = ("parameter", "values", "all_values")
 OF_OTHER_UNITS = (
     "opening", "speed", "slope", "curvature", "unfolding", "coefficient", "gamma", "beta", "alpha", "twist", "defect",
-    "lyapunov", "torsion", "torsion_determinant", "normal_form", "local",
+    "lyapunov", "torsion", "torsion_determinant", "normal_form", "local", "departure", "slopes",
 )  # fmt: skip
 """In units of the parameter, of coordinates in the section, or of both: of these only the accuracy is compared where
 units differ."""

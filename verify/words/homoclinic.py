@@ -67,7 +67,7 @@ def homoclinic_in_full(claim: HomoclinicOrbit, theorem: str, found: HomoclinicRe
     )
     place = ", ".join(located(name, ball, _DIGITS) for name, ball in keyed_in_words(system, found.meeting).items())
     yield (
-        f"The homoclinic orbit leaves at a in {decimal_interval(found.distance, _DIGITS)} and meets Fix(R) at {place}, "
+        f"The homoclinic orbit leaves at a in {decimal_interval(found.departure, _DIGITS)} and meets Fix(R) at {place}, "
         f"after a time in {decimal_interval(found.time, _DIGITS)}. The derivatives of {p} and {q} there by a, along the "
         f"unstable manifold, lie in {' and '.join(decimal_interval(ball, _DIGITS) for ball in found.slopes)}."
     )
