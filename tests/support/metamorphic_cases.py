@@ -12,6 +12,7 @@ from support import (
     birth_cases,
     breaking_cases,
     equilibrium_cases,
+    homoclinic_cases,
     krein_cases,
     periodic_curves,
     springs,
@@ -191,6 +192,7 @@ ROWS: Mapping[str, Callable[[], BoxClaim]] = {
     "equilibrium-functions": equilibrium_cases.equilibrium_with_functions,
     "hopf": equilibrium_cases.hopf,
     "hopf-functions": equilibrium_cases.hopf_with_functions,
+    "homoclinic": homoclinic_cases.wells,
 }
 """By what is claimed."""
 

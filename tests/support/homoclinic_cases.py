@@ -1,0 +1,40 @@
+"""Homoclinic orbits of a system of one's own and of the planar three-body problem (section 40)."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+from orbitproof.shared.claims import HomoclinicOrbit
+from orbitproof.shared.formats import define_system
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.systems import CR3BP_PLANAR
+
+WELLS = define_system({
+    "name": "wells", "state": "x y u v", "parameters": "w e", "where": {"z": "x - 1"},
+    "field": {"x": "u", "y": "v", "u": "z - z**3 - 2*e*z*y**2", "v": "-w*y - 2*e*z**2*y"},
+    "first_integral": "(u**2 + v**2)/2 - z**2/2 + z**4/4 + w*y**2/2 + e*z**2*y**2", "first_integral_name": "energy",
+})  # fmt: skip
+"""A particle that swings in y where two wells in x meet, at x = 1."""
+MULTIPLIER = 20.940258827600452
+"""Of x = 1, y = sin(2 t)/2, for w = 4, e = 1/4: in x an equation of Mathieu."""
+
+
+def wells() -> HomoclinicOrbit:
+    """Of x = 1 at the energy 1/2."""
+    return HomoclinicOrbit(
+        "wells", WELLS, {"w": Q(4), "e": Q(1, 4)}, reversing_symmetry=(1, -1, -1, 1), section="y", level=Q(1, 2),
+        level_coordinate="v", level_sign=1, crossings=2, arrival=10, slope=parse_exact("0x1f2dbda6698feb8d7p-65"),
+        cone=parse_exact("0x9p-34"), centre=(Q(1), parse_exact("0x1993530e280d5cf03p-85")),
+        radii=(Q(5, 2**22), Q(13, 2**48)),
+    )  # fmt: skip
+
+
+def jupiter() -> HomoclinicOrbit:
+    """Of the Lyapunov orbit about L1 with C = 3.03 in the units of Wilczak and Zgliczynski."""
+    mu = Q("0.0009537")
+    return HomoclinicOrbit(
+        "L1", CR3BP_PLANAR, {"mu": mu}, reversing_symmetry=(1, -1, -1, 1), section="y", level=Q("3.03") - mu * (1 - mu),
+        level_coordinate="vy", level_sign=1, crossings=2, arrival=7, slope=Q("2.5733012193647429351"), cone=Q("2e-8"),
+        centre=(Q("0.920803491320743247190172918050642056"), Q("-2.107686028449205278722206960e-12")),
+        radii=(Q("3e-12"), Q("1e-19")),
+    )  # fmt: skip
