@@ -14,7 +14,7 @@ _BOX = Fraction(3, 2)
 _INTERVAL = 2.0**-24
 """Half-width of the interval of a, as a part of a."""
 _BITS = 64
-_WIDER = 2
+_WIDER = 4
 """The cone is so many times as wide as the samples ask for."""
 
 

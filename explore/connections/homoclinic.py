@@ -203,9 +203,7 @@ def hyperbolic_orbit(setting: OnLevel, guess: Fraction, half: int, digits: int) 
     return Hyperbolic(setting, half, fraction(p), fraction(multiplier), fraction(slope), back.time)
 
 
-def homoclinic_orbits(
-    orbit: Hyperbolic, side: int, arrivals: Collection[int]
-) -> list[Homoclinic]:
+def homoclinic_orbits(orbit: Hyperbolic, side: int, arrivals: Collection[int]) -> list[Homoclinic]:
     """Orbits of one branch of the unstable manifold that come to Fix(R) at certain crossings.
 
     Arguments:
@@ -264,9 +262,7 @@ def _from(orbit: Hyperbolic, distance: Any, bits: int, with_slope: bool) -> Iter
     return orbit.setting.crossings(mpf(orbit.p, context) + a, slope * a, directions, bits)
 
 
-def _root(
-    orbit: Hyperbolic, ends: tuple[float, float], values: tuple[float, float], number: int
-) -> Homoclinic | None:
+def _root(orbit: Hyperbolic, ends: tuple[float, float], values: tuple[float, float], number: int) -> Homoclinic | None:
     """The zero of q between; `None` if q jumps there, where the orbits between have other crossings."""
 
     def height(distance: float) -> float:

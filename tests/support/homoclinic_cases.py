@@ -23,9 +23,8 @@ def wells() -> HomoclinicOrbit:
     """Of x = 1 at the energy 1/2."""
     return HomoclinicOrbit(
         "wells", WELLS, {"w": Q(4), "e": Q(1, 4)}, reversing_symmetry=(1, -1, -1, 1), section="y", level=Q(1, 2),
-        level_coordinate="v", level_sign=1, crossings=2, arrival=10, slope=parse_exact("0x1f2dbda6698feb8d7p-65"),
-        cone=parse_exact("0x9p-34"), centre=(Q(1), parse_exact("0x1993530e280d5cf03p-85")),
-        radii=(Q(5, 2**22), Q(13, 2**48)),
+        level_coordinate="v", level_sign=1, crossings=2, arrival=6, slope=parse_exact("0x1f2dbda6698feb8d7p-65"),
+        cone=Q(7, 2**16), centre=(Q(1), Q(12626638772568271387, 2**75)), radii=(Q(9, 2**14), Q(11, 2**39)),
     )  # fmt: skip
 
 

@@ -20,7 +20,7 @@ from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic import Linearised
 from orbitproof.verify.poincare import IntegratorSettings
 
-BITS = 128
+BITS = 96
 LIMITS = Limits(digits=10, max_precision=256)
 
 

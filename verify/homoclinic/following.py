@@ -17,8 +17,8 @@ from orbitproof.verify.maps import Format, FramedOrbits, FramingOracle, Starting
 from orbitproof.verify.periodic import Linearised
 from orbitproof.verify.poincare import BOX_RATIO, IntegratorSettings, default_order, derivative_table, physical
 
-_DEGREE = 2
-"""Degree of the polynomials in (a, s): with 1 the derivatives over the box are known a hundred times as roughly."""
+_OF_RETURN, _OF_ARRIVAL = 3, 2
+"""Degrees of the polynomials in (a, s): the cone wants derivatives that are known well over all of the box."""
 
 
 @dataclass(frozen=True)
@@ -80,20 +80,24 @@ def enclose_homoclinic(
     Raises `IntegrationFailure` if something could not be enclosed.
     """
     order = default_order(settings.precision) if settings.order is None else settings.order
-    chosen = Format(settings.precision, _DEGREE, order)
     whole = claim.crossings + claim.arrival
     radius, half_width = claim.radii
+
+    def chosen(degree: int) -> Format:
+        return Format(settings.precision, degree, order)
 
     def report(before: int) -> Callable[[int], None]:
         return lambda crossings: None if progress is None else progress((before + crossings) / whole)
 
-    returned, first = _follow(claim, Fraction(0), (radius, radius), claim.crossings, chosen, oracle, True, report(0))
+    returned, first = _follow(
+        claim, Fraction(0), (radius, radius), claim.crossings, chosen(_OF_RETURN), oracle, True, report(0)
+    )
     arrived, second = _follow(
         claim,
         claim.centre[1],
         (half_width, width_of_sliver(claim)),
         claim.arrival,
-        chosen,
+        chosen(_OF_ARRIVAL),
         oracle,
         False,
         report(claim.crossings),

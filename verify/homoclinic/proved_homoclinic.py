@@ -105,9 +105,7 @@ def prove_homoclinic(
     return concluded(HomoclinicTheorem(claim), checklist, check)
 
 
-def _checked(
-    checklist: Checklist, claim: HomoclinicOrbit, found: HomoclinicEnclosures | None
-) -> HomoclinicEnclosures:
+def _checked(checklist: Checklist, claim: HomoclinicOrbit, found: HomoclinicEnclosures | None) -> HomoclinicEnclosures:
     """Every enclosure that is used is there and finite, times are positive, and the box returns to its sheet."""
     statement = (
         "all orbits of the box cross the section as often as claimed and come back to the sheet of the level with the "
