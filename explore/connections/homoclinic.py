@@ -1,9 +1,9 @@
 """Symmetric homoclinic orbits of reversible systems with two degrees of freedom, on a level of the first integral.
 
-The section of the system on one level is a surface with the coordinates (p, q); R maps (p, q) to (p, -q), and Fix(R) is
-q = 0. A symmetric periodic orbit meets the section in a point of Fix(R). Its unstable manifold leaves in the direction
-(1, slope), and points of the manifold that come to Fix(R) lie on homoclinic orbits, because R maps the unstable manifold
-to the stable one. Not rigorous.
+On one level the section is a surface with the coordinates (p, q); R maps (p, q) to (p, -q), and Fix(R) is q = 0. A
+symmetric periodic orbit meets the section in a point of Fix(R). Its unstable manifold leaves in the direction
+(1, slope). Points of the manifold that come to Fix(R) lie on homoclinic orbits, because R maps the unstable manifold to the
+stable one. Not rigorous.
 """
 
 from __future__ import annotations
@@ -193,7 +193,7 @@ def hyperbolic_orbit(setting: OnLevel, guess: Fraction, half: int, digits: int) 
         back = _nth(setting.crossings(p, 0, [(1, 0), (0, 1)], bits), 2 * half)
     except (IntegrationFailure, ZeroDivisionError) as failure:
         raise ConnectionFailure(f"the periodic orbit is not found: {failure}") from None
-    (a, b), (c, d) = back.slopes
+    (a, b), (_, d) = back.slopes
     square = (a + d) ** 2 / 4 - 1
     if not square > 0:
         raise ConnectionFailure("the orbit is not hyperbolic: it has no unstable manifold")
@@ -260,17 +260,6 @@ def _from(orbit: Hyperbolic, distance: Any, bits: int, with_slope: bool) -> Iter
     a, slope = mpf(distance, context), mpf(orbit.slope, context)
     directions = [(1, slope)] if with_slope else []
     return orbit.setting.crossings(mpf(orbit.p, context) + a, slope * a, directions, bits)
-
-
-def _root(orbit: Hyperbolic, ends: tuple[float, float], values: tuple[float, float], number: int) -> Homoclinic | None:
-    """The zero of q between; `None` if q jumps there, where the orbits between have other crossings."""
-
-    def height(distance: float) -> float:
-        heights = _heights(orbit, distance, number)
-        return heights[-1] if len(heights) == number else nan
-
-    root = bracketed_zero(height, ends, values, _TOLERANCE * abs(ends[0]))
-    return Homoclinic(orbit, Fraction(root), number) if abs(height(root)) < _CLOSEST else None
 
 
 def refined(orbit: Hyperbolic, guess: Fraction, number: int, digits: int) -> Homoclinic:

@@ -23,12 +23,12 @@ def homoclinic_in_words(theorem: HomoclinicTheorem) -> str:
     given = f" ({named} as in the candidate)" if named else ""
     return (
         f"On the level {exact_text(claim.level)} of the {integral} of the {claim.system.title}{given}, the box "
-        f"contains exactly one point of a periodic orbit that crosses the section {claim.crossings} times in its period. "
-        "R maps this orbit to itself, and it is hyperbolic on the level. Over the interval of a, the branch of its "
-        f"unstable manifold in the box has exactly one point whose orbit is in Fix(R) at crossing {claim.arrival} from "
-        "there. This orbit is homoclinic to the periodic orbit, R maps it to itself, and along it the unstable and the "
-        "stable manifold intersect transversally in the level. Therefore some iterate of the return map has a compact "
-        "invariant set near the periodic orbit on which it is conjugate to the shift on two symbols: the level contains "
+        f"contains exactly one point of a periodic orbit that crosses the section {claim.crossings} times in its "
+        "period. R maps this orbit to itself, and it is hyperbolic on the level. Over the interval of a, the branch of "
+        f"its unstable manifold in the box has exactly one point whose orbit is in Fix(R) at crossing {claim.arrival} "
+        "from there. This orbit is homoclinic to the periodic orbit, R maps it to itself, and along it the unstable and "
+        "the stable manifold intersect transversally in the level. Therefore some iterate of the return map has a compact "
+        "invariant set near the periodic orbit on which it is conjugate to the shift on two symbols: the level has "
         "infinitely many periodic orbits, and the topological entropy of the flow on it is positive."
     )
 
@@ -67,7 +67,7 @@ def homoclinic_in_full(claim: HomoclinicOrbit, theorem: str, found: HomoclinicRe
     )
     place = ", ".join(located(name, ball, _DIGITS) for name, ball in keyed_in_words(system, found.meeting).items())
     yield (
-        f"The homoclinic orbit leaves at a in {decimal_interval(found.departure, _DIGITS)} and meets Fix(R) at {place}, "
-        f"after a time in {decimal_interval(found.time, _DIGITS)}. The derivatives of {p} and {q} there by a, along the "
-        f"unstable manifold, lie in {' and '.join(decimal_interval(ball, _DIGITS) for ball in found.slopes)}."
+        f"The homoclinic orbit leaves at a in {decimal_interval(found.departure, _DIGITS)} and meets Fix(R) at "
+        f"{place}, after a time in {decimal_interval(found.time, _DIGITS)}. The derivatives of {p} and {q} there by a, "
+        f"along the unstable manifold, lie in {' and '.join(decimal_interval(ball, _DIGITS) for ball in found.slopes)}."
     )
