@@ -1,9 +1,9 @@
 """Symmetric homoclinic orbits of reversible systems with two degrees of freedom, on a level of the first integral.
 
 On one level the section is a surface with the coordinates (p, q); R maps (p, q) to (p, -q), and Fix(R) is q = 0. A
-symmetric periodic orbit meets the section in a point of Fix(R). Its unstable manifold leaves in the direction
-(1, slope). Points of the manifold that come to Fix(R) lie on homoclinic orbits, because R maps the unstable manifold to the
-stable one. Not rigorous.
+symmetric periodic orbit meets the section in a point of Fix(R). Its unstable manifold leaves in the direction (1,
+slope). Points of the manifold that come to Fix(R) lie on homoclinic orbits, because R maps the unstable manifold to
+the stable one. Not rigorous.
 """
 
 from __future__ import annotations
