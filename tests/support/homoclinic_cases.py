@@ -9,11 +9,12 @@ from orbitproof.shared.formats import define_system
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import CR3BP_PLANAR
 
-WELLS = define_system({
+DESCRIBED = {
     "name": "wells", "state": "x y u v", "parameters": "w e", "where": {"z": "x - 1"},
     "field": {"x": "u", "y": "v", "u": "z - z**3 - 2*e*z*y**2", "v": "-w*y - 2*e*z**2*y"},
     "first_integral": "(u**2 + v**2)/2 - z**2/2 + z**4/4 + w*y**2/2 + e*z**2*y**2", "first_integral_name": "energy",
-})  # fmt: skip
+}  # fmt: skip
+WELLS = define_system(DESCRIBED)
 """A particle that swings in y where two wells in x meet, at x = 1."""
 MULTIPLIER = 20.940258827600452
 """Of x = 1, y = sin(2 t)/2, for w = 4, e = 1/4: in x an equation of Mathieu."""

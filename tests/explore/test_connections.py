@@ -1,0 +1,75 @@
+"""Homoclinic orbits are found, and claimed so that they are proved."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction as Q
+from pathlib import Path
+
+import pytest
+from support import homoclinic_cases as cases
+
+from orbitproof.explore.__main__ import main
+from orbitproof.explore.connections import (
+    ConnectionFailure,
+    Homoclinic,
+    Hyperbolic,
+    OnLevel,
+    homoclinic_claim,
+    homoclinic_orbits,
+    hyperbolic_orbit,
+)
+from orbitproof.shared.formats import define_system, read_claims
+from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.verify.certificate import Limits, certify
+
+DESCRIBED = {**cases.DESCRIBED, "R": {"y": -1, "u": -1}, "section": "y", "level_coordinate": "v"}
+
+
+@pytest.fixture(scope="module")
+def orbit() -> Hyperbolic:
+    system = define_system(DESCRIBED)
+    assert isinstance(system, ReversibleSystem)
+    return hyperbolic_orbit(OnLevel(system, {"w": Q(4), "e": Q(1, 4)}, Q(1, 2), 1), Q(101, 100), 1, 20)
+
+
+def test_the_periodic_orbit_and_its_unstable_direction_are_found(orbit: Hyperbolic) -> None:
+    assert abs(orbit.p - 1) < Q(1, 10**20)
+    assert abs(float(orbit.multiplier) / cases.MULTIPLIER - 1) < 1e-12
+    assert abs(orbit.slope - cases.wells().slope) < Q(1, 10**15)
+
+
+def test_a_homoclinic_orbit_is_claimed_as_near_as_asked_for(orbit: Hyperbolic) -> None:
+    found = Homoclinic(orbit, cases.wells().centre[1] * Q(10001, 10000), 6)
+    claim = homoclinic_claim(found, "wells", 1e-3, 20)
+    assert claim.arrival == 6
+    assert abs(claim.centre[1] / cases.wells().centre[1] - 1) < Q(1, 10**9)
+    closer = homoclinic_claim(found, "wells", 1e-4, 20)
+    assert closer.arrival == 8
+    assert abs(closer.centre[1]) < Q(1, 10**4) < claim.centre[1]
+
+
+def test_what_is_not_there_is_told_in_a_line(orbit: Hyperbolic) -> None:
+    setting = orbit.setting
+    with pytest.raises(ConnectionFailure, match="no point of the level"):
+        hyperbolic_orbit(OnLevel(setting.system, setting.parameters, Q(-10), 1), Q(1), 1, 20)
+
+
+@pytest.mark.slow
+def test_orbits_of_a_branch_are_found_by_their_crossings(orbit: Hyperbolic) -> None:
+    (found,) = homoclinic_orbits(orbit, 1, (10,))
+    assert abs(float(found.distance) / 7.62208881e-07 - 1) < 1e-4
+    # x - 1 changes its sign with u: the other branch is its mirror image.
+    (other,) = homoclinic_orbits(orbit, -1, (10,))
+    assert abs(found.distance + other.distance) < Q(1, 10**10)
+
+
+@pytest.mark.slow
+def test_what_the_command_finds_is_proved(tmp_path: Path) -> None:
+    system, claims = tmp_path / "wells.json", tmp_path / "claims.json"
+    system.write_text(json.dumps(DESCRIBED))
+    words = f"connections --system {system} --parameter w=4 e=1/4 --level 1/2 --start x=1.01 --side 1 --arrivals 10"
+    assert main([*words.split(), "--near", "1e-5", "-o", str(claims), "--quiet"]) == 0
+    (claim,) = read_claims(claims)
+    found = certify(claim, Limits(digits=10))
+    assert found.proved, found.reason
