@@ -102,7 +102,7 @@ DOORS = {
         "verify.stability.between_orbits",
         "verify.stability.matching",
     ),
-    "one orbit, or two resonances that meet": ("shared.claims.special_claims",),
+    "one orbit, two resonances that meet, or a homoclinic orbit": ("shared.claims.special_claims",),
     "systems with further reversing symmetries": ("shared.systems.further_reversors",),
     "input that is refused": ("shared.printing",),
     "distances from a body": ("verify.distances.distances",),

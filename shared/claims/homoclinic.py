@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import Annotated, Any, Literal
 
 from orbitproof.shared.claims.fields import Crossings, Id, Identifier, Numbers, Vector
-from orbitproof.shared.claims.without_symmetry import WithoutSymmetry, check_numbers, check_positive, refuse
+from orbitproof.shared.claims.without_symmetry import WithoutSymmetry
 from orbitproof.shared.stored import Rational, rules, stored
-from orbitproof.shared.systems import ReversibleSystem, System
+from orbitproof.shared.systems import System
 
 HOMOCLINIC = "homoclinic"
 Signs = Annotated[tuple[Literal[1, -1], ...], rules("signs", minItems=4, maxItems=4)]
@@ -64,37 +63,9 @@ class HomoclinicOrbit(WithoutSymmetry):
 
     def __post_init__(self) -> None:
         """Raises `InputError`, one line that begins with the field, for what could not be written as a claim."""
-        self.check_setting()
-        system = self.system
-        if len(system.state) != 4 or system.defined:
-            refuse("system", f"{system.name} has not 4 coordinates in plain arithmetic", "give another system")
-        if self.level is None:
-            refuse("level", "missing", "give that of the first integral")
-        if system.first_integral_program is None:
-            refuse("level", f"{system.name} has no first integral", "give a system that has one")
-        signs = self.reversing_symmetry
-        if len(signs) != 4 or any(type(sign) is not int or sign not in (1, -1) for sign in signs) or sum(signs):
-            refuse("reversing_symmetry", f"{signs!r} are not two signs 1 and two -1", "give one for each coordinate")
-        for name, value, sign in (("section", self.section, -1), ("level_coordinate", self.level_coordinate, 1)):
-            if value not in system.state or signs[system.state.index(value)] != sign:
-                refuse(name, f"{value!r} is no coordinate with the sign {sign}", f"name one of {system.state}")
-        if type(self.level_sign) is not int or self.level_sign not in (1, -1):
-            refuse("level_sign", f"{self.level_sign!r} is no sign", "give 1 or -1")
-        for name in ("crossings", "arrival"):
-            number = getattr(self, name)
-            if type(number) is not int or number < 1:
-                refuse(name, f"{number!r} is no number of crossings", "give an integer, at least 1")
-        for name in ("centre", "radii"):
-            if len(getattr(self, name)) != 2:
-                refuse(name, "wrong length", "give 2 numbers")
-        check_numbers({"level": [(self.level,)]}, rational=True)
-        check_numbers({
-            "slope": [(self.slope,)], "cone": [(self.cone,)], "centre": [self.centre], "radii": [self.radii],
-        })  # fmt: skip
-        check_positive("radii", self.radii)
-        check_positive("cone", [self.cone])
-        if not self.slope:
-            refuse("slope", "it is 0", "give that of the unstable direction")
+        from orbitproof.shared.claims.special_claims import check_homoclinic
+
+        check_homoclinic(self)
 
     @property
     def half_widths(self) -> Vector:
@@ -106,34 +77,19 @@ class HomoclinicOrbit(WithoutSymmetry):
         """Names of the coordinates of the centre."""
         return self.along, "a"
 
-    @cached_property
+    @property
     def along(self) -> str:
         """The name of p."""
-        others = zip(self.system.state, self.reversing_symmetry, strict=True)
-        return next(name for name, sign in others if sign == 1 and name != self.level_coordinate)
+        return self._other(1, self.level_coordinate)
 
-    @cached_property
+    @property
     def across(self) -> str:
         """The name of q."""
-        others = zip(self.system.state, self.reversing_symmetry, strict=True)
-        return next(name for name, sign in others if sign == -1 and name != self.section)
+        return self._other(-1, self.section)
 
-    @cached_property
-    def reversible(self) -> ReversibleSystem:
-        """The system with the reversing symmetry, the section and the level coordinate of the claim."""
-        system = self.system
-        return ReversibleSystem(
-            name=system.name,
-            title=system.title,
-            state=system.state,
-            parameters=system.parameters,
-            vector_field=system.vector_field,
-            reversing_symmetry=self.reversing_symmetry,
-            section=self.section,
-            level_coordinate=self.level_coordinate,
-            first_integral=system.first_integral,
-            first_integral_name=system.first_integral_name,
-        )
+    def _other(self, sign: int, name: str) -> str:
+        signs = zip(self.system.state, self.reversing_symmetry, strict=True)
+        return next(each for each, own in signs if own == sign and each != name)
 
     def __repr__(self) -> str:
         return f"<HomoclinicOrbit {self.id!r}: of {self.system.name}>"

@@ -1,11 +1,15 @@
-"""What a claim about one orbit, or about two resonances that meet, has to fulfil besides."""
+"""What a claim about one orbit, two resonances that meet, or a homoclinic orbit has to fulfil besides."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from orbitproof.shared.claims.candidate import COORDINATE, HALF_PERIOD, LEVEL, QUANTITIES, Candidate, Equation
+from orbitproof.shared.claims.without_symmetry import check_numbers, check_positive, refuse
+
+if TYPE_CHECKING:
+    from orbitproof.shared.claims.homoclinic import HomoclinicOrbit
 
 Refuse = Callable[[str, str, str], NoReturn]
 """Called with the field, what is wrong and the remedy."""
@@ -42,3 +46,38 @@ def check_varying(candidate: Candidate, refuse: Refuse) -> None:
         refuse("kind", f"{candidate.kind} with k = {candidate.k}", "give k > 1, and neither symmetry nor level_sign")
     if candidate.system.family_parameter is not None:
         refuse("kind", f"{candidate.kind} in a system with a family parameter", "claim it of one with a first integral")
+
+
+def check_homoclinic(claim: HomoclinicOrbit) -> None:
+    """Raises `InputError`, one line that begins with the field, for a homoclinic orbit that could not be claimed."""
+    claim.check_setting()
+    system = claim.system
+    if len(system.state) != 4 or system.defined:
+        refuse("system", f"{system.name} has not 4 coordinates in plain arithmetic", "give another system")
+    if claim.level is None:
+        refuse("level", "missing", "give that of the first integral")
+    if system.first_integral_program is None:
+        refuse("level", f"{system.name} has no first integral", "give a system that has one")
+    signs = claim.reversing_symmetry
+    if len(signs) != 4 or any(type(sign) is not int or sign not in (1, -1) for sign in signs) or sum(signs):
+        refuse("reversing_symmetry", f"{signs!r} are not two signs 1 and two -1", "give one for each coordinate")
+    for name, value, sign in (("section", claim.section, -1), ("level_coordinate", claim.level_coordinate, 1)):
+        if value not in system.state or signs[system.state.index(value)] != sign:
+            refuse(name, f"{value!r} is no coordinate with the sign {sign}", f"name one of {system.state}")
+    if type(claim.level_sign) is not int or claim.level_sign not in (1, -1):
+        refuse("level_sign", f"{claim.level_sign!r} is no sign", "give 1 or -1")
+    for name in ("crossings", "arrival"):
+        number = getattr(claim, name)
+        if type(number) is not int or number < 1:
+            refuse(name, f"{number!r} is no number of crossings", "give an integer, at least 1")
+    for name in ("centre", "radii"):
+        if len(getattr(claim, name)) != 2:
+            refuse(name, "wrong length", "give 2 numbers")
+    check_numbers({"level": [(claim.level,)]}, rational=True)
+    check_numbers({
+        "slope": [(claim.slope,)], "cone": [(claim.cone,)], "centre": [claim.centre], "radii": [claim.radii],
+    })  # fmt: skip
+    check_positive("radii", claim.radii)
+    check_positive("cone", [claim.cone])
+    if not claim.slope:
+        refuse("slope", "it is 0", "give that of the unstable direction")

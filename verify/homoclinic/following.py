@@ -10,6 +10,7 @@ from flint import arb
 
 from orbitproof.shared.claims.homoclinic import HomoclinicOrbit
 from orbitproof.shared.stored import stored
+from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series, at_start
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 from orbitproof.verify.evidence import DerivativeTable, IntegrationFailure, guarded
@@ -61,6 +62,23 @@ class HomoclinicEnclosures:
     precision: int = stored(hidden=True, default=0)
     steps: int = stored(hidden=True, default=0)
     coordinates: str = stored(hidden=True, default="physical")
+
+
+def reversible(claim: HomoclinicOrbit) -> ReversibleSystem:
+    """The system with the reversing symmetry, the section and the level coordinate of the claim."""
+    system = claim.system
+    return ReversibleSystem(
+        name=system.name,
+        title=system.title,
+        state=system.state,
+        parameters=system.parameters,
+        vector_field=system.vector_field,
+        reversing_symmetry=claim.reversing_symmetry,
+        section=claim.section,
+        level_coordinate=claim.level_coordinate,
+        first_integral=system.first_integral,
+        first_integral_name=system.first_integral_name,
+    )
 
 
 def width_of_sliver(claim: HomoclinicOrbit) -> Fraction:
@@ -116,7 +134,7 @@ def _follow(
     report: Callable[[int], None],
 ) -> tuple[Way, int]:
     """The crossing of that number of the points (a + p_0, p_1) with abs(p_j) <= radii_j, and the number of steps."""
-    system, names = claim.reversible, claim.system.state
+    system, names = reversible(claim), claim.system.state
     assert claim.level is not None
     if not quadratic_coefficient(system):
         raise IntegrationFailure("level", f"no coordinate of {system.name} follows from the level", "give another one")

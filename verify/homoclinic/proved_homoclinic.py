@@ -23,7 +23,7 @@ from orbitproof.verify.evidence import (
     show,
     symmetric,
 )
-from orbitproof.verify.homoclinic.following import HomoclinicEnclosures, Way, balls_of, width_of_sliver
+from orbitproof.verify.homoclinic.following import HomoclinicEnclosures, Way, balls_of, reversible, width_of_sliver
 from orbitproof.verify.newton import is_regular, newton_image
 from orbitproof.verify.periodic import Linearised
 
@@ -65,11 +65,11 @@ class HomoclinicTheorem:
 
 def check_homoclinic_exactly(checklist: Checklist, claim: HomoclinicOrbit) -> None:
     """All hypotheses that need no integration; raises `NotEstablishedError` for the first that fails."""
-    check_symmetries(checklist, claim.reversible)
+    check_symmetries(checklist, reversible(claim))
     statement = "the first integral is A + b w^2, w the level coordinate, A independent of w, b a constant other than 0"
     remedy = "give another coordinate as level_coordinate"
     with checklist.hypothesis("level", "40.1", statement, remedy) as evidence:
-        coefficient = quadratic_coefficient(claim.reversible)
+        coefficient = quadratic_coefficient(reversible(claim))
         evidence.require(bool(coefficient), "the program of the first integral does not show it")
         if coefficient:
             evidence.record("b", enclose(coefficient))
