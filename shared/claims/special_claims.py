@@ -59,7 +59,7 @@ def check_homoclinic(claim: HomoclinicOrbit) -> None:
     if system.first_integral_program is None:
         refuse("level", f"{system.name} has no first integral", "give a system that has one")
     signs = claim.reversing_symmetry
-    if len(signs) != 4 or any(type(sign) is not int or sign not in (1, -1) for sign in signs) or sum(signs):
+    if len(signs) != 4 or any(type(sign) is not int or sign not in (1, -1) for sign in signs) or signs.count(1) != 2:
         refuse("reversing_symmetry", f"{signs!r} are not two signs 1 and two -1", "give one for each coordinate")
     for name, value, sign in (("section", claim.section, -1), ("level_coordinate", claim.level_coordinate, 1)):
         if value not in system.state or signs[system.state.index(value)] != sign:

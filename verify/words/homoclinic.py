@@ -23,13 +23,14 @@ def homoclinic_in_words(theorem: HomoclinicTheorem) -> str:
     given = f" ({named} as in the candidate)" if named else ""
     return (
         f"On the level {exact_text(claim.level)} of the {integral} of the {claim.system.title}{given}, the box "
-        f"contains exactly one point of a periodic orbit that crosses the section {claim.crossings} times in its "
-        "period. R maps this orbit to itself, and it is hyperbolic on the level. Over the interval of a, the branch of "
-        f"its unstable manifold in the box has exactly one point whose orbit is in Fix(R) at crossing {claim.arrival} "
-        "from there. This orbit is homoclinic to the periodic orbit, R maps it to itself, and along it the unstable "
-        "and the stable manifold intersect transversally in the level. Therefore some iterate of the return map has "
-        "a compact invariant set near the periodic orbit on which it is conjugate to the shift on two symbols: the "
-        "level has infinitely many periodic orbits, and the topological entropy of the flow on it is positive."
+        f"contains exactly one point that its orbit comes back to at crossing {claim.crossings} of the section. R maps "
+        "this periodic orbit to itself, and it is hyperbolic on the level. Its unstable manifold leads from this point "
+        f"through the box as a graph s = g(a), |g'| at most {exact_text(claim.cone)}. Over the interval of a, this graph "
+        f"has exactly one point whose orbit is in Fix(R) at crossing {claim.arrival} from there. This orbit is "
+        "homoclinic to the periodic orbit, R maps it to itself, and along it the unstable and the stable manifold "
+        "intersect transversally in the level. Therefore some iterate of the return map has a compact invariant set on "
+        "which it is conjugate to the shift on two symbols: the level has infinitely many periodic orbits, and the "
+        "topological entropy of the flow on it is positive."
     )
 
 
