@@ -250,7 +250,10 @@ def _heights(orbit: Hyperbolic, distances: Array, most: int) -> Array:
     context, basis, start = working_context(53), JetBasis.graded((1,), 0), []
     for distance in distances:
         p, q = (basis.constant(context.mpf(value)) for value in orbit.point_at(float(distance)))
-        start.append([float(jet.coefficients[0]) for jet in setting.start(p, q, context)])
+        try:
+            start.append([float(jet.coefficients[0]) for jet in setting.start(p, q, context)])
+        except IntegrationFailure:
+            start.append([np.nan] * len(system.state))
     time = orbit.period * (most / (2 * orbit.half) + _LONGEST)
     return crossings_of(field, np.array(start).T, system.section_index, most, time)[:, setting.across]
 
