@@ -67,7 +67,7 @@ def test_orbits_of_a_branch_are_found_by_their_crossings(orbit: Hyperbolic) -> N
 @pytest.mark.slow
 def test_what_the_command_finds_is_proved(tmp_path: Path) -> None:
     system, claims = tmp_path / "wells.json", tmp_path / "claims.json"
-    system.write_text(json.dumps(DESCRIBED))
+    system.write_text(json.dumps({"format": "orbitproof-system", "version": 1, **DESCRIBED}))
     words = f"connections --system {system} --parameter w=4 e=1/4 --level 1/2 --start x=1.01 --side 1 --arrivals 10"
     assert main([*words.split(), "--near", "1e-5", "-o", str(claims), "--quiet"]) == 0
     (claim,) = read_claims(claims)
