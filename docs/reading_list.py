@@ -92,6 +92,7 @@ DOORS = {
         "verify.claim.related_functions",
         "verify.poincare.functions",
     ),
+    "systems with a periodic force": ("shared.systems.forcing",),
     "systems on a fixed level of an integral": (
         "verify.claim.fixed_level",
         "verify.poincare.level_set",

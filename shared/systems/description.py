@@ -22,8 +22,7 @@ from orbitproof.shared.systems.described_functions import (
     name_of,
 )
 from orbitproof.shared.systems.described_levels import exact_number, level_entry, level_of
-from orbitproof.shared.systems.forcing import without_time
-from orbitproof.shared.systems.formulas import FormulaError
+from orbitproof.shared.systems.formulas import FormulaError, has_time
 from orbitproof.shared.systems.functions import FUNCTIONS, Call, FunctionsOf, argument_of, rates_of
 from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
 from orbitproof.shared.systems.names import fits
@@ -225,13 +224,14 @@ def _formulas_of(
         defined = _read_defined(entry["defined"], state, parameters)
     elif isinstance(field, Mapping) and isinstance(where, Mapping):
         try:
-            if forced and set(field) == set(state):
+            every = (*field.values(), *where.values(), *texts.values())
+            if forced and set(field) == set(state) and any(map(has_time, every)):
+                from orbitproof.shared.systems.forcing import without_time
+
                 free = without_time(state, parameters, field, where, texts)
-                state, field, where, texts = free.state, free.field, free.where, dict(free.texts)
+                state, field, where, texts = free.state, free.field, free.where, {**free.texts}
             found = FunctionsOf((*state, *parameters, *where, *taken), where)
-            where = {key: _without(found, text) for key, text in where.items()}
-            field = {key: _without(found, text) for key, text in field.items()}
-            texts = {key: _without(found, text) for key, text in texts.items()}
+            where, field, texts = ({key: _without(found, each[key]) for key in each} for each in (where, field, texts))
         except FormulaError as error:
             raise DescriptionError(f"field: {error}") from None
         if found.calls:

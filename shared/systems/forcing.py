@@ -9,15 +9,14 @@ those with u = v = 0, are those of the forced one, and their periods are multipl
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd, lcm
 from typing import Any
 
-from orbitproof.shared.systems.formulas import LONGEST, FormulaError, evaluate_formula
+from orbitproof.shared.systems.formulas import TIME, FormulaError, evaluate_formula, nodes_of
 
-TIME = "t"
 FORCE = ("force_cos", "force_sin")
 """The cosine and the sine of the force's phase, as coordinates. At the start it is 0."""
 FORCE_AT_START = dict(zip(FORCE, ("1", "0"), strict=True))
@@ -53,11 +52,9 @@ def without_time(
 
     Raises `FormulaError` where the time stands otherwise than in `_MULTIPLES`.
     """
-    plain = Forced(state, field, where, texts)
     names = (*state, *parameters, *where)
-    every = (*field.values(), *where.values(), *texts.values())
-    if TIME in names or not any(_has_time(text) for text in every):
-        return plain
+    if TIME in names:
+        return Forced(state, field, where, texts)
     for name in names:
         # Harmonics have such names too, with a number.
         if name.startswith(FORCE):
@@ -115,20 +112,6 @@ def _common(rates: Sequence[Terms]) -> tuple[Terms, dict[str, int]]:
     if max(map(abs, found.values())) > _MOST_HARMONICS:
         raise FormulaError(f"the force has more than {_MOST_HARMONICS} harmonics; write it with fewer")
     return _product(first, {(): unit}), found
-
-
-def _has_time(text: Any) -> bool:
-    return any(isinstance(node, ast.Name) and node.id == TIME for node in _nodes(text))
-
-
-def _nodes(text: Any) -> Iterator[ast.AST]:
-    """The syntax nodes of a formula; none of what is no formula, or a program as text."""
-    if not isinstance(text, str) or not text.isascii() or len(text) > LONGEST or "#" in text:
-        return
-    try:
-        yield from ast.walk(ast.parse(" ".join(text.split()), mode="eval"))
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        return
 
 
 Terms = Mapping[tuple[tuple[str, int], ...], Fraction]
@@ -256,7 +239,7 @@ class _Reader:
 
     def _is_phase(self, name: str, text: Any) -> bool:
         """Whether a formula under where is r*t + c; whatever it is, `name` stands for it in what follows."""
-        if any(map(_is_call, _nodes(text))) or not isinstance(text, str):
+        if any(map(_is_call, nodes_of(text))) or not isinstance(text, str):
             return False
         try:
             value = _in_time(evaluate_formula(text, self._values))
@@ -285,17 +268,17 @@ class _Reader:
         return text
 
     def _moves(self, text: Any) -> bool:
-        return any(isinstance(node, ast.Name) and node.id in self._moving for node in _nodes(text))
+        return any(isinstance(node, ast.Name) and node.id in self._moving for node in nodes_of(text))
 
     def _innermost(self, text: str) -> Any:
         """A sine or cosine of something that moves, without another one in its argument."""
-        calls = [node for node in _nodes(text) if _is_call(node) and node.func.id in ("sin", "cos")]  # type: ignore[attr-defined]
+        calls = [node for node in nodes_of(text) if _is_call(node) and node.func.id in ("sin", "cos")]  # type: ignore[attr-defined]
         turns = [call for call in calls if self._moves(ast.get_source_segment(text, call.args[0]))]  # type: ignore[attr-defined]
         return min(turns, key=lambda call: call.end_col_offset - call.col_offset, default=None)  # type: ignore[attr-defined]
 
     def _turn(self, function: str, argument: str) -> str:
         """sin or cos of rest + rate t, by the addition theorem."""
-        if any(map(_is_call, _nodes(argument))):
+        if any(map(_is_call, nodes_of(argument))):
             raise FormulaError(f"the phase {argument[:60]!r} cannot be read: give what is added to r*t under where")
         phase = _in_time(evaluate_formula(argument, self._values))
         if not phase.rate:

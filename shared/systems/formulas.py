@@ -11,7 +11,7 @@ from __future__ import annotations
 import ast
 import operator
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from typing import Any
 
@@ -19,6 +19,8 @@ from orbitproof.shared.systems.program import LARGEST_EXPONENT
 
 LONGEST = 20_000
 """Characters of a formula."""
+TIME = "t"
+"""The name of the time, where it is no name of a description's own (`forcing`)."""
 
 _MOST_BITS = 20_000
 _NUMBER = re.compile(r"([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,4})?", re.ASCII)
@@ -157,3 +159,18 @@ def _short(value: Any) -> Any:
 
 def _quoted(text: str) -> str:
     return repr(text if len(text) <= 60 else text[:57] + "...")
+
+
+def has_time(text: Any) -> bool:
+    """Whether a formula names the time."""
+    return any(isinstance(node, ast.Name) and node.id == TIME for node in nodes_of(text))
+
+
+def nodes_of(text: Any) -> Iterator[ast.AST]:
+    """The syntax nodes of a formula; none of what is no formula, or a program as text."""
+    if not isinstance(text, str) or not text.isascii() or len(text) > LONGEST or "#" in text:
+        return
+    try:
+        yield from ast.walk(ast.parse(" ".join(text.split()), mode="eval"))
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return
