@@ -32,7 +32,7 @@ RATES = ("frequency", "eigenvalues")
 OF_PARAMETER = ("parameter", "values", "all_values")
 OF_OTHER_UNITS = (
     "opening", "speed", "slope", "curvature", "unfolding", "coefficient", "gamma", "beta", "alpha", "twist", "defect",
-    "lyapunov", "torsion", "torsion_determinant", "normal_form", "local", "departure", "slopes",
+    "lyapunov", "torsion", "torsion_determinant", "normal_form", "local", "passage", "slopes",
 )  # fmt: skip
 """In units of the parameter, of coordinates in the section, or of both: of these only the accuracy is compared where
 units differ."""

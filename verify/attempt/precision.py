@@ -122,7 +122,7 @@ def periodic_precision(claim: InSection, digits: int) -> int:
 def homoclinic_precision(claim: HomoclinicOrbit, digits: int) -> int:
     """Bits to begin with for a homoclinic orbit: errors grow on the way as much as the interval is narrow."""
     widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in claim.half_widths)
-    wanted = 2 * widths + _RESERVE + 2 * _RESERVE_PER_RETURN * (claim.crossings + claim.arrival) // 2
+    wanted = 2 * widths + _RESERVE + _RESERVE_PER_RETURN * (claim.crossings + claim.arrival)
     return max(LEAST_PRECISION, -(-wanted // 8) * 8)
 
 

@@ -36,7 +36,7 @@ class HomoclinicResults:
         point: the coordinate p of the point of the periodic orbit on Fix(R), by name.
         period: of the periodic orbit.
         multiplier: the one of absolute value above 1.
-        departure: a, where the homoclinic orbit leaves the box.
+        passage: a at the point of the homoclinic orbit that lies on the graph over the interval.
         meeting: the coordinates at which it meets Fix(R), by name.
         time: from the box to there.
         slopes: derivatives of p and of q at this meeting, along the unstable manifold, by a.
@@ -45,7 +45,7 @@ class HomoclinicResults:
     point: Mapping[str, arb]
     period: arb
     multiplier: arb
-    departure: arb
+    passage: arb
     meeting: Mapping[str, arb]
     time: arb
     slopes: tuple[arb, arb]
@@ -88,15 +88,15 @@ def prove_homoclinic(
         where = _check_fixed_point(checklist, claim, found.returned)
         multiplier = _check_cone(checklist, claim, found.returned, where)
         _check_sliver(checklist, claim, where)
-        departure = _check_meeting(checklist, claim, found.arrived)
+        passage = _check_meeting(checklist, claim, found.arrived)
         slopes = _check_transversal(checklist, claim, found.arrived)
-        a = departure - enclose(claim.centre[1])
+        a = passage - enclose(claim.centre[1])
         sliver = [a, symmetric(width_of_sliver(claim))]
         return HomoclinicResults(
             {claim.along: enclose(claim.centre[0]) + where[0] + where[1]},
             found.returned.time.value(where),
             multiplier,
-            departure,
+            passage,
             {claim.along: found.arrived.first.value(sliver), claim.level_coordinate: found.arrived.w.value(sliver)},
             found.arrived.time.value(sliver),
             slopes,

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from string import ascii_lowercase
 
-from orbitproof.shared.systems import BRANCH_SYSTEMS, Program, ReversibleSystem
+from orbitproof.shared.systems import BRANCH_SYSTEMS, Program, ReversibleSystem, System
 from orbitproof.verify.claim.wording import keyed_in_words, names_in_words, system_in_words
 from orbitproof.verify.evidence import exact_text
 
@@ -104,7 +104,7 @@ def _unused(inputs: Sequence[str]) -> list[str]:
     return [*letters, *(f"u{number}" for number in range(1, 1000))]
 
 
-def free_letter(system: ReversibleSystem, letter: str) -> str:
+def free_letter(system: System, letter: str) -> str:
     """A letter of a theorem, and what stands for it where somebody's coordinate or parameter is called so."""
     names = (*system.state, *system.parameters)
     return next(each for each in (letter, *(f"{letter}{n}" for n in range(len(names) + 1))) if each not in names)

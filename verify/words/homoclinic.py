@@ -8,41 +8,55 @@ from orbitproof.shared.claims.homoclinic import HomoclinicOrbit
 from orbitproof.verify.claim import keyed_in_words, names_in_words
 from orbitproof.verify.evidence import decimal_interval, exact_text, located
 from orbitproof.verify.homoclinic import HomoclinicResults, HomoclinicTheorem
-from orbitproof.verify.words.periodic import field_in_lines
+from orbitproof.verify.words.formulas import equations, free_letter
+from orbitproof.verify.words.periodic import field_in_lines, integral_in_words, program_in_words
 
 _DIGITS = 20
-_TAKEN = ("a", "f", "p", "q", "r", "s", "H", "R")
+_TAKEN = ("f", "p", "q", "H", "R")
+
+
+def _letters(claim: HomoclinicOrbit) -> list[str]:
+    """What is called a, s, c, l, r and g, unless the system has such names."""
+    return [free_letter(claim.system, letter) for letter in "asclrg"]
 
 
 def homoclinic_in_words(theorem: HomoclinicTheorem) -> str:
     """The theorem, in short."""
     claim = theorem.claim
     assert claim.level is not None
-    integral = claim.system.first_integral_name or "first integral"
+    a, s, _, _, _, g = _letters(claim)
     named = ", ".join(keyed_in_words(claim.system, claim.parameters))
     given = f" ({named} as in the candidate)" if named else ""
     return (
-        f"On the level {exact_text(claim.level)} of the {integral} of the {claim.system.title}{given}, the box "
-        f"contains exactly one point that its orbit comes back to at crossing {claim.crossings} of the section. R maps "
-        "this periodic orbit to itself, and it is hyperbolic on the level. Its unstable manifold leads from this point "
-        f"through the box as a graph s = g(a), |g'| at most {exact_text(claim.cone)}. Over the interval of a, this "
-        f"graph has exactly one point whose orbit is in Fix(R) at crossing {claim.arrival} from there. This orbit is "
-        "homoclinic to the periodic orbit, R maps it to itself, and along it the unstable and the stable manifold "
-        "intersect transversally in the level. Therefore some iterate of the return map has a compact invariant set on "
-        "which it is conjugate to the shift on two symbols: the level has infinitely many periodic orbits, and the "
-        "topological entropy of the flow on it is positive."
+        f"On the level {exact_text(claim.level)} of the {integral_in_words(claim.system)} of the {claim.system.title}"
+        f"{given}, the box contains exactly one point to which its orbit comes back at crossing {claim.crossings} of "
+        "the section, where crossings in both directions count. R maps this periodic orbit to itself, and it is "
+        f"hyperbolic on the level. Its unstable manifold leads from this point through the box as a graph {s} = "
+        f"{g}({a}), |{g}'| at most {exact_text(claim.cone)}. Over the interval of {a}, this graph has exactly one "
+        f"point whose orbit is in Fix(R) at crossing {claim.arrival} from there. This orbit is homoclinic to the "
+        "periodic orbit, R maps it to itself, and along it the unstable and the stable manifold intersect "
+        "transversally in the level. Therefore some iterate of the return map has a compact invariant set on which it "
+        "is conjugate to the shift on two symbols: the level has infinitely many periodic orbits, and a compact invariant set on which "
+        "the flow has positive topological entropy."
     )
 
 
 def homoclinic_in_full(claim: HomoclinicOrbit, theorem: str, found: HomoclinicResults) -> Iterator[str]:
     """System, box, theorem and what was found, in lines."""
     system, names = claim.system, names_in_words(claim.system)
-    yield from field_in_lines(system, _TAKEN)[0]
+    a, s, c, slope, r, g = _letters(claim)
+    field, taken = field_in_lines(system, (*_TAKEN, a, s, c, slope, r, g))
+    yield from field
     for name, value in keyed_in_words(system, claim.parameters).items():
         yield f"  {name} = {exact_text(value)}"
     if names:
         called = ", ".join(f"{new} is called {name}" for name, new in names.items())
         yield f"In the description of the system {called}, which has another meaning here."
+    if system.first_integral_program is not None:
+        yield f"A first integral, the {integral_in_words(system)}:"
+        yield from (
+            f"  {line}" for line in equations(program_in_words(system, system.first_integral_program), ["H"], taken)
+        )
 
     def said(name: str) -> str:
         return names.get(name, name)
@@ -52,12 +66,15 @@ def homoclinic_in_full(claim: HomoclinicOrbit, theorem: str, found: HomoclinicRe
     )
     p, q, w = map(said, (claim.along, claim.across, claim.level_coordinate))
     word = "positive" if claim.level_sign > 0 else "negative"
-    yield f"R negates {negated}. The section is {said(claim.section)} = 0 on the level, with {w} {word}."
     yield (
-        f"The box has the coordinates a and s: {p} = c + a + s, {q} = l (a - s), |a| and |s| at most r, with "
-        f"c = {exact_text(claim.centre[0])}, l = {exact_text(claim.slope)}, r = {exact_text(claim.radii[0])}. "
-        f"The interval of a has the middle {exact_text(claim.centre[1])} and the half-width "
-        f"{exact_text(claim.radii[1])}."
+        f"R negates {negated}. The section is {said(claim.section)} = 0 on the level, for both signs of {w}, and is "
+        f"crossed in both directions. The box lies where {w} is {word}."
+    )
+    yield (
+        f"The box has the coordinates {a} and {s}: {p} = {c} + {a} + {s}, {q} = {slope} ({a} - {s}), |{a}| and |{s}| "
+        f"at most {r}, with {c} = {exact_text(claim.centre[0])}, {slope} = {exact_text(claim.slope)}, "
+        f"{r} = {exact_text(claim.radii[0])}. The interval of {a} has the middle {exact_text(claim.centre[1])} and the "
+        f"half-width {exact_text(claim.radii[1])}."
     )
     yield "Theorem."
     yield theorem
@@ -68,7 +85,8 @@ def homoclinic_in_full(claim: HomoclinicOrbit, theorem: str, found: HomoclinicRe
     )
     place = ", ".join(located(name, ball, _DIGITS) for name, ball in keyed_in_words(system, found.meeting).items())
     yield (
-        f"The homoclinic orbit leaves at a in {decimal_interval(found.departure, _DIGITS)} and meets Fix(R) at "
-        f"{place}, after a time in {decimal_interval(found.time, _DIGITS)}. The derivatives of {p} and {q} there by a, "
+        f"The homoclinic orbit has a point of the graph with {a} in {decimal_interval(found.passage, _DIGITS)}, and "
+        f"meets Fix(R) at {place}, a time in {decimal_interval(found.time, _DIGITS)} later. The derivatives of {p} and "
+        f"{q} there by {a}, "
         f"along the unstable manifold, lie in {' and '.join(decimal_interval(ball, _DIGITS) for ball in found.slopes)}."
     )
