@@ -36,8 +36,8 @@ def homoclinic_in_words(theorem: HomoclinicTheorem) -> str:
         f"point whose orbit is in Fix(R) at crossing {claim.arrival} from there. This orbit is homoclinic to the "
         "periodic orbit, R maps it to itself, and along it the unstable and the stable manifold intersect "
         "transversally in the level. Therefore some iterate of the return map has a compact invariant set on which it "
-        "is conjugate to the shift on two symbols: the level has infinitely many periodic orbits, and a compact invariant set on which "
-        "the flow has positive topological entropy."
+        "is conjugate to the shift on two symbols: the level has infinitely many periodic orbits, and a compact "
+        "invariant set on which the flow has positive topological entropy."
     )
 
 
