@@ -12,13 +12,21 @@ from support import homoclinic_cases as cases
 
 from orbitproof.shared.claims import HomoclinicOrbit
 from orbitproof.shared.errors import InputError
+from orbitproof.shared.formats import define_system
 from orbitproof.verify.certificate import Limits, certify
 from orbitproof.verify.evidence import Checklist, NotProved, Proved, enclose, guarded
-from orbitproof.verify.homoclinic import check_homoclinic_exactly, enclose_homoclinic, prove_homoclinic
+from orbitproof.verify.homoclinic import (
+    HomoclinicResults,
+    HomoclinicTheorem,
+    check_homoclinic_exactly,
+    enclose_homoclinic,
+    prove_homoclinic,
+)
 from orbitproof.verify.homoclinic.following import HomoclinicEnclosures
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic import Linearised
 from orbitproof.verify.poincare import IntegratorSettings
+from orbitproof.verify.words.homoclinic import homoclinic_in_full, homoclinic_in_words
 
 BITS = 96
 LIMITS = Limits(digits=10, max_precision=256)
@@ -130,3 +138,21 @@ def test_claims_that_cannot_be_are_refused_with_their_field() -> None:
     for name, value in wrong.items():
         with pytest.raises(InputError, match=f"^{name}"):
             replace(claim, **{name: value})
+
+
+def test_each_letter_has_one_meaning() -> None:
+    """Neither names of the system nor parts of the field are called as coordinates of the box or parts of H."""
+    system = define_system({
+        "name": "own", "state": "a s l r", "parameters": "c g", "where": {"m": "c*(a - 1) + g*(a - 1)**3 + (a - 1)**5"},
+        "field": {"a": "l", "s": "r", "l": "-(m + m**2)*(c + 3*g*(a - 1)**2 + 5*(a - 1)**4)", "r": "-s"},
+        "first_integral": "(r**2 + l**2 + s**2 + m**2)/2 + m**3/3",
+    })  # fmt: skip
+    claim = replace(cases.wells(), system=system, parameters={"c": Q(1), "g": Q(1)}, section="s", level_coordinate="r")
+    one = arb(1)
+    found = HomoclinicResults({"a": one}, one, one, one, {"a": one, "r": one}, one, (one, one))
+    lines = list(homoclinic_in_full(claim, homoclinic_in_words(HomoclinicTheorem(claim)), found))
+    left = [line.partition(" = ")[0].strip() for line in lines if line.startswith("  ")]
+    assert len({*left}) == len(left) == 9
+    text = "\n".join(lines)
+    assert "coordinates a0 and s0: a = c0 + a0 + s0, l = l0 (a0 - s0), |a0| and |s0| at most r0" in text
+    assert "as a graph s0 = g0(a0)" in text

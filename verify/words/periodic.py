@@ -83,13 +83,14 @@ def field_in_lines(system: System, taken: tuple[str, ...]) -> tuple[list[str], t
     state = [names.get(name, name) for name in system.state]
     field = equations(program_in_words(system, system.program), [f"{name}'" for name in state], taken)
     lines = [f"The {system.title}:", *(f"  {line}" for line in field)]
+    taken = (*taken, *_left_sides(field))
     if not system.defined:
         return lines, taken
     kinds = [(names.get(each.name, each.name), each.function) for each in system.defined]
     arguments = [program_in_words(system, program) for program in system.argument_programs]
     given = state[: len(system.given_state)]
-    functions = functions_in_lines(given, kinds, arguments, (*taken, *_left_sides(field)))
-    return [*lines, *functions], (*taken, *_left_sides([*field, *functions]))
+    functions = functions_in_lines(given, kinds, arguments, taken)
+    return [*lines, *functions], (*taken, *_left_sides(functions))
 
 
 def _left_sides(lines: list[str]) -> list[str]:
