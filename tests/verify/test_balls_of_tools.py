@@ -49,7 +49,7 @@ from orbitproof.verify.evidence import (
 )
 from orbitproof.verify.maps import combination, displacement, enclose_zeros, image_of
 from orbitproof.verify.maps.affine_section import AffineSection
-from orbitproof.verify.maps.poincare_map import _time
+from orbitproof.verify.maps.poincare_map import time_at_crossing
 from orbitproof.verify.maps.starting_set import Format, StartingSet
 from orbitproof.verify.newton import (
     BoxFunction,
@@ -385,7 +385,7 @@ def test_the_time_of_a_crossing_is_that_of_all_steps_and_of_the_delay() -> None:
     delay = arithmetic.polynomial({(0,): Fraction(1, 3), (1,): Fraction(1, 4)}).widened(Fraction(1, 64))
     time = arb(5) / 2 + arb(0, 1) / 8
     orbits: Any = SimpleNamespace(time=time, arithmetic=arithmetic, delay=delay)
-    found = range_of(_time(orbits))
+    found = range_of(time_at_crossing(orbits))
     for by in (-1, 1):
         for edge in (-1, 1):
             exact = Fraction(5, 2) + Fraction(by, 8) + Fraction(1, 3) + Fraction(edge, 4) + Fraction(by, 64)

@@ -17,7 +17,7 @@ from orbitproof.verify.homoclinic import (
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import IntegratorSettings
 from orbitproof.verify.theorems import linearised  # noqa: F401 (how its functions are stored)
-from orbitproof.verify.words.homoclinic import homoclinic_in_full, homoclinic_in_words
+from orbitproof.verify.words.homoclinic import homoclinic_found, homoclinic_in_full, homoclinic_in_words
 from orbitproof.verify.words.row_in_full import in_lines
 
 
@@ -36,8 +36,9 @@ KIND = BoxKind(
     enclose=_enclose,
     prove=prove_homoclinic,
     titles={"homoclinic": "A transverse homoclinic orbit"},
-    said=lambda k, kind: "homoclinic orbit",
+    said=lambda k, kind: "homoclinic orbit to a periodic orbit",
     attributes=lambda found: {"parameter_name": "period", "parameter": found.period},
+    besides=homoclinic_found,
     # How well the numbers are known is decided by the box and the interval, not by precision.
     missing=lambda found, digits: 0,
     in_words=homoclinic_in_words,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+
+from flint import arb
 
 from orbitproof.shared.claims.homoclinic import HomoclinicOrbit
 from orbitproof.verify.claim import keyed_in_words, names_in_words
@@ -11,7 +13,7 @@ from orbitproof.verify.homoclinic import HomoclinicResults, HomoclinicTheorem
 from orbitproof.verify.words.formulas import equations, free_letter
 from orbitproof.verify.words.periodic import field_in_lines, integral_in_words, program_in_words
 
-_DIGITS = 20
+_DIGITS, _SHORT = 20, 10
 _TAKEN = ("f", "p", "q", "H", "R")
 
 
@@ -35,10 +37,20 @@ def homoclinic_in_words(theorem: HomoclinicTheorem) -> str:
         f"{g}({a}), |{g}'| at most {exact_text(claim.cone)}. Over the interval of {a}, this graph has exactly one "
         f"point whose orbit is in Fix(R) at crossing {claim.arrival} from there. This orbit is homoclinic to the "
         "periodic orbit, R maps it to itself, and along it the unstable and the stable manifold intersect "
-        "transversally in the level. Therefore some iterate of the return map has a compact invariant set on which it "
-        "is conjugate to the shift on two symbols: the level has infinitely many periodic orbits, and a compact "
-        "invariant set on which the flow has positive topological entropy."
+        "transversally in the level. Therefore some iterate of the map to the next crossing has a compact invariant "
+        "set on which it is conjugate to the shift on two symbols: the level has infinitely many periodic orbits, and "
+        "a compact invariant set on which the flow has positive topological entropy."
     )
+
+
+def homoclinic_found(claim: HomoclinicOrbit, found: HomoclinicResults) -> Iterator[str]:
+    """Multiplier of the periodic orbit, and where the homoclinic one meets Fix(R), in short lines."""
+    yield f"multiplier in {decimal_interval(found.multiplier, _SHORT)}"
+    yield f"the homoclinic orbit meets Fix(R) at {_place(claim, found.meeting, _SHORT)}"
+
+
+def _place(claim: HomoclinicOrbit, values: Mapping[str, arb], digits: int) -> str:
+    return ", ".join(located(name, ball, digits) for name, ball in keyed_in_words(claim.system, values).items())
 
 
 def homoclinic_in_full(claim: HomoclinicOrbit, theorem: str, found: HomoclinicResults) -> Iterator[str]:
@@ -61,14 +73,13 @@ def homoclinic_in_full(claim: HomoclinicOrbit, theorem: str, found: HomoclinicRe
     def said(name: str) -> str:
         return names.get(name, name)
 
-    negated = " and ".join(
-        said(name) for name, sign in zip(system.state, claim.reversing_symmetry, strict=True) if sign < 0
-    )
+    state = [said(name) for name in system.state]
+    image = [name if sign > 0 else f"-{name}" for name, sign in zip(state, claim.reversing_symmetry, strict=True)]
     p, q, w = map(said, (claim.along, claim.across, claim.level_coordinate))
     word = "positive" if claim.level_sign > 0 else "negative"
     yield (
-        f"R negates {negated}. The section is {said(claim.section)} = 0 on the level, for both signs of {w}, and is "
-        f"crossed in both directions. The box lies where {w} is {word}."
+        f"R({', '.join(state)}) = ({', '.join(image)}) reverses the flow. The section is {said(claim.section)} = 0 on "
+        f"the level, for both signs of {w}, and is crossed in both directions. The box lies where {w} is {word}."
     )
     yield (
         f"The box has the coordinates {a} and {s}: {p} = {c} + {a} + {s}, {q} = {slope} ({a} - {s}), |{a}| and |{s}| "
@@ -78,15 +89,16 @@ def homoclinic_in_full(claim: HomoclinicOrbit, theorem: str, found: HomoclinicRe
     )
     yield "Theorem."
     yield theorem
-    place = ", ".join(located(name, ball, _DIGITS) for name, ball in keyed_in_words(system, found.point).items())
-    yield (
-        f"The periodic orbit meets Fix(R) at {place}. A period lies in {decimal_interval(found.period, _DIGITS)}, its "
-        f"multiplier of absolute value above 1 in {decimal_interval(found.multiplier, _DIGITS)}."
+    passage, period, multiplier, time, *slopes = (
+        decimal_interval(ball, _DIGITS)
+        for ball in (found.passage, found.period, found.multiplier, found.time, *found.slopes)
     )
-    place = ", ".join(located(name, ball, _DIGITS) for name, ball in keyed_in_words(system, found.meeting).items())
     yield (
-        f"The homoclinic orbit has a point of the graph with {a} in {decimal_interval(found.passage, _DIGITS)}, and "
-        f"meets Fix(R) at {place}, a time in {decimal_interval(found.time, _DIGITS)} later. The derivatives of {p} and "
-        f"{q} there by {a}, "
-        f"along the unstable manifold, lie in {' and '.join(decimal_interval(ball, _DIGITS) for ball in found.slopes)}."
+        f"The periodic orbit meets Fix(R) at {_place(claim, found.point, _DIGITS)}. A period lies in {period}, its "
+        f"multiplier of absolute value above 1 in {multiplier}."
+    )
+    yield (
+        f"The homoclinic orbit has a point of the graph with {a} in {passage}, and meets Fix(R) at "
+        f"{_place(claim, found.meeting, _DIGITS)}, a time in {time} later. The derivatives of {p} and {q} there by "
+        f"{a}, along the unstable manifold, lie in {' and '.join(slopes)}."
     )
