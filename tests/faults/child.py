@@ -1,4 +1,4 @@
-"""A process that runs tests on a copy of the package, quick tests before slow ones."""
+"""A process that runs tests on a copy of the package, those that take little before others."""
 
 from __future__ import annotations
 
@@ -14,24 +14,31 @@ _QUICK = 0.25
 
 
 class QuickFirst:
-    """A plugin of pytest that puts tests in order by the seconds that they took before.
+    """A plugin of pytest that chooses tests, slow ones or others, in the order of the seconds that they took before.
 
     Attributes:
-        first: beginnings of the names of those that run before all others.
+        slow: whether slow tests run in place of the others.
+        first: beginnings of the names of those that run before all others; single tests that are slow run last.
         seconds: what they take now.
         failed: those that fail, in order; files that cannot be collected among them.
+        by_slow: whether a slow one of them fails.
     """
 
-    def __init__(self, before: Mapping[str, float], first: Sequence[str]) -> None:
-        self.before, self.first = before, tuple(first)
+    def __init__(self, slow: bool, before: Mapping[str, float], first: Sequence[str]) -> None:
+        self.slow, self.before, self.first = slow, before, tuple(first)
         self.seconds: dict[str, float] = {}
         self.failed: list[str] = []
+        self.by_slow = False
 
+    @pytest.hookimpl(trylast=True)
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         """Quick tests keep their order, so that what they share is made once."""
-        items.sort(
-            key=lambda item: (not item.nodeid.startswith(self.first), max(_QUICK, self.before.get(item.nodeid, 0.0)))
-        )
+        order, single = {}, tuple(name for name in self.first if "::" in name)
+        for item in items:
+            name, of_others = item.nodeid, (item.get_closest_marker("slow") is None) == self.slow
+            if not of_others or name.startswith(single):
+                order[item] = of_others, not name.startswith(self.first), max(_QUICK, self.before.get(name, 0.0))
+        items[:] = sorted(order, key=order.__getitem__)
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         if report.failed:
@@ -41,9 +48,12 @@ class QuickFirst:
         self.seconds[report.nodeid] = round(self.seconds.get(report.nodeid, 0.0) + report.duration, 2)
         if report.failed:
             self.failed.append(report.nodeid)
+            self.by_slow |= "slow" in report.keywords
 
 
-def run_tests(folder: Path, arguments: Sequence[str], before: Mapping[str, float], first: Sequence[str]) -> None:
+def run_tests(
+    folder: Path, arguments: Sequence[str], slow: bool, before: Mapping[str, float], first: Sequence[str]
+) -> None:
     """Run pytest in a folder whose ``src`` holds the package; leaves ``told.json`` and ``output.txt`` there."""
     # A session of its own, which ends with all processes that a fault may leave waiting.
     os.setsid()
@@ -55,9 +65,9 @@ def run_tests(folder: Path, arguments: Sequence[str], before: Mapping[str, float
     sys.path.insert(0, package)
     sys.dont_write_bytecode = True
     os.environ |= {"PYTHONPATH": package, "PYTHONDONTWRITEBYTECODE": "1", "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
-    plugin = QuickFirst(before, first)
+    plugin = QuickFirst(slow, before, first)
     code = int(pytest.main([*arguments, "-p", "_hypothesis_pytestplugin"], plugins=[plugin]))
-    told = {"code": code, "failed": plugin.failed, "seconds": plugin.seconds}
+    told = {"code": code, "failed": plugin.failed, "slow": plugin.by_slow, "seconds": plugin.seconds}
     Path("told.json").write_text(json.dumps(told), encoding="utf-8")
     sys.stdout.flush()
     os._exit(0)

@@ -4,7 +4,8 @@ The files beside this one are the table, one for each room of the trusted module
 Beside them stand faults by rule (`slips`), drawn from all that can be made of the trusted modules: with ``--slips 200
 --seed 1`` two hundred, always the same until the modules change; of all of them ``--sample 300`` draws three hundred.
 Every fault is applied to a copy of the package, and the tests of its room run on the copy until one of them fails:
-those that `make test` runs, and with ``--slow`` those that `make test-slow` runs where no other has noticed the fault.
+those that `make test` runs and the one that its entry names, and with ``--slow`` those that `make test-slow` runs where
+no other has noticed the fault.
 Results are kept one by one, and the same command goes on; it tries a fault again when its patch or the modules beside
 it have changed, and one that no test has noticed when its tests have.
 """
@@ -57,7 +58,7 @@ class Fault:
         section: the section of the chapter that says it, ``7.4``; ``certificate 13.1`` in the chapter of another room.
         file: the module, from the root of the checkout.
         old, new: the text that is replaced, which occurs once, and what it becomes.
-        first: tests that run before those of the room.
+        first: tests that run before those of the room; one that is slow runs after those of `make test`.
         tests: tests of the room, those that most likely notice first.
         harmless: why nothing false can follow, if no test can notice it.
     """
@@ -175,12 +176,15 @@ def tested(
     all_of_them: bool,
     first: Sequence[str],
 ) -> Result:
-    """Run tests on a copy, `first` and those that took little of the `times` first; until one fails, or all of them."""
-    arguments = ["--tb=no", "-p", "no:cacheprovider", "--hypothesis-seed=0", "-m", "slow" if slow else "not slow"]
+    """Run tests on a copy, `first` and those that took little of the `times` first; until one fails, or all of them.
+
+    Those that are `slow`, or all others; single tests in `first` run in either case.
+    """
+    arguments = ["--tb=no", "-p", "no:cacheprovider", "--hypothesis-seed=0", "-m", ""]
     arguments += [*([] if all_of_them else ["-x"]), *dict.fromkeys(tests)]
     begin = time.monotonic()
     # The server has imported what is not under test once, and each process is a fork of it.
-    process = _SERVER.Process(target=child.run_tests, args=(folder, arguments, dict(times), first))
+    process = _SERVER.Process(target=child.run_tests, args=(folder, arguments, slow, dict(times), first))
     process.start()
     _running.add(process)
     process.join(10 * _LIMIT if slow else _LIMIT)
@@ -196,7 +200,8 @@ def tested(
     verdict = "timed out" if late else "survives" if found["code"] in (0, 5) else "found"
     by = failed[0] if failed else "the end of the process" if verdict == "found" else ""
     told.unlink(missing_ok=True)
-    result = {"verdict": verdict, "by": by, "slow": slow, "seconds": round(time.monotonic() - begin, 1)}
+    seconds = round(time.monotonic() - begin, 1)
+    result = {"verdict": verdict, "by": by, "slow": slow or found.get("slow", False), "seconds": seconds}
     return {**result, "failed": failed, "times": found["seconds"]}
 
 

@@ -44,8 +44,15 @@ def problems_of(fault: faults.Fault) -> Iterator[str]:
         yield f"{fault.name}: there is no section {fault.section}"
     if not fault.file.startswith(faults.TRUSTED):
         yield f"{fault.name}: {fault.file} is not trusted"
-    missing = [name for name in (*fault.first, *fault.tests) if not (ROOT / name.partition("::")[0]).exists()]
+    missing = [name for name in (*fault.first, *fault.tests) if not is_there(*name.partition("[")[0].split("::"))]
     yield from (f"{fault.name}: there are no tests {name}" for name in missing)
+
+
+@cache
+def is_there(file: str, *names: str) -> bool:
+    """Whether there is a file of tests, and in it what is named."""
+    path = ROOT / file
+    return path.exists() and all(re.search(rf"(def|class) {name}\b", path.read_text("utf-8")) for name in names)
 
 
 @cache
@@ -140,3 +147,25 @@ def test_tests_that_fail_without_a_fault_find_none(tmp_path: Path, monkeypatch: 
     results = faults.run(faults.read(tmp_path), tmp_path / "faults.json", 1, False, lambda line: None)
     assert [result["verdict"] for result in results] == ["not tried", "survives"]
     assert len(json.loads((tmp_path / "faults.json").read_text())) == 2
+
+
+def test_a_slow_test_that_an_entry_names_runs_after_the_others(tmp_path: Path) -> None:
+    (tmp_path / "test_it.py").write_text(TESTS)
+
+    def failed(slow: bool, *first: str) -> tuple[list[str], bool]:
+        found = faults.tested(tmp_path, ["test_it.py"], slow, {}, True, [f"test_it.py::{name}" for name in first])
+        return [name.partition("::")[2] for name in found["failed"]], found["slow"]
+
+    assert failed(False) == (["test_quick"], False)
+    assert failed(False, "test_named") == (["test_quick", "test_named"], True)
+    assert failed(True, "test_named") == (["test_named", "test_other"], True)
+
+
+TESTS = """
+import pytest
+@pytest.mark.slow
+def test_other(): assert False
+@pytest.mark.slow
+def test_named(): assert False
+def test_quick(): assert False
+"""

@@ -389,3 +389,22 @@ def test_an_interval_on_which_a_list_is_open_is_tried_again_and_halved() -> None
         results += [entry(names, precision) for precision in (80, 128)]
     assert left(results, "zeros").is_proved
     assert left(results, "zeros").missing == ()
+
+
+def test_parts_that_are_proved_change_nothing_about_what_is_tried_on_the_whole() -> None:
+    """A part that failed is halved on and on, whether or not a list is open on its halves already."""
+    piece, settings = CURVE.pieces[1], {"precision": 80}
+
+    def entry(interval: Any, reason: str = "") -> dict[str, Any]:
+        told = {"verdict": "not proved", "reason": {"condition": reason, "message": "", "remedy": ""}}
+        computation = {**settings, "seconds": 0.0}
+        verdict = told if reason else {"verdict": "proved"}
+        return {"piece": piece.id, "interval": list(map(format_exact, interval)), "computation": computation, **verdict}
+
+    first, second = halves(full_interval(piece))
+    quarter, other = halves(first)
+    parts = halves(quarter)
+    failed = [entry(interval, "section") for interval in (full_interval(piece), first, quarter)]
+    for known in ([*failed, *map(entry, parts)], [*map(entry, parts), *failed]):
+        state = plan(piece, values(known), [settings, {"precision": 128}], 4, lambda _: "zeros")
+        assert state.missing == ((parts[0], 1), (parts[1], 1), (other, 0), (second, 0))
