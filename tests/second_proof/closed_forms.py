@@ -13,6 +13,7 @@ import pytest
 from exact_series import Series, variable
 from flint import acb, arb
 from property_checks import SQUARE, Check, claim, contains, jet, module, orders, rational, system
+from support.balls import agree
 
 F = Fraction
 TINY = arb("1e-20")
@@ -26,7 +27,7 @@ def matches(found: Mapping[Any, arb], exact: Series, where: str, width: arb = TI
     """Every coefficient contains the exact one and is narrow; those that are absent on either side are zero."""
     for a in {*found, *exact}:
         value = found.get(a, arb(0))
-        assert value.overlaps(rational(exact.get(a, F(0)))), f"{where}: {a}"
+        assert agree(value, rational(exact.get(a, F(0)))), f"{where}: {a}"
         assert value.rad() < width, f"{where}: {a} is wide"
 
 
@@ -199,7 +200,7 @@ def crossings_are_counted(package: ModuleType) -> None:
         with jets.precision(96):
             begin = [jet(package, {}), jet(package, {(): arb(1), (0,): arb(1)}), jet(package, {})]
             found, time, _ = crossing.follow(claimed, begin, 48)
-            assert time.overlaps(m * arb.pi())
+            assert agree(time, m * arb.pi())
             contains(found[1], orders((-1) ** m, (-1) ** m, 0, 0), "velocity")
             contains(found[2], orders(m * arb.pi() / 2, m * arb.pi(), m * arb.pi() / 2, 0), "integral")
             if m > 1:
@@ -269,8 +270,8 @@ def normal_forms_are_exact(package: ModuleType) -> None:
                 contains({(): found.normal_form[name]}, {(): rational(value)}, name)
                 assert found.normal_form[name].rad() < 1e-6
             assert set(found.normal_form) == set(exact)
-            assert found.slope.overlaps(rational(slope))
-            assert found.drift.overlaps(rational(lean))
+            assert agree(found.slope, rational(slope))
+            assert agree(found.drift, rational(lean))
             assert all(abs(c) < 1e-11 and c.contains(0) for c in found.point)
 
 
@@ -448,9 +449,9 @@ def whole_proofs_about_closed_maps(package: ModuleType) -> None:
     assert all(found.point[name].contains(0) for name in ("nu", "x"))
     assert found.point["x"].is_zero()
     form = found.normal_form
-    assert form["alpha"].overlaps(arb(3))
-    assert form["beta"].overlaps(arb(0.25))
-    assert form["h_fp'"].overlaps(arb(1))
+    assert agree(form["alpha"], arb(3))
+    assert agree(form["beta"], arb(0.25))
+    assert agree(form["h_fp'"], arb(1))
     assert max(c.rad() for c in form.values()) < 1e-8
     centre = [str(PLACE["nu"] + off), str(PLACE["x"] + off)]
     found = prove(package, certificate("fold", 1, centre, half, [["3"]]), kicks(F(0)))
@@ -486,7 +487,7 @@ def agrees(package: ModuleType, found: Any, coordinates: list[str], form: Mappin
             assert found.point[name].rad() < 1e-30, name
         assert found.parameter.contains(rational(PLACE["nu"]))
         for name, value in form.items():
-            assert found.normal_form[name].overlaps(rational(value)), (name, found.normal_form[name].str(12), value)
+            assert agree(found.normal_form[name], rational(value)), (name, found.normal_form[name].str(12), value)
             assert found.normal_form[name].rad() < 1e-8, name
 
 

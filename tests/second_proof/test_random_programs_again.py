@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import Any
 
 import pytest
+from support.balls import agree
 from support.random_programs import Dual, dual, function_of, place, recorded, whole_power
 
 from orbitproof.shared.systems import record
@@ -36,11 +37,11 @@ def test_a_text_computes_its_function_with_all_derivatives(seed: int) -> None:
         inputs = {name: jets.Jet({(): jets.ball(v), (j,): jets.ball(F(1))}, 2)
                   for j, (name, v) in enumerate(known.items())}  # fmt: skip
         (found,) = program.at(inputs, next(iter(inputs.values())))
-        assert found[()].overlaps(jets.ball(function(x)[0]))
-        assert all(found[j,].overlaps(jets.ball(slope)) for j, slope in enumerate(slopes))
+        assert agree(found[()], jets.ball(function(x)[0]))
+        assert all(agree(found[j,], jets.ball(slope)) for j, slope in enumerate(slopes))
         assert all(c.rad() < 1e-30 for c in found.values())
         (number,) = program.at({name: jets.ball(v) for name, v in known.items()}, jets.ball(F(0)))
-        assert number.overlaps(found[()])
+        assert agree(number, found[()])
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -15,6 +15,7 @@ import mpmath
 import pytest
 from flint import acb, arb, ctx
 from support import tori_cases
+from support.balls import agree
 from support.forgeries import changed, move
 from support.springs import BITS, CLAIMS, SPRINGS, contains, half, spring
 from support.steps import few_bits, made_once
@@ -347,7 +348,7 @@ def test_stability_is_that_of_the_return_to_another_section(
         entry["statement"]["candidate"]["kind"] = ORBIT
 
     found = proved(changed(certificate, change))
-    assert found.stability[0].overlaps(proof.stability[0])
+    assert agree(found.stability[0], proof.stability[0])
     assert found.stability[0].real.rad() < 1e-20
 
 
@@ -457,8 +458,8 @@ def test_stability_parameters_of_two_rotations_are_told_apart(angles: tuple[int,
             full.stability()
     else:
         first, second = full.stability()
-        assert first.real.overlaps(arb(1).cos())
-        assert second.real.overlaps(arb(2).cos())
+        assert agree(first.real, arb(1).cos())
+        assert agree(second.real, arb(2).cos())
 
 
 def test_orbits_with_n_2_are_not_claimed_to_be_stable() -> None:
@@ -491,7 +492,7 @@ def test_a_twist_has_one_certain_sign_for_some_coordinate_and_that_which_is_clai
         hypotheses, _, twists, real = full.twisted()
         assert [h.holds for h in hypotheses[:2]] == [True, True]
         assert hypotheses[2].holds == (sign != 0 and claimed in (0, sign))
-        assert real.overlaps(defect)
+        assert agree(real, defect)
         known = {name: area for name, area in zip("xw", areas, strict=True) if not area.contains(0)}
         assert set(twists) == set(known)
-        assert all(twists[name].overlaps(tau / (2 * abs(area))) for name, area in known.items())
+        assert all(agree(twists[name], tau / (2 * abs(area))) for name, area in known.items())

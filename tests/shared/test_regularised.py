@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from flint import arb, arb_series, ctx, fmpz_poly
 from scipy.integrate import solve_ivp
+from support.balls import agree
 from support.claims import known
 from support.flow_checks import (
     ball,
@@ -217,8 +218,8 @@ def test_both_coordinates_give_overlapping_derivatives(name: str) -> None:
     assert own.coordinates != other.coordinates
     for one, two in zip(sum(own.iterates, ()), sum(other.iterates, ()), strict=True):
         for alpha in one.box:
-            assert one.box[alpha].overlaps(two.box[alpha])
-            assert one.centre[alpha].overlaps(two.centre[alpha])
+            assert agree(one.box[alpha], two.box[alpha])
+            assert agree(one.centre[alpha], two.centre[alpha])
         for alpha in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 2, 0), (1, 1, 0)):
             assert two.centre[alpha].rad() < 1e-3 * max(1.0, abs(float(two.centre[alpha].mid())))
 
@@ -284,7 +285,7 @@ def test_each_step_is_checked_for_a_collision(monkeypatch: pytest.MonkeyPatch) -
     assert len(seen) == steps
     # What is checked is the distance from the primary.
     x, z = (candidate.centre[candidate.coordinates.index(name)] - start for name, start in (("x", 1 - MU), ("z", 0)))
-    assert series_at(seen[0], Fraction(0), ()).overlaps(ball(x * x + z * z).sqrt())
+    assert agree(series_at(seen[0], Fraction(0), ()), ball(x * x + z * z).sqrt())
     assert series_at(seen[0], Fraction(0), ()).rad() < 1e-9
     for refused in range(steps):
         seen.clear()
@@ -323,7 +324,7 @@ def test_initial_values_and_the_jacobi_constant_are_enclosed_over_the_box(level:
             wanted += CR3BP.first_integral_program.evaluate(arguments, ball, power)
             xi = [x / scale for x, scale in zip(p, integration.box.scales, strict=True)]
             for series, value in zip((*entered.state, *entered.constants), wanted, strict=True):
-                assert series_at(series, Fraction(0), xi).overlaps(value)
+                assert agree(series_at(series, Fraction(0), xi), value)
                 assert value.rad() < 1e-60
 
 
@@ -349,7 +350,7 @@ def test_each_step_starts_from_the_whole_enclosure(monkeypatch: pytest.MonkeyPat
         assert all(a is b for a, b in zip(close, carried, strict=True))
         xi = [Fraction(1, 3)] * len(own.arithmetic.grading.weights)
         y, *u = (series_at(element, Fraction(0), xi) for element in (own, *close[:4]))
-        assert y.overlaps(2 * (u[0] * u[1] - u[2] * u[3]))
+        assert agree(y, 2 * (u[0] * u[1] - u[2] * u[3]))
         assert arguments[4] is running.constants
         steps.append(Fraction(0))
         return onto_section(*arguments)
@@ -399,13 +400,13 @@ def test_the_times_of_the_steps_follow_each_other(coordinates: str, monkeypatch:
             super().cover(position, velocity, time, step)
             assert self.clear_time is None or self.clear_time <= time + step + arb(2) ** -90
             if self.velocity_sign == 0:
-                assert self.clear_time.overlaps(time + step)
+                assert agree(self.clear_time, time + step)
 
     monkeypatch.setattr("orbitproof.verify.poincare.returns.CrossingCounter", Counter)
     found = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates), ORACLE)
     assert len(covered) == found.steps
     ends = [arb(0), *(time + step for time, step in covered)]
-    assert all(time.overlaps(end) for (time, _), end in zip(covered, ends, strict=False))
+    assert all(agree(time, end) for (time, _), end in zip(covered, ends, strict=False))
     # In the system's own time the last step ends at the crossing; where r_2 < 1, the other time is longer.
     last = ends[-1] - found.return_times[0]
     assert abs(last) < 1e-6 if coordinates == PHYSICAL else last > 1e-2
@@ -437,7 +438,7 @@ def test_the_time_of_a_crossing_is_that_on_the_section(monkeypatch: pytest.Monke
 
     monkeypatch.setattr("orbitproof.verify.poincare.returns.onto_section", later)
     found = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=REGULARISED), ORACLE).return_times[0]
-    assert found.overlaps(usual + 1)
+    assert agree(found, usual + 1)
     assert not found.overlaps(usual)
 
 
@@ -465,8 +466,8 @@ def test_shorter_steps_after_a_failed_one_give_the_same_map(coordinates: str, mo
     assert failed[1] < Fraction(2, 3) * failed[0]
     assert found.steps > usual.steps
     for one, two in zip(usual.iterates[0], found.iterates[0], strict=True):
-        assert all(one.centre[alpha].overlaps(two.centre[alpha]) for alpha in one.centre)
-    assert found.return_times[0].overlaps(usual.return_times[0])
+        assert all(agree(one.centre[alpha], two.centre[alpha]) for alpha in one.centre)
+    assert agree(found.return_times[0], usual.return_times[0])
 
 
 @pytest.mark.parametrize("level", ["integral", "coordinates"])

@@ -9,6 +9,7 @@ from fractions import Fraction
 from typing import Any
 
 from flint import acb, arb, ctx
+from support.balls import agree
 from support.metamorphic import Change
 
 from orbitproof.verify.evidence import enclose
@@ -177,7 +178,7 @@ def _parts(old: acb, new: acb, unit: Fraction | None, change: Change) -> str:
 def _of_balls(old: arb, new: arb, unit: Fraction | None, most: float) -> str:
     if unit is not None:
         expected = old * enclose(unit)
-        if not expected.overlaps(new):
+        if not agree(expected, new) and (old.is_finite() or new.is_finite()):
             return f"{expected.str(20)}, told otherwise {new.str(20)}"
     radii = []
     for ball, factor in ((old, abs(unit or 1)), (new, 1)):

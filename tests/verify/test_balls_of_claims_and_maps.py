@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from flint import arb
+from support.balls import agree
 from support.inclusion import broken_inclusions
 from support.other_coordinates import dot, mixing, product
 from support.within import within
@@ -207,7 +208,7 @@ def test_the_coordinate_of_a_level_is_one_at_all_points_of_a_box_or_it_is_refuse
             a, x = (m + dot(row, [r * s for r, s in zip(radii, p, strict=True)])
                     for m, row in zip(centre, frame, strict=True))  # fmt: skip
             for ball, value in zip(balls, (x, None, 0, 0, 1, a), strict=True):
-                assert value is None or ball.overlaps(enclose(F(value)))
+                assert value is None or agree(ball, enclose(F(value)))
             heights = [(x * x + y * y) / 2 + a * x * x * y - y**3 / 3 - F(1, 12) for y in (low, high)]
             slopes = [y + a * x * x - y * y for y in (low + (high - low) * F(n, 8) for n in range(9))]
             if proved:
@@ -254,7 +255,7 @@ def test_functions_of_coordinates_are_those_at_all_points_of_balls() -> None:
     (x, y), (b, a) = state[:2], parameters
     grown = (a * x).exp()
     values = [grown, (x * b + grown).sin(), (x * b + grown).cos(), (2 + b * x * x).log(), (y - b).cos(), (y - b).sin()]
-    assert all(any(ball.overlaps(value) for ball in found.values()) for value in values)
+    assert all(any(agree(ball, value) for ball in found.values()) for value in values)
     # What is not defined at some point of a ball is not finite.
     wide = enclose_functions(system, [arb(0, 3), *state[1:]], [arb(-1), arb(0)])
     assert not all(ball.is_finite() for ball in wide)
@@ -291,10 +292,10 @@ def test_the_time_of_a_crossing_is_that_of_orbits_that_begin_at_any_time_of_a_ba
         counter.clear_time = None
     _, time = orbits.next_crossing()
     for begin in (-1, 0, 1):
-        assert time.overlaps(arb.pi() + arb(begin) / 64)
+        assert agree(time, arb.pi() + arb(begin) / 64)
     assert time.rad() < 0.016
     _, time = orbits.next_crossing()
-    assert time.overlaps(2 * arb.pi() + arb(1) / 64)
+    assert agree(time, 2 * arb.pi() + arb(1) / 64)
 
 
 def test_the_time_of_a_return_is_at_the_rate_of_each_orbit() -> None:
@@ -312,13 +313,11 @@ def test_the_time_of_a_return_is_at_the_rate_of_each_orbit() -> None:
             s = F(str(float(part.mid()))) + F(end, 4)
             speed = 1 + s / 8 - s * s / 16
             exact = speed * (3 + F(edge, 128)) + F(1, 32) - s / 8 + F(edge, 64) + F(edge, 256)
-            assert ball.overlaps(enclose(exact))
-            assert orbits.rate_on(part).overlaps(enclose(speed))
+            assert agree(ball, enclose(exact))
+            assert agree(orbits.rate_on(part), enclose(speed))
         assert ball.rad() < 0.2
     orbits.rate = None
-    assert range_of(orbits.return_time, arb(0)).overlaps(
-        arb(3) + arb(1) / 128 + arb(1) / 32 + arb(1) / 64 + arb(1) / 256
-    )
+    assert agree(range_of(orbits.return_time, arb(0)), arb(3) + arb(1) / 128 + arb(1) / 32 + arb(1) / 64 + arb(1) / 256)
 
 
 ROTATION = define_system({"name": "rotation", "state": "x v", "parameters": "w", "field": {"x": "w*v", "v": "-w*x"}})
@@ -343,11 +342,11 @@ def test_zeros_of_images_depend_on_their_independent_variables() -> None:
     for p in (arb(-1) / 64, arb(0), arb(3) / 256, arb(1) / 64):
         unknown, v = exact(p)
         for found in (zero.at, zero.over([p]), zero.over([arb(0, 1) / 64])):
-            assert found[0].overlaps(p)
-            assert found[1].overlaps(unknown)
+            assert agree(found[0], p)
+            assert agree(found[1], unknown)
         assert zero.over([p])[1].rad() < 1e-20
-        assert zero.point["v"].overlaps(v)
-        assert zero.point["x"].overlaps(1 - 2 * p)
+        assert agree(zero.point["v"], v)
+        assert agree(zero.point["x"], 1 - 2 * p)
     chance = random.Random(4)
     assert not broken_inclusions(lambda p: zero.over([p]), (arb(1) / 256,), chance)
     function = image.function({"x": F(1, 3), "v": F(-2)}, "1/7", [5, -3])
@@ -360,8 +359,8 @@ def test_zeros_of_images_depend_on_their_independent_variables() -> None:
         by = {(0, 0): first / 3 - 2 * second + arb(1) / 7 + 5 * where[0] - 3 * where[1],
               (1, 0): (-2 * cosine + sine / 2) / 3 - 2 * (cosine / 2 + 2 * sine) + 5,
               (0, 1): -sine + 6 * cosine - 3}  # fmt: skip
-        assert function.over(where, index).overlaps(by[index])
-        assert function.table.box[index].overlaps(by[index])
+        assert agree(function.over(where, index), by[index])
+        assert agree(function.table.box[index], by[index])
     assert not broken_inclusions(lambda balls: dict(image.over(balls).value), (where,), chance)
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx
+from support.balls import agree
 from support.inclusion import broken_inclusions
 from support.thresholds import unsound_balls
 from support.within import within
@@ -73,17 +74,17 @@ def test_states_of_a_birth_are_those_of_its_formulas_and_lead_back(seed: int) ->
         vx, vz = (piece.half_width * s * (base + turn * b) for base, turn in piece.directions)
         exact = {"x": x, "z": z, "vx": vx, "vy": vy, "vz": vz}
         found = tube.states(enclose(s))
-        assert all(found[name].overlaps(enclose(value)) for name, value in exact.items())
+        assert all(agree(found[name], enclose(value)) for name, value in exact.items())
         local = tube.local({name: enclose(value) for name, value in exact.items()})
         assert local is not None
-        assert local[0].overlaps(enclose(s))
-        assert all(a.overlaps(enclose(value)) for a, value in zip(local[1], (x, z, vy, b), strict=True))
+        assert agree(local[0], enclose(s))
+        assert all(agree(a, enclose(value)) for a, value in zip(local[1], (x, z, vy, b), strict=True))
         point, direction = (
             {name: enclose(exact[name]) for name in names} for names in (("x", "z", "vy"), ("vx", "vz"))
         )
         away = tube.at_birth(point, direction)
         assert away is not None
-        assert all(a.overlaps(enclose(value)) for a, value in zip(away, (x, z, vy, b), strict=True))
+        assert all(agree(a, enclose(value)) for a, value in zip(away, (x, z, vy, b), strict=True))
         # At the edge of the tube in all directions but one, and there on either side.
         edge = [value + width - LITTLE for value, width in zip(curve, piece.tube, strict=True)]
         assert tube.contains(enclose(s), list(map(enclose, edge)))
@@ -207,19 +208,19 @@ def test_levels_and_directions_in_other_units_are_those_of_their_states() -> Non
     assert x_l is not None
     found = vertical.vertical_jacobi_constant(VERTICAL["L2"], MU, point)
     assert found is not None
-    assert found.overlaps(level(x=x_l + size * x, vy=size * vy, vz=size.sqrt()))
-    assert lifted_family.lifted_jacobi_constant(MU, point).overlaps(level(x=x, vy=vy, vz=size.sqrt()))
+    assert agree(found, level(x=x_l + size * x, vy=size * vy, vz=size.sqrt()))
+    assert agree(lifted_family.lifted_jacobi_constant(MU, point), level(x=x, vy=vy, vz=size.sqrt()))
     found = planar.jacobi_constant(AROUND["L2"], MU, {"eps": size, "vy": vy})
     assert found is not None
-    assert found.overlaps(level(x=x_l + size, vy=size * vy))
+    assert agree(found, level(x=x_l + size, vy=size * vy))
     h, state = ball(chance, 0.2, 0.3), {name: ball(chance, 0.2, 0.9) for name in HILL_VARIED.state}
     at, direction = doubling_birth._at_other_point(h, state)
     field = HILL.vector_field([at[name] for name in HILL.state], [h])
     rates = dict(zip(HILL.state, field, strict=True))
-    assert all(at[name].overlaps(state[name]) for name in HILL.state)
+    assert all(agree(at[name], state[name]) for name in HILL.state)
     for name, own in (("vx", "vxi"), ("vz", "vzeta")):
         left = state[f"d{own}"] * rates["eta"] - rates[own] * state["deta"]
-        assert direction[name].overlaps(left / rates["eta"])
+        assert agree(direction[name], left / rates["eta"])
 
 
 @pytest.mark.parametrize("place", range(3))
@@ -272,18 +273,18 @@ def test_units_are_those_of_the_sizes() -> None:
         eps, x, vy = ball(chance, 0.1, 0.2), ball(chance), ball(chance)
         found = planar.in_units_of_orbit(AROUND[name], MU, {"x": x_l + eps, "vy": eps * vy})
         assert found is not None
-        assert found["eps"].overlaps(eps)
-        assert found["vy"].overlaps(vy)
+        assert agree(found["eps"], eps)
+        assert agree(found["vy"], vy)
         there = {"x": x_l + eps**2 * x, "vy": eps**2 * vy, "vz": -eps}
         found = vertical.in_units_of_vertical_orbit(VERTICAL[name], MU, there)
         assert found is not None
-        assert all(found[key].overlaps(value) for key, value in (("eps2", eps**2), ("x", x), ("vy", vy)))
+        assert all(agree(found[key], value) for key, value in (("eps2", eps**2), ("x", x), ("vy", vy)))
         assert vertical.in_units_of_vertical_orbit(VERTICAL[name], MU, {**there, "vz": arb(0)}) is None
         assert planar.in_units_of_orbit(AROUND[name], MU, {"x": x_l, "vy": vy}) is None
     orbit = doubled_family.in_hill_units(MU["mu"], {"x": ball(chance), "z": ball(chance), "vy": ball(chance)})
     back = doubling_birth._from_hill_units(orbit["h"], {**orbit, "zeta": orbit["zeta"]})
     again = doubled_family.in_hill_units(MU["mu"], back)
-    assert all(again[key].overlaps(value) for key, value in orbit.items())
+    assert all(agree(again[key], value) for key, value in orbit.items())
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -309,7 +310,7 @@ def test_the_variation_of_a_doubling_is_the_kernel_whatever_rows_are_regular(see
 
     found = carried(rows)
     assert isinstance(found, dict)
-    assert all(found[name].overlaps(value) for name, value in zip(("dxi", "dzeta"), kernel, strict=False))
+    assert all(agree(found[name], value) for name, value in zip(("dxi", "dzeta"), kernel, strict=False))
     assert not broken_inclusions(carried, (rows,), chance, 9)
     alike = [[a, 2 * a, -3 * a] for a, _, _ in rows]
     assert isinstance(carried(alike), str)
@@ -341,8 +342,8 @@ def test_crossings_of_balls_hold_those_of_all_points() -> None:
     found = crossings(point)
     assert found is not None
     for n, each in enumerate(found, start=1):
-        assert each.time.overlaps(n * arb.pi() / point["w"].sqrt())
-        assert each.state["vy"].overlaps((-1) ** n * point["vy"])
+        assert agree(each.time, n * arb.pi() / point["w"].sqrt())
+        assert agree(each.state["vy"], (-1) ** n * point["vy"])
     assert not broken_inclusions(crossings, (point,), chance)
 
 
@@ -371,4 +372,4 @@ def test_the_libration_point_is_where_the_force_vanishes(name: str) -> None:
     assert force.contains(0)
     assert x_l.rad() < arb(2) ** (8 - BITS)
     c = vertical.stiffness_at_rest(VERTICAL[name], MU)
-    assert c.overlaps((1 - mu) / abs(to_larger) ** 3 + mu / abs(to_smaller) ** 3)
+    assert agree(c, (1 - mu) / abs(to_larger) ** 3 + mu / abs(to_smaller) ** 3)

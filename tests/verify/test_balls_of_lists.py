@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from flint import arb, arb_poly, ctx
+from support.balls import agree
 from support.chain_cases import concluded, parabola, proved
 from support.curve_cases import proof
 from support.inclusion import broken_inclusions
@@ -79,16 +80,16 @@ def test_stability_parameters_bend_and_turn_as_their_sum_and_product_say(seed: i
         slopes = [function.derivative()(tau) for function in (low, high)]
         bends = [function.derivative().derivative()(tau) for function in (low, high)]
         for found, known in zip(_bends(segment, tau), bends, strict=True):
-            assert found.overlaps(known)
+            assert agree(found, known)
             assert found.rad() < 1e-30
         # The resultant of the characteristic polynomial and its derivative by tau.
         turning = -((high(tau) - low(tau)) ** 2) * slopes[0] * slopes[1]
-        assert stationary.value(tau).overlaps(turning)
+        assert agree(stationary.value(tau), turning)
         assert stationary.value(tau).rad() < 1e-30
         assert stationary.over_square(hull(arb(0), tau)).contains((turning / tau**2).mid())
         near = tau / 2**20
         quotient = stationary.value(near) / near**2
-        assert quotient.overlaps(stationary.over_square(hull(arb(0), near)))
+        assert agree(quotient, stationary.over_square(hull(arb(0), near)))
         assert stationary.over_square(hull(arb(0), near)).rad() < 1e-3
 
 
@@ -104,7 +105,7 @@ def test_values_over_parts_hold_those_at_both_ends(seed: int) -> None:
     low, high = Fraction(-7, 16), Fraction(chance.randint(0, 7), 16)
     for slope in (1, -1):
         line = BoundedFunction(ball_polynomial([number(chance), Fraction(slope)]), arb(0))
-        assert all(_values(line, low, high).overlaps(value) for value in edges(line.value, low, high))
+        assert all(agree(_values(line, low, high), value) for value in edges(line.value, low, high))
         places = [low, (low + 3 * high) / 4, high]
         ends = zip(pairwise(places), (Where.HERE, Where.THERE), strict=True)
         parts = tuple(
@@ -116,17 +117,17 @@ def test_values_over_parts_hold_those_at_both_ends(seed: int) -> None:
         assert found is not None
         assert all(found[0].square.contains(enclose(place)) for place in (low, high))
         assert found[1].where is Where.ALONG
-        assert found[1].square.overlaps(line.value(enclose(low)))
-        assert found[1].square.overlaps(2 * line.value(enclose(high)))
+        assert agree(found[1].square, line.value(enclose(low)))
+        assert agree(found[1].square, 2 * line.value(enclose(high)))
         turned = known.mirrored().over(-high, -low)
         assert turned is not None
-        assert turned[1].square.overlaps(2 * line.value(enclose(high)))
+        assert agree(turned[1].square, 2 * line.value(enclose(high)))
         segment = segment_of(chance, 1, half_period=line, level=line, distances=None)
         for begin, end in ((Fraction(-3, 8), Fraction(3, 8)), (Fraction(-1, 2), Fraction(1, 2))):
             ranges = ranges_between([segment], (0, begin), (0, end))
             assert ranges is not None
             wanted = edges(segment.tau_of, begin, end)
-            assert all(ranges.half_period.overlaps(line.value(tau)) for tau in wanted)
+            assert all(agree(ranges.half_period, line.value(tau)) for tau in wanted)
 
 
 def test_a_function_near_balls_holds_those_with_coefficients_at_all_of_their_ends() -> None:
@@ -305,7 +306,7 @@ def test_every_zero_of_every_function_that_may_be_meant_is_listed_or_open(seed: 
         true = zeros_on(exact_function, Fraction(-15, 16), Fraction(15, 16))
         assert len(true.zeros) == 4
         for zero in true.zeros:
-            listed = [each for each in found.zeros if each.place.overlaps(zero.place)]
+            listed = [each for each in found.zeros if agree(each.place, zero.place)]
             open_there = any(enclose(low) <= zero.place <= enclose(high) for low, high in found.undecided)
             assert len(listed) == 1 or open_there
     double = [Fraction(0), Fraction(0), *coefficients]
@@ -314,4 +315,4 @@ def test_every_zero_of_every_function_that_may_be_meant_is_listed_or_open(seed: 
     assert end > 0
     assert len(listed_beside.zeros) == len(beyond)
     for zero, root in zip(listed_beside.zeros, beyond, strict=True):
-        assert zero.place.overlaps(arb(root) / 32)
+        assert agree(zero.place, arb(root) / 32)

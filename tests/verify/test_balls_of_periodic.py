@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from flint import acb, arb
+from support.balls import agree
 from support.inclusion import Refused, broken_inclusions
 from support.known_returns import WIDTH, KnownReturn, contains_all, known_return, outcome_of
 from support.other_coordinates import dot, mixing
@@ -106,7 +107,7 @@ def test_functions_on_a_box_contain_their_values_at_all_of_its_points(seed: int,
             (state, (x, y, z)), (parameters, (b, a, c)), (fields, exact), (slopes, along), (own, p),
             (state_on_box(claim, list(map(enclose, p))), (x, y, z)),
         ):  # fmt: skip
-            assert all(ball.overlaps(enclose(value)) for ball, value in zip(balls, values, strict=True))
+            assert all(agree(ball, enclose(value)) for ball, value in zip(balls, values, strict=True))
 
 
 def test_each_part_of_what_is_found_depends_on_the_balls_that_it_is_found_from() -> None:
@@ -167,7 +168,7 @@ def test_eigenvalues_of_all_matrices_between_two_are_enclosed_and_counted(size: 
         assert len(found.values) == size
         for end in at:
             assert (end.inside, end.outside) == (found.inside, found.outside)
-            assert all(any(ball.overlaps(value) for ball in found.values) for value in end.values)
+            assert all(any(agree(ball, value) for ball in found.values) for value in end.values)
         if not turns:
             assert found.inside == sum(abs(value) < 1 for value in values)
             assert all(ball.imag.is_zero() for ball in found.values)
@@ -201,8 +202,8 @@ def test_eigenvalues_are_called_real_if_no_other_one_may_be_their_conjugate() ->
         for value, found in zip(values, _with_real_ones(values), strict=True):
             is_alone = value is alone or (value is cluster and sum(each is cluster for each in values) == 1)
             assert found.imag.is_zero() is is_alone
-            assert found.real.overlaps(value.real)
-            assert is_alone or found.imag.overlaps(value.imag)
+            assert agree(found.real, value.real)
+            assert is_alone or agree(found.imag, value.imag)
 
 
 CASES = [(1, False), (2, False), (3, False), (2, True), (3, True)]
@@ -217,16 +218,16 @@ def test_returns_are_proved_with_all_that_is_known(size: int, on_a_level: bool) 
         assert isinstance(outcome, Proved), outcome.reason
         found = outcome.results
         for name, middle, row in zip(claim.system.state, claim.centre, claim.frame, strict=True):
-            assert found.point[name].overlaps(enclose(middle + dot(row, known.fixed)))
+            assert agree(found.point[name], enclose(middle + dot(row, known.fixed)))
             assert found.point[name].rad() < 2.0**-80
-        assert found.period.overlaps(enclose(known.time[0] + dot(known.time[1:], known.fixed)))
+        assert agree(found.period, enclose(known.time[0] + dot(known.time[1:], known.fixed)))
         assert contains_all(found.multipliers.values, known.others)
         assert found.multipliers.inside == sum(abs(value) < 1 for value in known.others)
         assert (found.multipliers.trivial, found.multipliers.undecided) == (1 + on_a_level, 0)
         assert (found.level is None) is not on_a_level
         if on_a_level:
             assert found.level is not None
-            assert found.level.overlaps(enclose(claim.level or ZERO))
+            assert agree(found.level, enclose(claim.level or ZERO))
 
 
 def _outcome(known: KnownReturn) -> Outcome[PeriodicResults]:

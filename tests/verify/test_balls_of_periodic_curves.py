@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from flint import arb, arb_poly
+from support.balls import agree
 from support.inclusion import broken_inclusions
 from support.periodic_curves import LIMITS, WHOLE, levels_atlas, turning_atlas, twice_atlas
 from support.within import within
@@ -129,13 +130,13 @@ def test_points_of_a_tube_are_on_the_section_with_their_parameters(varies: bool,
         # The part of the interval in which sigma = s is.
         part = min(7, int((s + 1) * 4))
         for balls, value in zip(parts, exact, strict=True):
-            assert balls[part].overlaps(enclose(value))
+            assert agree(balls[part], enclose(value))
         gradient = [2 * a * x * y + 1, a * x * x + b * z, b * y - 3 * c * z * z]
         along = [gradient[i] - gradient[pivot] * normal[i] / normal[pivot] for i in range(3) if i != pivot]
-        assert all(ball.overlaps(enclose(value)) for ball, value in zip(slopes[part], along, strict=True))
+        assert all(agree(ball, enclose(value)) for ball, value in zip(slopes[part], along, strict=True))
         if not varies:
             level = a * x * x * y + b * y * z - c * z**3 + x
-            assert _value(atlas, list(map(enclose, coordinates))).overlaps(enclose(level))
+            assert agree(_value(atlas, list(map(enclose, coordinates))), enclose(level))
     if not varies:
         assert not broken_inclusions(lambda point: _value(atlas, point), ([arb(0.3), arb(-0.7)],), source)
 
@@ -228,8 +229,8 @@ def test_the_period_is_that_of_all_parts() -> None:
         found = Returns({}, arithmetic.polynomial({(0,): row}).widened(unknown)).time_of_all()
         times = [sum(c * F(place, 32) ** n for n, c in enumerate(row)) for place in range(-32, 33)]
         for time in times:
-            assert found.overlaps(enclose(time + unknown))
-            assert found.overlaps(enclose(time - unknown))
+            assert agree(found, enclose(time + unknown))
+            assert agree(found, enclose(time - unknown))
         # On each of the eight parts a little is lost.
         lost = sum(n * abs(c) for n, c in enumerate(row)) / 8
         assert float(found.rad()) < float((max(times) - min(times)) / 2 + unknown + lost) * 1.01
@@ -253,7 +254,7 @@ def test_coefficients_of_the_polynomial_of_multipliers(size: int) -> None:
         tau = arb(source.uniform(-0.9, 0.9))
         at = [[each.polynomial(tau) + source.choice((-1, 1)) * arb(2) ** -12 for each in row] for row in rows]
         for number, value in enumerate(_leading(at), start=1):
-            assert found[number - 1].value(tau).overlaps(value)
+            assert agree(found[number - 1].value(tau), value)
             assert found[number - 1].value(tau).rad() < 0.1
     # (lambda - 1)(lambda^2 + b lambda + c) = lambda^3 + (b - 1) lambda^2 + (c - b) lambda - c.
     b, c = functions(source, 1, 2.0**-12)[0][0], functions(source, 1, 0.0)[0][0]
@@ -262,8 +263,8 @@ def test_coefficients_of_the_polynomial_of_multipliers(size: int) -> None:
     assert len(quotient) == 2
     for tau in (arb(-0.5), arb(0.75)):
         for ball, exact in zip(quotient, (b, c), strict=True):
-            assert ball.value(tau).overlaps(exact.polynomial(tau) + arb(0, 2.0**-12))
-            assert ball.value(tau).overlaps(exact.polynomial(tau))
+            assert agree(ball.value(tau), exact.polynomial(tau) + arb(0, 2.0**-12))
+            assert agree(ball.value(tau), exact.polynomial(tau))
 
 
 def _leading(matrix: Sequence[Sequence[arb]]) -> list[arb]:

@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 from flint import arb, arb_poly, ctx
+from support.balls import agree
 from support.flow_checks import random_fraction
 from support.inclusion import Path, broken_inclusions, checked
 from support.polynomial_tables import derivative, table
@@ -133,8 +134,8 @@ def test_sums_powers_and_functions() -> None:
     vectors = numbers(3, chance), numbers(3, chance)
     for count in (1, 2, 4):
         left, right = numbers(count, chance), numbers(count, chance)
-        assert dot(left, right).overlaps(sum((a * b for a, b in zip(left, right, strict=True)), arb(0)))
-        assert total(left).overlaps(sum(left, arb(0)))
+        assert agree(dot(left, right), sum((a * b for a, b in zip(left, right, strict=True)), arb(0)))
+        assert agree(total(left), sum(left, arb(0)))
     assert not broken_inclusions(dot, vectors, chance)
     assert not broken_inclusions(lambda terms: total(iter(terms)), (numbers(4, chance),), chance)
     assert all(up_to(arb(0.7, 0.1)).contains(arb(value)) for value in (0, 0.59, 0.7, 0.799))
@@ -153,7 +154,7 @@ def test_polynomials_near_a_point() -> None:
     assert not broken_inclusions(around, (numbers(5, chance), arb(0.4), arb(0.125)), chance, size=arb(1) / 4)
     polynomial = arb_poly(numbers(5, chance))
     for end in (arb(0.4) - 0.125, arb(0.4) + 0.125):
-        assert values_around(polynomial, arb(0.4), arb(0.125)).overlaps(polynomial(end))
+        assert agree(values_around(polynomial, arb(0.4), arb(0.125)), polynomial(end))
 
 
 @pytest.mark.parametrize("size", [1, 2, 3])
@@ -221,7 +222,7 @@ def test_graphs_of_zeros(independent: int, size: int) -> None:
     whole = graph.over([side / 4 for side in sides[:independent]])
     for _ in range(4):
         corner = [side.rad() / 4 * chance.choice((-1, 1)) for side in sides[:independent]]
-        assert all(a.overlaps(b) for a, b in zip(whole, graph.over(corner), strict=True))
+        assert all(agree(a, b) for a, b in zip(whole, graph.over(corner), strict=True))
 
 
 def test_taylor_forms_of_a_box() -> None:
@@ -254,9 +255,9 @@ def test_jets_are_composed_and_solved_for() -> None:
     left, right = numbers(len(indices), chance), numbers(len(indices), chance)
     assert not broken_inclusions(products, (left, right), chance)
     scaled = jet(left).scaled(right[0])
-    assert all(scaled[index].overlaps(ball * right[0]) for index, ball in zip(indices, left, strict=True))
+    assert all(agree(scaled[index], ball * right[0]) for index, ball in zip(indices, left, strict=True))
     derivatives = {index: arb(chance.uniform(-1, 1)) for index in [(0, 0), *indices]}
-    assert compose(derivatives, [jet(left), jet(right)])[0, 0].overlaps(derivatives[0, 0])
+    assert agree(compose(derivatives, [jet(left), jet(right)])[0, 0], derivatives[0, 0])
     assert not broken_inclusions(
         lambda outer, one, other: compose(outer, [jet(one), jet(other)]).coefficients,
         (derivatives, left, right),
@@ -332,7 +333,7 @@ def test_functions_of_an_image_and_their_zeros() -> None:
         at = [side.rad() * sign for side, sign in zip(sides, corner, strict=True)]
         values = [derivative(each, (0, 0), at) for each in polynomials]
         exact = dot(list(map(enclose, factors)), values) + dot(list(map(enclose, own)), at) + arb(1) / 3
-        assert combined(polynomials).box[0, 0].overlaps(exact)
+        assert agree(combined(polynomials).box[0, 0], exact)
     for number in (1, 2):
 
         def zeros(polynomials: Any, number: int = number) -> Any:
@@ -371,9 +372,9 @@ def test_a_displacement_is_the_image_less_the_point() -> None:
     for side in (-1, 0, 1, HALF):
         p = side * start.radii[0]
         exact = a + b * p + c * p * p - (start.centre[0] + start.frame[0][0] * p)
-        assert moved.box[0,].overlaps(enclose(exact))
-        assert BoxFunction(moved).value([enclose(p)]).overlaps(enclose(exact))
-        assert moved.box[1,].overlaps(enclose(b + 2 * c * p - start.frame[0][0]))
+        assert agree(moved.box[0,], enclose(exact))
+        assert agree(BoxFunction(moved).value([enclose(p)]), enclose(exact))
+        assert agree(moved.box[1,], enclose(b + 2 * c * p - start.frame[0][0]))
     assert moved.box[0,].rad() < 1
 
 
@@ -389,7 +390,7 @@ def test_the_time_of_a_crossing_is_that_of_all_steps_and_of_the_delay() -> None:
     for by in (-1, 1):
         for edge in (-1, 1):
             exact = Fraction(5, 2) + Fraction(by, 8) + Fraction(1, 3) + Fraction(edge, 4) + Fraction(by, 64)
-            assert found.overlaps(enclose(exact))
+            assert agree(found, enclose(exact))
     assert found.rad() < 0.4
 
 
@@ -425,8 +426,8 @@ def test_elements_on_parts_of_their_interval(width: int) -> None:
             shape = chance.choice((-1, 1)) if chance.random() < 0.5 else random_fraction(chance)
             s = Fraction(0) if part is None else Fraction(str(float(part.mid()))) + Fraction(1, 4) * shape
             at = value(xi, s) + Fraction(chance.choice((-1, 1)), 128)
-            assert found.overlaps(enclose(at))
-            assert on_step.overlaps(enclose(at))
+            assert agree(found, enclose(at))
+            assert agree(on_step, enclose(at))
 
 
 def test_an_element_stays_positive_for_all_points_or_is_not_said_to() -> None:
@@ -469,7 +470,7 @@ def test_derivatives_on_a_box_are_those_of_all_that_is_known_and_unknown() -> No
                     value += coefficient * enclose(factor)
             for scale, i in zip(scales, index, strict=True):
                 value = value / enclose(scale**i)
-            assert whole.box[index].overlaps(value), index
+            assert agree(whole.box[index], value), index
 
 
 def test_taylor_coefficients_of_functions_and_the_bound_of_the_rest() -> None:
@@ -481,10 +482,10 @@ def test_taylor_coefficients_of_functions_and_the_bound_of_the_rest() -> None:
             with ctx.workprec(300):
                 more, _ = _taylor(name, middle, last + 5)
             assert len(coefficients) == last + 1
-            assert all(a.overlaps(b) for a, b in zip(coefficients, more, strict=False))
+            assert all(agree(a, b) for a, b in zip(coefficients, more, strict=False))
             assert all(abs(each) < bound * 1.001 for each in more[last + 1 :]), name
             with ctx.workprec(300):
-                assert coefficients[0].overlaps(getattr(enclose(middle), name)())
+                assert agree(coefficients[0], getattr(enclose(middle), name)())
 
 
 def test_a_level_has_one_coordinate_in_its_interval() -> None:

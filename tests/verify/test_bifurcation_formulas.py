@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx
+from support.balls import agree
 from support.claims import known
 from support.closed_form_maps import claim, description, table, tables_of_maps, verdict
 from support.map_cases import CASES, WIDE, failed, proof
@@ -183,9 +184,9 @@ def test_the_reduced_function_is_the_mean_between_the_family_and_the_point() -> 
         assert across.derivative(0, 2).contains(enclose(b))
         reduced = ReducedFunction(enclose(F(2)), enclose(foot), at_foot, across)
         mean = a + b * d / 2 + e * d**2 / 6
-        assert reduced.at_centre(enclose(p_1)).overlaps(enclose(mean))
+        assert agree(reduced.at_centre(enclose(p_1)), enclose(mean))
         assert reduced.at_centre(enclose(p_1)).rad() < 1e-60
-        assert reduced.zero(enclose(p_1)).overlaps(enclose(-mean / 2))
+        assert agree(reduced.zero(enclose(p_1)), enclose(-mean / 2))
 
 
 def test_the_remainder_of_the_reduced_function_is_taken_over_all_points_between() -> None:
@@ -198,7 +199,7 @@ def test_the_remainder_of_the_reduced_function_is_taken_over_all_points_between(
     wide = jet({(0, 2): arb(1, 0.5), (0, 3): arb(0, 100)})
     ball = ReducedFunction(arb(1), arb(0), at_foot, wide).at_centre(arb(1))
     for b in (F(1), F(3)):
-        assert ball.overlaps(enclose(b / 2))
+        assert agree(ball, enclose(b / 2))
 
 
 def problem_of(
@@ -380,12 +381,12 @@ def test_the_slope_of_newtons_step_is_taken_over_all_that_may_hold_the_zero() ->
     root = (arb("2.5").sqrt() - 1) / 2
 
     def slope(p: arb) -> arb:
-        assert p.overlaps(root)
+        assert agree(p, root)
         assert p.rad() > 0
         return 1 + 2 * p
 
     found = narrowed_zero(problem, 0, lambda p: p * p + p - arb("0.375"), slope)
-    assert found.overlaps(root)
+    assert agree(found, root)
     assert found.rad() < 1e-8
 
 
@@ -406,7 +407,7 @@ def test_the_reduced_function_is_the_quotient_by_the_distance_from_the_family() 
     _, curve, reduction = problem_of([family, lambda p, c: family(p, c) * (p[0] + p[1] * p[1])], radii)
     for p_1 in (F(-1, 8), F(0), F(1, 10), F(1, 8)):
         reduced = reduced_function(arb(0), enclose(p_1).union(enclose(F(1, 16))), curve, reduction)
-        assert reduced.at_centre(enclose(p_1)).overlaps(enclose(p_1**2))
+        assert agree(reduced.at_centre(enclose(p_1)), enclose(p_1**2))
         assert reduced.at_centre(enclose(p_1)).rad() < 1e-3
 
 
@@ -435,7 +436,7 @@ def test_the_images_of_a_box_hold_its_corners_where_levels_are_curved(name: str)
         (level,) = program.evaluate([*state, *parameters], enclose, lambda ball, q: ball ** enclose(q))
         there = coordinates_in_box(form, {**place, form.coordinates[0]: level})
         for image, ball in zip(images, there, strict=True):
-            assert image.overlaps(ball)
+            assert agree(image, ball)
 
 
 def test_second_derivatives_anywhere_in_a_box_widen_its_image() -> None:

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx
+from support.balls import agree
 from support.curve_cases import proof, refusal
 from support.once import once
 from support.stored import values
@@ -276,7 +277,7 @@ def test_the_halo_orbits_pass_through_it_and_hang_together_with_those_that_are_b
     assert web.switches == ()
     (vertex,) = web.vertices
     assert (vertex.kind, vertex.k) == ("period_tupling", 2)
-    assert vertex.level.overlaps(ball("3.05802217598939315549016929377664"))
+    assert agree(vertex.level, ball("3.05802217598939315549016929377664"))
     place, birth = (entry.place for entry in web.incidences)
     assert place is not None
     assert birth is not None
@@ -386,7 +387,7 @@ def test_the_piece_is_proved_and_a_false_one_is_not(
     assert isinstance(found.outcome, Proved), found.outcome
     assert found.computation.coordinates == "Kustaanheimo-Stiefel"
     (stored,) = (result for result in results if result.piece == piece.id)
-    assert found.outcome.results.time.overlaps(stored.time)
+    assert agree(found.outcome.results.time, stored.time)
     beside = replace(piece, polynomial=((piece.polynomial[0][0] + Fraction(1, 10**9),), *piece.polynomial[1:]))
     outcome = prove_birth_piece(CR3BP, atlas.parameters, beside, WHOLE, ORACLE, limits).outcome
     assert isinstance(outcome, NotProved)
@@ -405,4 +406,4 @@ def test_both_coordinates_enclose_the_same_orbits_of_a_piece(monkeypatch: pytest
     for coordinates in ("physical", "regularised"):
         monkeypatch.setattr(birth_piece, "AUTO", coordinates)
         prove_birth_piece(CR3BP, ATLAS.parameters, BIRTH, WHOLE, ORACLE, PieceLimits(112, 40, 30))
-    assert all(one.overlaps(other) for one, other in zip(*ends, strict=True))
+    assert all(agree(one, other) for one, other in zip(*ends, strict=True))

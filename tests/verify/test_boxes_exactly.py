@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from flint import arb, ctx
 from support import breaking_cases
+from support.balls import agree
 from support.chain_cases import concluded, parabola
 from support.claims import known
 from support.curve_cases import proof
@@ -85,7 +86,7 @@ def test_a_point_is_in_a_box_if_all_of_its_coordinates_are(place: int) -> None:
             p = beyond(place, radii, side)
             assert in_box(candidate, at(candidate, p)) == (side < 0)
             found = coordinates_in_box(candidate, at(candidate, p))
-            assert all(ball.overlaps(enclose(value)) for ball, value in zip(found, p, strict=True))
+            assert all(agree(ball, enclose(value)) for ball, value in zip(found, p, strict=True))
 
 
 @pytest.mark.parametrize("signs", list(product((1, -1), repeat=3)))
@@ -196,11 +197,11 @@ def test_a_joint_holds_the_places_of_all_curves_of_the_first_piece_in_the_second
                 for c, d, row in zip(one.centre, other.centre, one.frame, strict=True)
             )
             there = (frame[1][1] * x - frame[0][1] * y) / determinant, (frame[0][0] * y - frame[1][0] * x) / determinant
-            assert joint.enters.overlaps(enclose(there[0] / other.half_width))
-            assert joint.offsets[0].overlaps(enclose(there[1] / other.tube[0]))
+            assert agree(joint.enters, enclose(there[0] / other.half_width))
+            assert agree(joint.offsets[0], enclose(there[1] / other.tube[0]))
             rate = [one.half_width, sign * error]
             x, y = (sum((a * b for a, b in zip(row, rate, strict=True)), Fraction(0)) for row in one.frame)
-            assert joint.turn.overlaps(enclose((frame[1][1] * x - frame[0][1] * y) / determinant / other.half_width))
+            assert agree(joint.turn, enclose((frame[1][1] * x - frame[0][1] * y) / determinant / other.half_width))
         # Where one of these curves leaves the tube, or what is proved, there is no joint.
         assert isinstance(_enter(before, run, Fraction(1, 8), Tube(replace(other, tube=(error / 2,)), (run,)))[0], int)
         assert joint.enters.rad() > arb(2) ** -30
@@ -251,7 +252,7 @@ def test_every_extremum_of_every_function_that_may_be_meant_is_listed_or_open(co
             true, _ = extrema_on(segment(tuple(sign * error * (n == power) for n in range(5))), 0)
             assert true
             for place, value in true:
-                held = [here for here, known_value in listed if here.overlaps(place) and known_value.overlaps(value)]
+                held = [here for here, known_value in listed if agree(here, place) and agree(known_value, value)]
                 assert len(held) == 1 or any(enclose(a) <= place <= enclose(b) for a, b in undecided)
 
 

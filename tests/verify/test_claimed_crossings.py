@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx
+from support.balls import agree
 
 from orbitproof.shared.claims import COORDINATE, DOUBLE_RESONANCE, Candidate, Equation
 from orbitproof.shared.formats import REVERSOR_BREAKING
@@ -68,26 +69,26 @@ def test_all_kinds_of_claims_are_followed_to_their_crossing(m: int) -> None:
         for found in (orbit, losing, resonance):
             assert len(found.iterates) == m
             zero = (0,) * len(next(iter(found.half_period.centre)))
-            assert found.half_period.centre[zero].overlaps(time)
+            assert agree(found.half_period.centre[zero], time)
             for number, (kernel,) in enumerate(found.iterates, start=1):
-                assert kernel.centre[zero].overlaps(u * at(number)[2])
+                assert agree(kernel.centre[zero], u * at(number)[2])
                 assert kernel.centre[zero].rad() < arb(2) ** -40
         cosine, sine, slope = at(m)
-        assert orbit.image[1].centre[0, 0].overlaps(u * cosine)
-        assert orbit.image[0].centre[0, 0].overlaps((-1) ** m * enclose(X))
-        assert orbit.back[1][1].overlaps(cosine)
-        assert orbit.back[0][0].overlaps(arb((-1) ** m))
+        assert agree(orbit.image[1].centre[0, 0], u * cosine)
+        assert agree(orbit.image[0].centre[0, 0], (-1) ** m * enclose(X))
+        assert agree(orbit.back[1][1], cosine)
+        assert agree(orbit.back[0][0], arb((-1) ** m))
         assert orbit.back[1][1].rad() < arb(2) ** -10
         (image,) = losing.image
-        assert image.centre[0, 0, 0].overlaps(u * cosine)
-        assert image.centre[0, 1, 0].overlaps(cosine)
-        assert image.centre[0, 0, 1].overlaps(sine)
+        assert agree(image.centre[0, 0, 0], u * cosine)
+        assert agree(image.centre[0, 1, 0], cosine)
+        assert agree(image.centre[0, 0, 1], sine)
         back = at(2 * m)[0]
-        assert resonance.image[1].centre[0, 0, 0].overlaps(u * back)
-        assert resonance.image[1].centre[0, 0, 1].overlaps(back)
+        assert agree(resonance.image[1].centre[0, 0, 0], u * back)
+        assert agree(resonance.image[1].centre[0, 0, 1], back)
         assert resonance.image[1].centre[0, 0, 0].rad() < arb(2) ** -40
-        assert resonance.image[0].centre[0, 0, 0].overlaps(enclose(X))
+        assert agree(resonance.image[0].centre[0, 0, 0], enclose(X))
         values = [row[0] for row in half.image]
         for value, wanted in zip(values, ((-1) ** m * enclose(X), u * cosine, u * slope), strict=True):
-            assert value.overlaps(wanted)
+            assert agree(value, wanted)
             assert value.rad() < arb(2) ** -10

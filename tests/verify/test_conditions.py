@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx
+from support.balls import agree
 from support.closed_form_maps import ReversibleMap, claim, description, tables_of_maps, verdict
 from support.map_cases import CASES, ROOT, outcome_of, proof
 from support.within import within
@@ -30,9 +31,9 @@ def test_the_level_of_a_first_integral_and_a_parameter_give_the_same_bifurcation
     system = proof(outcome_of(name)).results
     level = proof(outcome_of(name, hamiltonian=True)).results
     assert system.side == level.side
-    assert system.parameter.overlaps(level.parameter)
+    assert agree(system.parameter, level.parameter)
     for key in ("alpha", "beta"):
-        assert system.normal_form[key].overlaps(level.normal_form[key])
+        assert agree(system.normal_form[key], level.normal_form[key])
         assert level.normal_form[key].rad() < abs(level.normal_form[key]) * arb("0.02")
 
 
@@ -58,8 +59,8 @@ def test_the_bifurcation_does_not_depend_on_the_direction_of_p_1(name: str) -> N
     level = proof(verdict(claim(description(len(wide) - 1, True), kind, k, wide), tables, integral)).results
     plain = proof(outcome_of(name)).results
     assert level.side == plain.side
-    assert level.parameter.overlaps(plain.parameter)
-    assert level.normal_form["beta"].overlaps(plain.normal_form["beta"])
+    assert agree(level.parameter, plain.parameter)
+    assert agree(level.normal_form["beta"], plain.normal_form["beta"])
     assert level.normal_form["beta"].rad() < abs(plain.normal_form["beta"]) * arb("0.1")
 
 

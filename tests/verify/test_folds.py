@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx
+from support.balls import agree
 from support.claims import distances, known, moved, shifted, verdict_of, with_radii
 from support.closed_form_maps import claim, description, table, verdict
 from support.map_cases import failed, proof
@@ -187,9 +188,9 @@ def test_both_forms_of_the_parameter_prove_the_same_fold() -> None:
     first, second = (certificate.parameter for certificate in forms)
     assert first is not None
     assert second is not None
-    assert first.overlaps(second)
+    assert agree(first, second)
     assert forms[0].side == forms[1].side
-    assert forms[0].normal_form["beta"].overlaps(forms[1].normal_form["beta"])
+    assert agree(forms[0].normal_form["beta"], forms[1].normal_form["beta"])
 
 
 def refusal(candidate: Candidate, level: str = "coordinates") -> str:

@@ -12,6 +12,7 @@ from typing import Any
 import mpmath
 import pytest
 from flint import arb
+from support.balls import agree
 from support.springs import BITS, SMALL, claim, exactly, half, number, springs
 from test_functions_in_fields import swings
 from test_orbit_on_level import certificate, claimed
@@ -54,7 +55,7 @@ def test_a_map_after_its_inverse_is_the_identity(size: int) -> None:
             both = compose(derivatives_of(jet), inverse)
             for index in indices_up_to(size, 3):
                 wanted = int(sum(index) == 1 and index[i] == 1)
-                assert both[index].overlaps(arb(wanted))
+                assert agree(both[index], arb(wanted))
                 assert float(both[index].rad()) < 1e-30
 
 
@@ -69,7 +70,7 @@ def test_an_inverse_of_balls_contains_those_of_all_maps_in_them() -> None:
             for jet in exact
         ]
         for inside, outside in zip(inverse_jets(near), balls, strict=True):
-            assert all(outside[index].overlaps(inside[index]) for index in indices_up_to(2, 3))
+            assert all(agree(outside[index], inside[index]) for index in indices_up_to(2, 3))
 
 
 def test_a_singular_map_has_no_inverse() -> None:
@@ -140,15 +141,15 @@ def test_the_coordinate_that_is_left_out_does_not_matter() -> None:
         full_return_jets(half_return_jets(spring_claim(), turned)),
         strict=True,
     ):
-        assert all(left[index].overlaps(right[index]) for index in indices_up_to(2, 3))
+        assert all(agree(left[index], right[index]) for index in indices_up_to(2, 3))
 
 
 def trace_of(candidate: Candidate) -> arb:
     half_return = enclose_half_return(candidate, IntegratorSettings(128), ORACLE)
     first, second = full_return_jets(half_return_jets(candidate, half_return))
-    assert first[1, 0].overlaps(second[0, 1])
+    assert agree(first[1, 0], second[0, 1])
     assert float(first[1, 0].rad()) < 1e-4
-    assert (first[1, 0] * second[0, 1] - first[0, 1] * second[1, 0]).overlaps(arb(1))
+    assert agree(first[1, 0] * second[0, 1] - first[0, 1] * second[1, 0], arb(1))
     return first[1, 0]
 
 
@@ -156,7 +157,7 @@ def test_on_a_fixed_level_the_derivative_has_the_multipliers_of_the_orbit() -> N
     proof = certificate()
     assert proof.orbit is not None
     (parameter,) = proof.orbit.stability.parameters
-    assert trace_of(claimed()).overlaps(parameter.real)
+    assert agree(trace_of(claimed()), parameter.real)
 
 
 def test_at_a_parameter_the_derivative_has_the_multipliers_of_the_orbit() -> None:
@@ -165,7 +166,7 @@ def test_at_a_parameter_the_derivative_has_the_multipliers_of_the_orbit() -> Non
     proof = certify(candidate, Limits(max_precision=256))
     assert proof.orbit is not None
     (parameter,) = proof.orbit.stability.parameters
-    assert trace_of(candidate).overlaps(parameter.real)
+    assert agree(trace_of(candidate), parameter.real)
 
 
 def test_enclosures_of_another_claim_are_refused() -> None:
@@ -185,7 +186,7 @@ def test_with_functions_in_the_field_the_derivative_has_the_multipliers_of_the_o
     assert proof.orbit is not None
     (parameter,) = proof.orbit.stability.parameters
     assert isinstance(proof.candidate, Candidate)
-    assert trace_of(proof.candidate).overlaps(parameter.real)
+    assert agree(trace_of(proof.candidate), parameter.real)
 
 
 def test_half_orbits_with_two_crossings_are_followed_to_their_end() -> None:
@@ -194,4 +195,4 @@ def test_half_orbits_with_two_crossings_are_followed_to_their_end() -> None:
     assert isinstance(outcome, Proved)
     assert isinstance(outcome.results, OrbitResults)
     (parameter,) = outcome.results.stability.parameters
-    assert trace_of(candidate).overlaps(parameter.real)
+    assert agree(trace_of(candidate), parameter.real)

@@ -17,6 +17,7 @@ from typing import Any, cast
 
 import pytest
 from flint import acb, arb, arb_poly, ctx, fmpz_poly
+from support.balls import agree
 from support.forgeries import atlas_certificate, checked_by, forged
 from support.graph_index import index_of_orbit
 from support.stored import values
@@ -168,7 +169,7 @@ def test_an_argument_is_followed_within_a_half_plane_only() -> None:
     for step in range(1, 12):
         assert turning.reaches([turned(step - 0.5)], turned(step))
         turning.go_on(turned(step))
-    assert turning.angle.overlaps(arb(11))
+    assert agree(turning.angle, arb(11))
     assert turning.angle.rad() < 1e-6
 
 
@@ -263,7 +264,7 @@ def test_the_symplectic_form_of_variations_is_the_same_at_both_ends(monkeypatch:
         ]
 
     for before, after in zip(form(orbit._first_variations()), form(end), strict=True):
-        assert before.overlaps(after)
+        assert agree(before, after)
         assert after.rad() < 1e-9
 
 
@@ -284,12 +285,12 @@ def test_parts_follow_one_another_and_hold_at_all_their_times(monkeypatch: pytes
             assert part.theta.contains(begin)
             assert part.theta.contains(end.theta)
             assert end.theta > begin
-            assert all(a.overlaps(b) for a, b in zip(before, determinants(orbit, part.at(begin)), strict=True))
+            assert all(agree(a, b) for a, b in zip(before, determinants(orbit, part.at(begin)), strict=True))
             for cell in (part.theta, part.theta.mid() + arb(0, 1) / 64):
                 values = determinants(orbit, part.at(cell))
                 for time in (cell.mid(), cell.mid() + cell.rad() * 0.99, cell.mid() - cell.rad() * 0.99):
                     exact = determinants(orbit, part.at(time.mid()))
-                    assert all(value.overlaps(other) for value, other in zip(values, exact, strict=True))
+                    assert all(agree(value, other) for value, other in zip(values, exact, strict=True))
             reached.append(end.theta)
         else:
             assert begin == 0
@@ -313,7 +314,7 @@ def test_a_ball_of_starts_has_the_fields_and_variations_of_its_points() -> None:
         vectors = (part.field, *part.variations)
         own = (point._field(point.start.state), *point._first_variations())
         for vector, expected in zip(vectors, own, strict=True):
-            assert all(a.overlaps(b) for a, b in zip(vector.over(arb(0)), expected, strict=True))
+            assert all(agree(a, b) for a, b in zip(vector.over(arb(0)), expected, strict=True))
 
 
 def test_all_arguments_are_followed_or_none(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -531,7 +532,7 @@ def test_half_orbits_from_plane_to_plane_turn_as_those_from_the_section_of_the_a
     (across,) = followed(start, 128, ORACLE)
     along = half_turns_along(AXIAL_ORBIT, 1)
     assert across.index == along.index == 4
-    assert all(one.overlaps(other) for one, other in zip(across.angles, along.angles, strict=True))
+    assert all(agree(one, other) for one, other in zip(across.angles, along.angles, strict=True))
     for size in (arb(0), arb(0, 1e-9), arb(-1)):
         assert along_curve._start(atlas, {"eps2": size, **point}) is None
 
@@ -649,7 +650,7 @@ def test_vertical_orbits_are_followed_over_half_of_their_period() -> None:
     assert start is not None
     assert (start.system, start.crossings, start.is_planar) == (CR3BP_AXIAL, 2, False)
     assert all(
-        one.overlaps(other)
+        agree(one, other)
         for one, other in zip(
             start.state, (x_l + arb("0.03"), arb(0), arb(0), arb(0), arb("0.02"), arb("0.1")), strict=True
         )

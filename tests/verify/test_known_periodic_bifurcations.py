@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx
+from support.balls import agree
 from support.known_bifurcations import (
     BITS,
     CASES,
@@ -51,7 +52,7 @@ def _proved(known: KnownBifurcation, claim: PeriodicBifurcation) -> PeriodicBifu
 
 def _is(ball: arb, value: Fraction) -> bool:
     with ctx.workprec(400):
-        return bool(ball.overlaps(enclose(value))) and bool(ball.rad() < 1e-10)
+        return bool(agree(ball, enclose(value))) and bool(ball.rad() < 1e-10)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -83,7 +84,7 @@ def _check_multipliers(found: PeriodicBifurcationResults, others: Sequence[Fract
     values = sorted(found.multipliers.values, key=lambda value: float(value.real.mid()))
     for ball, value in zip(values, sorted(others), strict=True):
         with ctx.workprec(400):
-            assert ball.real.overlaps(enclose(value))
+            assert agree(ball.real, enclose(value))
             assert ball.imag.contains(0)
     if len(set(others)) == len(others):
         assert found.multipliers.inside == sum(abs(value) < 1 for value in others)
@@ -168,7 +169,7 @@ def test_what_is_found_does_not_depend_on_the_centre(kind: str, setting: str, se
     seen = _seen_from(known, [*by[:-1], ZERO if claim.parameter is None else by[-1]])
     found = _proved(seen, replace(claim, **changes))
     with guarded(BITS):
-        assert found.opening.overlaps(enclose(known.opening))
+        assert agree(found.opening, enclose(known.opening))
         assert found.parameter.contains(0)
         assert all(found.point[name].contains(0) for name in claim.system.state)
         assert found.opening.rad() < 2.0**-50 * (1 + abs(found.opening))

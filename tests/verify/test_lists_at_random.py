@@ -16,6 +16,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from flint import arb, arb_poly, ctx
+from support.balls import agree
 from support.chain_cases import concluded, parabola, proved
 from support.curve_cases import proof
 from support.stored import values
@@ -309,7 +310,7 @@ def test_every_stationary_parameter_in_the_band_is_found_or_open(count: int, at_
         if at_end:
             tops = [(place, value) for place, value in tops if abs(place) > 1e-9]
         for place, value in tops:
-            here = [turn for turn in found if turn[0].overlaps(near(place)) and turn[1].overlaps(near(value))]
+            here = [turn for turn in found if agree(turn[0], near(place)) and agree(turn[1], near(value))]
             open_there = any(low - Q(1, 2**30) <= place <= high + Q(1, 2**30) for low, high in undecided)
             assert len(here) == 1 or open_there, (place, value)
         for tau, _ in found:
@@ -793,7 +794,7 @@ def test_out_of_the_plane_every_entry_of_every_part_has_its_zeros(seed: int, mon
     assert len(found.points) == len(expected)
     for number, kind, k, place in expected:
         alike = [point for point in found.points if (point.stretch, point.kind, point.k) == (number, kind, k)]
-        here = [point for point in alike if point.s.overlaps(near(place))]
+        here = [point for point in alike if agree(point.s, near(place))]
         assert len(here) == 1
     # Where zeros are not separated this is told of their entry alone.
     square = BoundedFunction(ball_polynomial(times([-Q(1, 9), Q(1)], [-Q(1, 9), Q(1)])), arb(0))
@@ -824,7 +825,7 @@ def test_orbits_out_of_the_plane_are_born_under_their_own_symmetry(seed: int, mo
             birth = Bifurcation("b", "symmetry_breaking", 1, place, "", {}, reversor=reversor)
             points = [point for point in planar.listed([birth]).found.points if point.certificates]
             assert [(point.stretch, point.kind) for point in points] == [(number, kind)]
-            assert points[0].s.overlaps(place.s)
+            assert agree(points[0].s, place.s)
             other = replace(birth, reversor=None if reversor else AXIAL)
             with pytest.raises(EmptyIntersectionError, match="no zero"):
                 planar.listed([other])
@@ -835,7 +836,7 @@ def test_orbits_out_of_the_plane_are_born_under_their_own_symmetry(seed: int, mo
                 inner = Planar(seed)
                 inner.atlas.system.normalised = {"x": Q(1)}
                 inner.plane = replace(planar.plane, segments=own)
-                here = [point for point in inner.listed().found.points if point.s.overlaps(place.s) and point.k == 1]
+                here = [point for point in inner.listed().found.points if agree(point.s, place.s) and point.k == 1]
                 assert wanted in {point.kind for point in here if point.stretch == number}
 
 
@@ -884,7 +885,7 @@ def test_the_derivative_of_a_level_with_functions_is_that_of_all_points() -> Non
         for a, b in ((0, 0), (1, 1), (-1, 1), (1, -1)):
             at, to = x + a * radius, y + b * radius
             wanted = at.exp() * to.cos() + at.sin(), -at.exp() * to.sin() + 1 / (2 + to), arb(1) / 3
-            assert all(slope.overlaps(value) for slope, value in zip(found, wanted, strict=True))
+            assert all(agree(slope, value) for slope, value in zip(found, wanted, strict=True))
         assert all(slope.rad() < 20 * radius + 2.0**-150 for slope in found)
 
 

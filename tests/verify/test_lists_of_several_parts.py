@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx
+from support.balls import agree
 from support.curve_sentences import of_curve
 
 from orbitproof.shared.claims.web import Meeting, Web, WebArc
@@ -167,7 +168,7 @@ def test_all_zeros_of_all_parts_are_listed(seed: int) -> None:
         for point, (before, after) in zip(points, crossed, strict=True):
             here = (point.stretch, float(point.s.mid()))
             assert (before[0], float(before[1])) <= here <= (after[0], float(after[1]))
-            assert point.half_period.overlaps(enclose(at(known.half_period, known.place(*before))).union(
+            assert agree(point.half_period, enclose(at(known.half_period, known.place(*before))).union(
                 enclose(at(known.half_period, known.place(*after)))))  # fmt: skip
 
 
@@ -273,7 +274,7 @@ def test_of_many_stationary_points_each_is_found_or_open(seed: int) -> None:
             assert (len(parts), near) == (1, [])
         else:
             (value,) = near
-            assert value.overlaps(enclose(at(trace, root)))
+            assert agree(value, enclose(at(trace, root)))
             assert parts == []
 
 

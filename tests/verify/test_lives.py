@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from flint import arb, ctx
 from support import birth_cases, equilibrium_cases
+from support.balls import agree
 from support.forgeries import forged, forged_elsewhere, noticed
 from support.life_cases import born, certificate_of, claim, life, life_of, rest, rest_atlas
 
@@ -83,7 +84,7 @@ def test_circles_are_born_on_their_line_of_equilibria() -> None:
     for ball, value in ((joint.value, 0), (joint.frequency, 1), (joint.point[0], 0), (joint.point[1], 0)):
         assert ball.contains(value)
         assert ball.rad() < 1e-15
-    assert joint.s.overlaps(enclose(Q(1, 9)))
+    assert agree(joint.s, enclose(Q(1, 9)))
     assert (joint.before, joint.after) == (Sides(2, 0), Sides(0, 2))
     assert equilibria.values.contains(enclose(Q(-1, 4)))
     assert equilibria.values.contains(enclose(Q(1, 5)))

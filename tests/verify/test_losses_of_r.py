@@ -11,6 +11,7 @@ import pytest
 from flint import arb
 from scipy.optimize import fsolve
 from support import breaking_cases as cases
+from support.balls import agree
 
 from orbitproof.verify.certificate import Certificate, certify
 from orbitproof.verify.evidence import enclose, guarded
@@ -39,7 +40,7 @@ def test_what_is_found_is_that_of_the_point_and_not_of_the_centre() -> None:
     with guarded(BITS):
         level = enclose(true.centre[0])
         for ball in (found.parameter, found.point["vy"] ** 2, found.other_point["vy"] ** 2):
-            assert ball.overlaps(level)
+            assert agree(ball, level)
             assert ball.rad() < arb(10) ** -22
     assert found.point["x"].contains(0)
     assert found.other_point["x"].contains(0)
@@ -52,10 +53,10 @@ def test_coefficients_are_those_of_the_flow(modes: Certificate) -> None:
     h, step, y = float(cases.level_of(odd=True)), 1e-3, 1e-4
     b = [cases.flow([0.0, 0.0, y, np.sqrt(level - y * y)], 10.0)[0] / y for level in (h + step, h - step)]
     assert abs(float(found.gamma.mid()) - (b[0] - b[1]) / (2 * step)) < 1e-5
-    assert modes.parameter.overlaps(found.parameter)
-    assert modes.normal_form["gamma"].overlaps(found.gamma)
-    assert modes.normal_form["beta"].overlaps(found.beta)
-    assert modes.normal_form["kappa"].overlaps(found.opening)
+    assert agree(modes.parameter, found.parameter)
+    assert agree(modes.normal_form["gamma"], found.gamma)
+    assert agree(modes.normal_form["beta"], found.beta)
+    assert agree(modes.normal_form["kappa"], found.opening)
     assert len({float(ball.mid()) for ball in modes.normal_form.values()}) == 3
 
 
@@ -63,7 +64,7 @@ def test_on_a_fixed_level_the_parameter_is_that_of_the_field() -> None:
     claim = cases.on_level()
     fixed = certify(claim)
     found, h = results_of(fixed), cases.level_of(odd=True)
-    assert found.parameter.overlaps(enclose(cases.A))
+    assert agree(found.parameter, enclose(cases.A))
     assert found.parameter_name == "a"
     # h = h*(a) + kappa y^2 + .., so for fixed h a changes by - kappa/(dh*/da) y^2.
     step = Fraction(1, 1000)
@@ -97,7 +98,7 @@ def test_the_theorem_about_later_crossings() -> None:
 
 def test_fields_with_functions_have_their_own_orbits(modes: Certificate) -> None:
     found, h = results_of(certify(cases.modes(system=cases.ANGLE))), float(cases.level_of(odd=True))
-    assert found.parameter.overlaps(results_of(modes).parameter)
+    assert agree(found.parameter, results_of(modes).parameter)
     slopes = [(cases.level_beside(y, angle=True) - h) / y**2 for y in (0.02, 0.04)]
     assert abs(float(found.opening.mid()) - (4 * slopes[0] - slopes[1]) / 3) < 2e-6
     assert not found.opening.overlaps(results_of(modes).opening)

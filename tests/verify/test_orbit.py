@@ -11,6 +11,7 @@ from typing import Any
 
 import mpmath
 import pytest
+from support.balls import agree
 from support.reference import Orbits, three_body
 from support.within import within
 
@@ -117,7 +118,7 @@ def test_multipliers_are_those_of_the_variational_equations(orbit: OrbitResults)
     assert abs(4 * (s[0] ** 2 + s[1] ** 2) - 4 - (trace_of_square - 2)) < 1e-7
     for value, multiplier in zip(orbit.stability.parameters, orbit.stability.multipliers, strict=True):
         both = multiplier + 1 / multiplier
-        assert both.overlaps(2 * value)
+        assert agree(both, 2 * value)
     assert orbit.stability.verdict == "unstable"
 
 
@@ -137,7 +138,7 @@ def test_sixteen_digits_take_few_bits_on_a_box_as_wide_as_they_allow(orbit: Orbi
     assert found.orbit is not None
     assert found.orbit.least is not None
     assert orbit.least is not None
-    assert found.orbit.least.distance.overlaps(orbit.least.distance)
+    assert agree(found.orbit.least.distance, orbit.least.distance)
     assert missing_of_orbit(found.orbit, 16) <= 0
 
 

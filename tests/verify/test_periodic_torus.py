@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from flint import acb, arb, ctx
 from support import torus_cases as cases
+from support.balls import agree
 from support.normal_form_maps import KnownTorus, known_torus, seen_from
 
 from orbitproof.shared.errors import InputError
@@ -156,8 +157,8 @@ def test_the_side_follows_the_direction_in_which_the_pair_crosses() -> None:
 def test_a_published_torus_of_an_electronic_circuit_is_proved() -> None:
     """The manual of MatCont: period 8.861103, nu = -5.957506e-001, a positive coefficient, so a torus that repels."""
     found = _proved(cases.circuit())
-    assert found.parameter.overlaps(arb(-0.5957506, 6e-8))
-    assert found.period.overlaps(arb(8.861103, 6e-7))
+    assert agree(found.parameter, arb(-0.5957506, 6e-8))
+    assert agree(found.period, arb(8.861103, 6e-7))
     assert found.parameter.rad() < 1e-24
     assert (found.side, found.criticality) == ("below", "subcritical")
     assert not found.is_attracting
@@ -292,8 +293,8 @@ def test_the_conjugate_pair_says_the_same() -> None:
     found = _proved(replace(claim, kernel=(real, tuple(-x for x in imaginary)), multiplier=(c, -s)), _round())
     other = _proved(claim, _round())
     with guarded(BITS):
-        assert found.multiplier.overlaps(other.multiplier.conjugate())
-        assert found.lyapunov.overlaps(other.lyapunov)
+        assert agree(found.multiplier, other.multiplier.conjugate())
+        assert agree(found.lyapunov, other.lyapunov)
     assert found.side == other.side
 
 
@@ -302,7 +303,7 @@ def test_a_longer_eigenvector_changes_the_coefficient_by_the_square_and_nothing_
     longer = tuple(tuple(3 * x for x in row) for row in claim.kernel)
     found, other = _proved(replace(claim, kernel=longer), _round()), _proved(claim, _round())
     with guarded(BITS):
-        assert found.lyapunov.overlaps(9 * other.lyapunov)
+        assert agree(found.lyapunov, 9 * other.lyapunov)
     assert (found.side, found.criticality) == (other.side, other.criticality)
 
 
@@ -421,11 +422,11 @@ def test_maps_with_a_known_torus_are_proved_with_its_side_and_stability(seed: in
     claim = _claim_of_map(known)
     found = _proved(claim, _of_map(known, claim))
     with ctx.workprec(500):
-        assert found.lyapunov.overlaps(enclose(known.lyapunov))
-        assert found.speed.overlaps(enclose(known.speed))
-        assert found.multiplier.overlaps(acb(*map(enclose, known.multiplier)))
+        assert agree(found.lyapunov, enclose(known.lyapunov))
+        assert agree(found.speed, enclose(known.speed))
+        assert agree(found.multiplier, acb(*map(enclose, known.multiplier)))
         (other,) = found.multipliers.values
-        assert other.overlaps(acb(enclose(known.others[0])))
+        assert agree(other, acb(enclose(known.others[0])))
     assert found.lyapunov.rad() < 1e-6
     assert found.side == ("above" if known.speed * known.lyapunov < 0 else "below")
     assert found.criticality == ("supercritical" if known.lyapunov < 0 else "subcritical")
@@ -446,10 +447,10 @@ def test_a_known_torus_seen_from_another_centre_is_where_it_is(seed: int) -> Non
     with guarded(BITS):
         assert found.parameter.contains(0)
         assert found.parameter.rad() < float(WIDTH / 2**20)
-        assert found.lyapunov.overlaps(enclose(known.lyapunov))
-        assert found.speed.overlaps(enclose(known.speed))
+        assert agree(found.lyapunov, enclose(known.lyapunov))
+        assert agree(found.speed, enclose(known.speed))
         (other,) = found.multipliers.values
-        assert other.overlaps(acb(enclose(known.others[0])))
+        assert agree(other, acb(enclose(known.others[0])))
         assert found.multipliers.trivial == 1
         assert all(found.point[name].contains(value) for name, value in zip("xyuv", (1, 0, 0, 0), strict=True))
 
@@ -469,8 +470,8 @@ def test_what_is_left_without_the_plane_of_the_pair_are_the_other_multipliers() 
         matrix = [[enclose(each.get(unit, Fraction(0))) for unit in units] for each in known.derivatives]
         rest = without_plane(matrix, [acb(enclose(x), enclose(y)) for x, y in zip(*known.eigenvector, strict=True)])
         ((a, b), (c, d)) = rest
-        assert (a + d).overlaps(arb(-5) / 2)
-        assert (a * d - b * c).overlaps(arb(-3) / 2)
+        assert agree(a + d, arb(-5) / 2)
+        assert agree(a * d - b * c, arb(-3) / 2)
         assert (a + d).rad() < 1e-40
 
 

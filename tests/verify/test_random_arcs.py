@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx
+from support.balls import agree
 from support.chain_cases import alone, certificate, circle, circle_point, loop, stands, symmetric_arc, symmetric_loop
 from support.conclusions import conclude
 from support.random_pieces import coordinates, corners, random_piece, random_run, values
@@ -95,10 +96,10 @@ def test_the_levels_of_an_arc_hold_those_of_all_its_orbits_and_little_more(size:
         curve: Any = SimpleNamespace(chain=chain, birth=None)
         found, orbits = Arc(atlas, curve).levels(), list(random_orbits(chance, chain, 6))
         true = [level(point) for point in orbits]
-        assert all(found.overlaps(enclose(value)) for value in true)
+        assert all(agree(found, enclose(value)) for value in true)
         for point, value in zip(orbits, true, strict=True):
             at = level_at(atlas, dict(zip(system.centre_coordinates, map(enclose, point), strict=True)))
-            assert at.overlaps(enclose(value))
+            assert agree(at, enclose(value))
             assert at.rad() < arb(2) ** -100
         reach = enclose(max(true) - min(true)) / 2
         assert found.rad() < reach * arb("1.5")
@@ -117,7 +118,7 @@ def test_the_levels_of_an_arc_are_those_of_every_interval_of_every_piece() -> No
             balls = list(map(enclose, exact))
 
             def level(_: Any, point: Any, balls: list[arb] = balls) -> arb:
-                return arb(all(point[name].overlaps(x) for name, x in zip(names, balls, strict=True)))
+                return arb(all(agree(point[name], x) for name, x in zip(names, balls, strict=True)))
 
             atlas: Any = SimpleNamespace(system=SimpleNamespace(centre_coordinates=names), parameters={})
             curve: Any = SimpleNamespace(chain=chain, birth=None)
@@ -143,8 +144,8 @@ def test_times_of_a_curve_are_those_of_the_intervals_that_it_runs_along() -> Non
         found = times_of(chain)
         assert all(found.contains(time) for time in met)
         low, high = min(time.lower() for time in met), max(time.upper() for time in met)
-        assert found.overlaps(low)
-        assert found.overlaps(high)
+        assert agree(found, low)
+        assert agree(found, high)
         assert abs(found.rad() - (high - low) / 2) < arb(2) ** -20
         atlas: Any = SimpleNamespace(system=SimpleNamespace(derived_parameters={}))
         arc = Arc(atlas, SimpleNamespace(half_period=found, birth=None))  # type: ignore[arg-type]
@@ -340,7 +341,7 @@ def test_one_name_is_the_name_of_one_vertex(change: dict[str, Any]) -> None:
     (found,) = outcome.results.vertices
     # Its level lies in what each of the arcs says of it.
     for arc in arcs:
-        assert level_at(arc.atlas, arc.placed["v"].point).overlaps(found.level)
+        assert agree(level_at(arc.atlas, arc.placed["v"].point), found.level)
     for place in range(3):
         entry = replace(arcs[place].placed["v"], **change)
         others = [*arcs[:place], replace(arcs[place], placed={"v": entry}), *arcs[place + 1 :]]

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx
+from support.balls import agree
 from support.chain_cases import MU, alone, certificate, circle_piece, proved, reversed_piece, stands
 from support.conclusions import conclude
 from support.random_pieces import number, values
@@ -116,7 +117,7 @@ def test_a_graph_in_pieces_is_one_arc_from_end_to_end(seed: int) -> None:
             assert curve.ends[name]["beta"].contains(enclose(beta).mid())
             for sign in (1, -1):
                 scale = atlas.curve_pieces()[0 if name == "start" else -1].frame[1][1]
-                assert curve.ends[name]["y"].overlaps(enclose(values(graph, beta) + sign * UNKNOWN * scale))
+                assert agree(curve.ends[name]["y"], enclose(values(graph, beta) + sign * UNKNOWN * scale))
             assert curve.ends[name]["y"].rad() < enclose(UNKNOWN * 2)
         reached = begin
         for stretch, piece in zip(curve.chain.stretches, atlas.curve_pieces(), strict=True):
@@ -128,8 +129,8 @@ def test_a_graph_in_pieces_is_one_arc_from_end_to_end(seed: int) -> None:
         assert reached == end
         for joint, (one, other) in zip(curve.chain.joints, pairwise(atlas.curve_pieces()), strict=True):
             beta = one.centre[0] + one.half_width * joint.leaves
-            assert joint.enters.overlaps(enclose((beta - other.centre[0]) / other.half_width))
-            assert joint.turn.overlaps(enclose(one.half_width / other.half_width))
+            assert agree(joint.enters, enclose((beta - other.centre[0]) / other.half_width))
+            assert agree(joint.turn, enclose(one.half_width / other.half_width))
 
 
 @pytest.mark.parametrize("seed", range(8))

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx
+from support.balls import agree
 from support.random_pieces import number, random_piece, values
 from support.within import within
 
@@ -98,13 +99,13 @@ def test_distances_over_an_interval_are_those_of_each_part_that_it_meets() -> No
                     inside = between(max(low, part.lower), min(high, part.upper))
                     members += [values(here if where is Where.HERE else there, tau) for tau in inside]
             assert members
-            assert all(found.square.overlaps(enclose(value)) for value in members)
+            assert all(agree(found.square, enclose(value)) for value in members)
             assert is_narrow(found.square, min(members), max(members))
             assert found.where is (places.pop() if len(places) == 1 else Where.ALONG)
             assert mirrored is not None
             again = mirrored[0] if which == "least" else mirrored[1]
             assert (again.where, is_narrow(again.square, min(members), max(members))) == (found.where, True)
-            assert all(again.square.overlaps(enclose(value)) for value in members)
+            assert all(agree(again.square, enclose(value)) for value in members)
     known, _, _ = random_distances(chance)
     assert known.over(END + Fraction(1, 64), END + 1) is None
     assert known.over(-END - 1, -END - Fraction(1, 64)) is None
@@ -153,16 +154,16 @@ def test_ranges_between_two_places_are_those_of_all_orbits_between_them() -> Non
             squares += [values(square, tau) for tau in taus]
             meets_unknown = meets_unknown or index == unknown
         assert found is not None
-        assert all(found.half_period.overlaps(enclose(time)) for time in times)
+        assert all(agree(found.half_period, enclose(time)) for time in times)
         assert is_narrow(found.half_period, min(times), max(times))
         for extreme, name in ((found.least, "least"), (found.greatest, "greatest")):
             assert (extreme is None) == meets_unknown == (name not in found.distances)
             if extreme is not None:
-                assert all(extreme.square.overlaps(enclose(square)) for square in squares)
+                assert all(agree(extreme.square, enclose(square)) for square in squares)
                 assert is_narrow(extreme.square, min(squares), max(squares))
                 distance, where = found.distances[name]
                 assert where is Where.HERE
-                assert all(distance.overlaps(enclose(square).sqrt()) for square in squares)
+                assert all(agree(distance, enclose(square).sqrt()) for square in squares)
                 root = enclose(min(squares)).sqrt(), enclose(max(squares)).sqrt()
                 assert distance.rad() < (root[1] - root[0]) / 2 + arb(2) ** -16
     segments = [segment for segment, _, _ in segments_of(chance)[:2]]
@@ -216,7 +217,7 @@ def test_stored_parts_are_equal_parts_of_the_interval_from_left_to_right() -> No
         assert (part.least.where, part.greatest.where) == (Where.HERE, Where.THERE)
         assert is_narrow(part.least.square, low, high)
         assert is_narrow(part.greatest.square, low + 1, high + 1)
-        assert all(part.least.square.overlaps(enclose(end)) for end in (low, high))
+        assert all(agree(part.least.square, enclose(end)) for end in (low, high))
     place = chance.randrange(PARTS)
     for wrong in (parts[:-1], [*parts, parts[0]]):
         with pytest.raises(ValueError, match="another number of parts"):
@@ -296,7 +297,7 @@ def test_extrema_lie_between_places_at_which_every_curve_goes_in_opposite_direct
                 exact = piece.centre[0] + along * piece.half_width * s + across * values(piece.polynomial[0], s)
                 for sign in (1, -1):
                     bound = sign * abs(across) * stretch.run.at(s).deviation[0]
-                    assert value.overlaps(enclose(exact + bound))
+                    assert agree(value, enclose(exact + bound))
     assert min(seen) > 10
 
 

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from flint import arb
 from support import breaking_cases as cases
+from support.balls import agree
 
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import Candidate
@@ -87,13 +88,13 @@ def test_the_point_of_the_normal_mode_is_that_of_mathieus_equation(modes: Certif
     found = results_of(modes)
     h = cases.level_of(odd=True)
     with guarded(BITS):
-        assert found.parameter.overlaps(enclose(h))
+        assert agree(found.parameter, enclose(h))
     assert found.parameter.rad() < arb(10) ** -30
     assert found.point["x"].contains(0)
     assert found.side == "above"
-    assert (found.point["vy"] ** 2).overlaps(found.parameter)
+    assert agree(found.point["vy"] ** 2, found.parameter)
     assert (found.other_point["vy"] + found.point["vy"]).contains(0)
-    assert found.period.overlaps(2 * arb.pi())
+    assert agree(found.period, 2 * arb.pi())
     assert found.direction["vx"] == 1
 
 
@@ -108,16 +109,16 @@ def test_new_orbits_are_where_the_coefficient_says(modes: Certificate) -> None:
 
 def test_the_direction_is_in_the_coordinates_that_r_negates() -> None:
     turned = results_of(certify(cases.modes(kernel_frame=((Fraction(2),),))))
-    assert turned.direction["vx"].overlaps(arb(HALF.numerator) / HALF.denominator)
+    assert agree(turned.direction["vx"], arb(HALF.numerator) / HALF.denominator)
     assert not turned.direction["vx"].overlaps(arb(2))
 
 
 def test_r_is_lost_along_a_halo_family(halo: Certificate) -> None:
     found = results_of(halo)
-    assert found.parameter.overlaps(arb("2.947009569188494484384445144117172081228 +/- 1e-38"))
+    assert agree(found.parameter, arb("2.947009569188494484384445144117172081228 +/- 1e-38"))
     assert found.parameter.rad() < arb(10) ** -30
     assert found.side == "below"
-    assert found.opening.overlaps(arb("-0.0070032 +/- 1e-6"))
+    assert agree(found.opening, arb("-0.0070032 +/- 1e-6"))
 
 
 @pytest.mark.slow
@@ -126,11 +127,11 @@ def test_at_the_other_point_the_same_is_born(halo: Certificate) -> None:
     centre = tuple(map(exactly, (found.parameter, found.other_point["x"], found.other_point["z"])))
     other = replace(claim, id="other", centre=centre, level_sign=-1, kernel_frame=((HALF, HALF), (HALF, -HALF)))
     there = results_of(certify(other))
-    assert there.parameter.overlaps(found.parameter)
-    assert there.period.overlaps(found.period)
+    assert agree(there.parameter, found.parameter)
+    assert agree(there.period, found.period)
     assert there.side == found.side
-    assert there.point["vy"].overlaps(found.other_point["vy"])
-    assert there.other_point["z"].overlaps(found.point["z"])
+    assert agree(there.point["vy"], found.other_point["vy"])
+    assert agree(there.other_point["z"], found.point["z"])
     # x, z and vx, vz are canonical on the section: B there is the transpose of B here (Lemma 27.4).
     crossings = []
     for each in (replace(claim, kernel_frame=((1, 0), (0, 1))), replace(other, kernel_frame=((1, 0), (0, 1)))):
@@ -139,7 +140,7 @@ def test_at_the_other_point_the_same_is_born(halo: Certificate) -> None:
         with guarded(BITS):
             crossings.append(equations_of(enclosed).crossing([arb(0)] * 3))
     here, over = crossings
-    assert all(here[i][j].overlaps(over[j][i]) for i, j in product(range(2), repeat=2))
+    assert all(agree(here[i][j], over[j][i]) for i, j in product(range(2), repeat=2))
     assert not here[0][1].overlaps(over[0][1])
 
 
@@ -345,8 +346,8 @@ def test_g_and_its_slope_are_those_of_the_bordered_matrix(n: int, seeds: int) ->
                 step = arb(2) ** -60
                 there = found.kernel_over([value + step * (place == i) for i, value in enumerate(here)])
                 slope = (there.defect - at.defect) / step
-                assert whole[n][place].overlaps(slope)
-                assert found.matrix(here)[n][place].overlaps(slope + arb(0, 1) * arb(2) ** -40)
+                assert agree(whole[n][place], slope)
+                assert agree(found.matrix(here)[n][place], slope + arb(0, 1) * arb(2) ** -40)
 
 
 def test_a_coefficient_that_may_vanish_proves_nothing(enclosed: BreakingEnclosures) -> None:

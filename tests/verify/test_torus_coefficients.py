@@ -9,6 +9,7 @@ from functools import cache
 
 import pytest
 from flint import acb, arb, ctx
+from support.balls import agree
 from support.normal_form_maps import KnownTorus, known_torus
 
 from orbitproof.verify.evidence import MultiIndex, enclose, indices_up_to
@@ -46,8 +47,8 @@ def test_coefficients_of_known_maps_are_enclosed_in_any_coordinates(size: int, s
     known = _known(size, seed)
     with ctx.workprec(200):
         found = _coefficients(known, acb(1))
-        assert found.lyapunov.overlaps(enclose(known.lyapunov))
-        assert found.speed.overlaps(enclose(known.speed))
+        assert agree(found.lyapunov, enclose(known.lyapunov))
+        assert agree(found.speed, enclose(known.speed))
         assert found.lyapunov.rad() < 1e-40
         assert found.speed.rad() < 1e-40
 
@@ -58,8 +59,8 @@ def test_balls_that_contain_the_derivatives_give_balls_that_contain_the_coeffici
     with ctx.workprec(100):
         for trial in range(8):
             found = _coefficients(known, acb(1), 1e-12, trial)
-            assert found.lyapunov.overlaps(enclose(known.lyapunov))
-            assert found.speed.overlaps(enclose(known.speed))
+            assert agree(found.lyapunov, enclose(known.lyapunov))
+            assert agree(found.speed, enclose(known.speed))
             assert 0 < found.lyapunov.rad() < 1e-3
 
 
@@ -69,9 +70,9 @@ def test_another_eigenvector_changes_the_coefficient_by_the_square_of_its_length
     with ctx.workprec(200):
         found = _coefficients(known, factor)
         expected = enclose(known.lyapunov) * abs(factor) * abs(factor)
-        assert found.lyapunov.overlaps(expected)
+        assert agree(found.lyapunov, expected)
         assert found.lyapunov.rad() < 1e-40
-        assert found.speed.overlaps(enclose(known.speed))
+        assert agree(found.speed, enclose(known.speed))
 
 
 def test_the_coefficients_of_the_conjugate_pair_are_the_same() -> None:
@@ -86,8 +87,8 @@ def test_the_coefficients_of_the_conjugate_pair_are_the_same() -> None:
     )
     with ctx.workprec(200):
         found = _coefficients(turned, acb(1))
-        assert found.lyapunov.overlaps(enclose(known.lyapunov))
-        assert found.speed.overlaps(enclose(known.speed))
+        assert agree(found.lyapunov, enclose(known.lyapunov))
+        assert agree(found.speed, enclose(known.speed))
 
 
 def _linear(rows: list[list[int]]) -> list[defaultdict[MultiIndex, arb]]:
@@ -132,5 +133,5 @@ def test_the_delayed_logistic_map_has_its_known_coefficient() -> None:
         turn = acb(half, arb(3).sqrt() / 2)
         found = coefficients_of_torus([first, second], turn, [turn, acb(1)])
         # The absolute value of the eigenvalue of the fixed point 1 - 1/a is sqrt(a - 1).
-        assert found.speed.overlaps(half)
+        assert agree(found.speed, half)
         assert found.lyapunov < 0

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from flint import arb
+from support.balls import agree
 from support.chain_cases import Result, proved
 from support.conclusions import conclude
 from support.stored import values
@@ -252,7 +253,7 @@ def test_a_loss_of_r_is_placed_by_its_crossing_of_the_axis_in_units_of_the_orbit
     assert reason in entry.reason
     if entry.place is not None:
         # eps2 = 1/80 is s = 1/8; the first crossing of a half orbit of two, on the fixed points of R S.
-        assert entry.place.s.overlaps(arb(1) / 8)
+        assert agree(entry.place.s, arb(1) / 8)
         assert entry.place.s.rad() < 1e-9
         assert not entry.place.other_point
         assert partner.asked == [(CR3BP, MU, LOSS.point, 1, CR3BP_AXIAL)]
@@ -282,7 +283,7 @@ def test_an_arc_of_vertical_orbits_ends_at_its_point_has_four_quarters_and_all_l
     assert not own.period.overlaps(arb(1))
     for eps2 in (-0.01, 0, 0.01, 0.03):
         level = level_at(own.atlas, {"eps2": arb(eps2), "x": arb(-0.25), "vy": arb(0.5)})
-        assert own.levels().overlaps(level)
+        assert agree(own.levels(), level)
     assert own.levels().rad() < 0.03
     assert own.setting != arc("L2").setting
     assert isinstance(meeting_shown(own, Meeting("v", "passes through")), Incidence)

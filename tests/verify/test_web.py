@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 from flint import arb
+from support.balls import agree
 from support.chain_cases import (
     Case,
     alone,
@@ -294,7 +295,7 @@ def test_the_level_of_a_point_needs_all_coordinates_of_its_state() -> None:
         first_integral_program=integral, derived_parameters={},
     )  # fmt: skip
     held = SimpleNamespace(system=known, parameters=atlas.parameters)
-    assert level_at(held, {"x": arb(1), "z": arb(0)}).overlaps(level)  # type: ignore[arg-type]
+    assert agree(level_at(held, {"x": arb(1), "z": arb(0)}), level)  # type: ignore[arg-type]
     known.defined = ("sin_x",)
     assert not level_at(held, point).is_finite()  # type: ignore[arg-type]
 
@@ -362,7 +363,7 @@ def birth(name: str, system: str) -> CertifiedPoint:
 def test_a_family_ends_at_its_libration_point_and_at_no_other() -> None:
     _, family = lyapunov()
     found = proof(web({family.id: {"L1": ENDS}}), family)
-    assert found.vertices[0].level.overlaps(arb("3.18834110715128848"))
+    assert agree(found.vertices[0].level, arb("3.18834110715128848"))
     assert found.arcs[0].level.contains(arb("3.17435194426883474"))
     assert "shrinks to L2" in refusal(web({family.id: {"L2": ENDS}}), family)
     claim = family.atlas.claim
@@ -415,7 +416,7 @@ def test_births_under_either_reversing_symmetry_lie_on_the_planar_family(system:
     whole = replace(family, placed={"birth": placed})
     found = proof(web({family.id: {"L1": ENDS, "birth": PASSES}}), whole)
     assert [vertex.id for vertex in found.vertices] == ["L1", "birth"]
-    assert found.vertices[1].level.overlaps(arb("3.17435194426883474"))
+    assert agree(found.vertices[1].level, arb("3.17435194426883474"))
     others = replace(birth("birth", system), symmetry="another")
     assert place_bifurcation(family.atlas, family.curve.chain, others).place is None
 
