@@ -6,7 +6,7 @@ import random
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
-from itertools import pairwise
+from itertools import groupby, pairwise
 from math import exp, pi
 from types import SimpleNamespace
 from typing import Any
@@ -313,6 +313,25 @@ def test_what_is_said_of_parts_that_are_counted_alike_holds_of_all_of_them(monke
             assert whole.values[0] is own[0].values[0]
             assert whole.values[1] is own[-1].values[1]
             assert all(whole.all_values.contains(part.all_values) for part in own)
+
+
+def test_where_a_piece_is_entered_is_one_part() -> None:
+    """Of the first piece the multiplier is 1 at s = 4/5; what is counted before it may lie on the piece before."""
+    atlas = turning_atlas()
+    outcome = conclude_periodic(atlas, proved("turning")).outcome
+    assert isinstance(outcome, Proved)
+    stretch = outcome.results.chain.stretches[0]
+    known = {(result.piece, result.interval): result.multipliers for result in proved("turning")}  # type: ignore[attr-defined]
+    outside, inside = Counts(0, 0, 1), Counts(1, 0, 0)
+    for entered, wanted in ((Q(9, 10), [None, inside]), (Q(3, 4), [outside, outside, None, inside])):
+        entering = replace(stretch, enters=Q(1, 2), entered=entered)
+        found = [
+            (key, [*group])
+            for key, group in groupby(counted_parts._parts_of(atlas, entering, known), lambda p: p.counts)
+        ]
+        assert found[0][1][0].between == (Q(1, 2), entered)
+        assert found[0][1][0].counts == wanted[0]
+        assert [key for key, _ in found] == [key for key, _ in groupby(wanted)]
 
 
 def test_multipliers_of_what_is_not_proved_are_not_counted() -> None:

@@ -12,7 +12,7 @@ from flint import arb
 from orbitproof.shared.formats import PeriodicAtlas
 from orbitproof.shared.stored import rules
 from orbitproof.verify.claim import keeps_volume
-from orbitproof.verify.curve import Chain, Interval, IntervalResult, Stretch
+from orbitproof.verify.curve import Chain, Interval, IntervalResult, ProvedInterval, Stretch
 from orbitproof.verify.evidence import all_finite, enclose, hull, is_below, power, sign
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.periodic import whole_state
@@ -92,18 +92,30 @@ def _joined(first: CountedPart, last: CountedPart) -> CountedPart:
 def _parts_of(
     atlas: PeriodicAtlas, stretch: Stretch, known: dict[tuple[str, Interval], MultiplierFunctions]
 ) -> Iterator[CountedPart]:
-    """The parts of what the curve runs along of a piece, each on one proved interval."""
+    """The parts of what the curve runs along of a piece: where it may enter, then each on one proved interval."""
     tube, run = stretch.tube, stretch.run
-    name, reached = tube.piece.id, stretch.enters
-    for proved, start, end in run.between(stretch.enters, stretch.leaves):
+    name, reached = tube.piece.id, stretch.entered
+
+    def part(low: Fraction, high: Fraction, everywhere: arb, counts: Counts | None) -> CountedPart:
+        at = _value(atlas, tube.point(run, low)), _value(atlas, tube.point(run, high))
+        return CountedPart((name, name), (low, high), at, everywhere, counts)
+
+    def counted(proved: ProvedInterval, *wanted: Fraction) -> Iterator[CountedPart]:
         interval = proved.start, proved.end
+        for low, high, counts in _counted(atlas, known.get((name, interval)), interval, (wanted[0], wanted[1])):
+            yield part(low, high, _value(atlas, tube.points(proved.deviation, low, high)), counts)
+
+    if stretch.enters < stretch.entered:
+        # Counts of a part of it may be those of orbits before the place at which the piece before is left.
+        entering = [each for found in run.between(stretch.enters, stretch.entered) for each in counted(*found)]
+        same = all(each.counts == entering[0].counts for each in entering)
+        everywhere = hull(entering[0].all_values, *(each.all_values for each in entering[1:]))
+        yield part(stretch.enters, stretch.entered, everywhere, entering[0].counts if same else None)
+    for proved, start, end in run.between(stretch.entered, stretch.leaves):
         first = max(start, reached)
         if first >= end:
             continue
-        for low, high, counts in _counted(atlas, known.get((name, interval)), interval, (first, end)):
-            at = _value(atlas, tube.point(run, low)), _value(atlas, tube.point(run, high))
-            everywhere = _value(atlas, tube.points(proved.deviation, low, high))
-            yield CountedPart((name, name), (low, high), at, everywhere, counts)
+        yield from counted(proved, first, end)
         reached = end
 
 
