@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.systems import described
 
 from orbitproof import explore, verify
 from orbitproof.explore.__main__ import main
@@ -37,21 +38,11 @@ from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.formats import define_system, read_claims
 from orbitproof.verify.certificate import certify
 
-BRUSSELATOR = define_system(
-    {
-        "name": "brusselator",
-        "state": "x y",
-        "parameters": "A B",
-        "field": {"x": "A - (B + 1)*x + x**2*y", "y": "B*x - x**2*y"},
-    }
+BRUSSELATOR = described(
+    name="brusselator", state="x y", parameters="A B", field={"x": "A - (B + 1)*x + x**2*y", "y": "B*x - x**2*y"}
 )
-LORENZ = define_system(
-    {
-        "name": "lorenz",
-        "state": "x y z",
-        "parameters": "r",
-        "field": {"x": "10*(y - x)", "y": "x*(r - z) - y", "z": "x*y - 8*z/3"},
-    }
+LORENZ = described(
+    name="lorenz", state="x y z", parameters="r", field={"x": "10*(y - x)", "y": "x*(r - z) - y", "z": "x*y - 8*z/3"}
 )
 
 
@@ -79,14 +70,7 @@ def test_all_equilibria_of_lorenz_are_found_with_their_eigenvalues() -> None:
 
 
 def test_derivatives_of_functions_powers_and_parameters_are_exact() -> None:
-    system = define_system(
-        {
-            "name": "mixed",
-            "state": "x y",
-            "parameters": "a",
-            "field": {"x": "exp(a*x)*y**3", "y": "x**-2 + sin(y)"},
-        }
-    )
+    system = described(name="mixed", state="x y", parameters="a", field={"x": "exp(a*x)*y**3", "y": "x**-2 + sin(y)"})
     slopes = field_slopes(system, np.array([-1.5, -0.5]), np.array([0.7]))
     wave = np.exp(-1.05)
     assert slopes[0] == pytest.approx([0.7 * wave * -0.125, wave * 0.75, -1.5 * wave * -0.125], rel=1e-14)

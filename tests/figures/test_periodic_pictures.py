@@ -11,6 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 from support.periodic_cases import lorenz, oscillators, planar, shifted, turning
 from support.picture_texts import unreadable
+from support.systems import described
 from support.within import within
 
 from orbitproof.explore.periodic import (
@@ -30,17 +31,15 @@ from orbitproof.figures.commands.report import main as report
 from orbitproof.figures.orbits import OrbitNotClosed, returning_orbit
 from orbitproof.figures.pictures import draw_periodic_family, draw_periodic_orbit
 from orbitproof.figures.style import close, use_style
-from orbitproof.shared.formats import PeriodicOrbit, define_system, write_candidates
+from orbitproof.shared.formats import PeriodicOrbit, write_candidates
 from orbitproof.verify.certificate import Limits, certify, write_certificates
 
-PITCHFORK = define_system(
-    {
-        "name": "pitchfork",
-        "state": "x y w",
-        "parameters": "strength",
-        "where": {"s": "1 - x**2 - y**2"},
-        "field": {"x": "x*s - y", "y": "x + y*s", "w": "strength*w - w**3"},
-    }
+PITCHFORK = described(
+    name="pitchfork",
+    state="x y w",
+    parameters="strength",
+    where={"s": "1 - x**2 - y**2"},
+    field={"x": "x*s - y", "y": "x + y*s", "w": "strength*w - w**3"},
 )
 
 style = within(lambda: use_style())

@@ -16,6 +16,7 @@ from flint import acb, arb, arb_mat, ctx
 from support.balls import agree
 from support.forgeries import changed, move
 from support.periodic_cases import hopf, lorenz, oscillators, planar
+from support.systems import described
 
 from orbitproof.shared.formats import PeriodicOrbit, define_system
 from orbitproof.shared.numbers import format_exact, parse_exact
@@ -38,25 +39,21 @@ statement = import_module(f"{package.__name__}.statement")
 CASES: dict[str, PeriodicOrbit] = {
     "on a slanted section": planar(Fraction(8)),
     "on a level": oscillators(
-        system=define_system(
-            {
-                "name": "oscillators",
-                "state": "x y u v",
-                "field": {"x": "8*y", "y": "-8*x", "u": "8*v", "v": "-16*u"},
-                "first_integral": "x**2 + y**2",
-            }
+        system=described(
+            name="oscillators",
+            state="x y u v",
+            field={"x": "8*y", "y": "-8*x", "u": "8*v", "v": "-16*u"},
+            first_integral="x**2 + y**2",
         )
     ),
     "in space": replace(
         hopf(),
-        system=define_system(
-            {
-                "name": "hopf",
-                "state": "x y w",
-                "parameters": "c",
-                "where": {"s": "1 - x**2 - y**2"},
-                "field": {"x": "x*s - 8*y", "y": "8*x + y*s", "w": "-c*w"},
-            }
+        system=described(
+            name="hopf",
+            state="x y w",
+            parameters="c",
+            where={"s": "1 - x**2 - y**2"},
+            field={"x": "x*s - 8*y", "y": "8*x + y*s", "w": "-c*w"},
         ),
     ),
 }

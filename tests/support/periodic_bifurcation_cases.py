@@ -7,43 +7,40 @@ from fractions import Fraction
 from typing import Any
 
 from support.periodic_cases import LOCKED, LORENZ, ONE, ZERO, unit
+from support.systems import described
 
-from orbitproof.shared.formats import PeriodicBifurcation, define_system
+from orbitproof.shared.formats import PeriodicBifurcation
 from orbitproof.shared.systems import System
 
 WIDTH = Fraction(1, 2**70)
 
-FOLDING = define_system(
-    {
-        "name": "folding",
-        "state": "x y",
-        "parameters": "a b c",
-        "where": {"s": "x**2 + y**2 - 1 - b*a", "g": "c*a - s**2"},
-        "field": {"x": "x*g/8 - y", "y": "x + y*g/8"},
-    }
+FOLDING = described(
+    name="folding",
+    state="x y",
+    parameters="a b c",
+    where={"s": "x**2 + y**2 - 1 - b*a", "g": "c*a - s**2"},
+    field={"x": "x*g/8 - y", "y": "x + y*g/8"},
 )
 """Circles with s^2 = c a: a fold of the unit circle at a = 0. With r = 1 + y, a = 4 y^2/c to second order."""
 
-DOUBLING = define_system(
-    {
-        "name": "doubling",
-        "state": "x y u v",
-        "parameters": "a b c d e",
-        "where": {
-            "q": "x**2 + y**2",
-            "w": "u**2 + v**2",
-            "s": "1 + b*a - q - d*w",
-            "g": "e*(q - 1) - c*w",
-            "i": "(a - 1)/2 + g/2",
-            "j": "(a + 1)/2 + g/2",
-        },
-        "field": {
-            "x": "x*s/8 - y",
-            "y": "x + y*s/8",
-            "u": "i*u + j*(x*u + y*v) - v/2",
-            "v": "i*v + j*(y*u - x*v) + u/2",
-        },
-    }
+DOUBLING = described(
+    name="doubling",
+    state="x y u v",
+    parameters="a b c d e",
+    where={
+        "q": "x**2 + y**2",
+        "w": "u**2 + v**2",
+        "s": "1 + b*a - q - d*w",
+        "g": "e*(q - 1) - c*w",
+        "i": "(a - 1)/2 + g/2",
+        "j": "(a + 1)/2 + g/2",
+    },
+    field={
+        "x": "x*s/8 - y",
+        "y": "x + y*s/8",
+        "u": "i*u + j*(x*u + y*v) - v/2",
+        "v": "i*v + j*(y*u - x*v) + u/2",
+    },
 )
 """About the circle of radius r, r^2 = 1 + b a, in the plane (u, v) turned by half its angle:
 
@@ -51,114 +48,97 @@ U' = (i + j r) U, V' = (i - j r) V. With U only, r^2 = 1 + b a - d U^2, so to fi
 a (1 + (e + 1/4) b) = (c + (e + 1/4) d) U^2.
 """
 
-BREAKING = define_system(
-    {
-        "name": "breaking",
-        "state": "x y u v",
-        "parameters": "a b c d e",
-        "where": {"q": "x**2 + y**2", "s": "1 + b*a - q - d*u**2"},
-        "field": {"x": "x*s/8 - y", "y": "x + y*s/8", "u": "(a + e*(q - 1) - c*u**2)*u", "v": "-v/2"},
-    }
+BREAKING = described(
+    name="breaking",
+    state="x y u v",
+    parameters="a b c d e",
+    where={"q": "x**2 + y**2", "s": "1 + b*a - q - d*u**2"},
+    field={"x": "x*s/8 - y", "y": "x + y*s/8", "u": "(a + e*(q - 1) - c*u**2)*u", "v": "-v/2"},
 )
 """The circle with r^2 = 1 + b a in the fixed set of (u, v) -> (-u, -v); a (1 + e b) = (c + e d) u^2."""
 
-HALF_A_PERIOD = define_system(
-    {
-        "name": "half-a-period",
-        "state": "x y z u",
-        "parameters": "a b c d e",
-        "where": {"q": "x**2 + y**2", "s": "1 + b*a - q - d*u**2"},
-        "field": {
-            "x": "x*s/8 - y",
-            "y": "x + y*s/8",
-            "z": "-4*x*y - z/4 + (x**2 - y**2)/4",
-            "u": "(a + e*(q - 1) - c*u**2)*u",
-        },
-    }
+HALF_A_PERIOD = described(
+    name="half-a-period",
+    state="x y z u",
+    parameters="a b c d e",
+    where={"q": "x**2 + y**2", "s": "1 + b*a - q - d*u**2"},
+    field={
+        "x": "x*s/8 - y",
+        "y": "x + y*s/8",
+        "z": "-4*x*y - z/4 + (x**2 - y**2)/4",
+        "u": "(a + e*(q - 1) - c*u**2)*u",
+    },
 )
 """The same with z = x^2 - y^2; it is mapped to itself by (-x, -y, z, -u), and moved by half its period."""
 
-LEVELS = define_system(
-    {
-        "name": "levels",
-        "state": "x y u v",
-        "parameters": "c",
-        "where": {
-            "q": "x**2 + y**2",
-            "g": "c*(u**2 + v**2)",
-            "i": "(q - 2)/2 - g/2",
-            "j": "q/2 - g/2",
-        },
-        "field": {
-            "x": "-y",
-            "y": "x",
-            "u": "i*u + j*(x*u + y*v) - v/2",
-            "v": "i*v + j*(y*u - x*v) + u/2",
-        },
-        "first_integral": "x**2 + y**2",
-    }
+LEVELS = described(
+    name="levels",
+    state="x y u v",
+    parameters="c",
+    where={
+        "q": "x**2 + y**2",
+        "g": "c*(u**2 + v**2)",
+        "i": "(q - 2)/2 - g/2",
+        "j": "q/2 - g/2",
+    },
+    field={
+        "x": "-y",
+        "y": "x",
+        "u": "i*u + j*(x*u + y*v) - v/2",
+        "v": "i*v + j*(y*u - x*v) + u/2",
+    },
+    first_integral="x**2 + y**2",
 )
 """`DOUBLING` with q - 1 for a, q = h the level: (5/4) (h - 1) = c U^2 to first order."""
 
-LEVEL_FOLD = define_system(
-    {
-        "name": "level-fold",
-        "state": "x y u",
-        "parameters": "a",
-        "field": {"x": "-y", "y": "x", "u": "(x**2 + y**2 - 1 - a - u**2)/4"},
-        "first_integral": "x**2 + y**2",
-    }
+LEVEL_FOLD = described(
+    name="level-fold",
+    state="x y u",
+    parameters="a",
+    field={"x": "-y", "y": "x", "u": "(x**2 + y**2 - 1 - a - u**2)/4"},
+    first_integral="x**2 + y**2",
 )
 """On the level h of x^2 + y^2 circles with u^2 = h - 1 - a."""
 
-AREA = define_system(
-    {
-        "name": "area",
-        "state": "x y u v",
-        "parameters": "c",
-        "where": {
-            "k": "x**2 + y**2 - 1",
-            "g": "(u**2 + v**2 + x*(u**2 - v**2) + 2*y*u*v)/2",
-            "h": "(c*g - k)/2",
-        },
-        "field": {
-            "x": "-y",
-            "y": "x",
-            "u": "-v/2 + (v + x*v - y*u)/2 + h*(v - x*v + y*u)",
-            "v": "u/2 - (u - x*u - y*v)/2 - h*(u + x*u + y*v)",
-        },
-        "first_integral": "x**2 + y**2",
-    }
+AREA = described(
+    name="area",
+    state="x y u v",
+    parameters="c",
+    where={
+        "k": "x**2 + y**2 - 1",
+        "g": "(u**2 + v**2 + x*(u**2 - v**2) + 2*y*u*v)/2",
+        "h": "(c*g - k)/2",
+    },
+    field={
+        "x": "-y",
+        "y": "x",
+        "u": "-v/2 + (v + x*v - y*u)/2 + h*(v - x*v + y*u)",
+        "v": "u/2 - (u - x*u - y*v)/2 - h*(u + x*u + y*v)",
+    },
+    first_integral="x**2 + y**2",
 )
 """(u, v) by a Hamiltonian, V^2/2 - (h - 1) U^2/2 + c U^4/4 on the unit circle, where -1 is a double multiplier.
 
 New orbits have V = 0 and (5/4) (h - 1) = c U^2 to first order.
 """
 
-VERTICAL = define_system(
-    {
-        "name": "vertical",
-        "state": "x y u v w",
-        "parameters": "a",
-        "where": {"s": "1 - x**2 - y**2", "i": "(w - 1)/2 - (u**2 + v**2)/2", "j": "(w + 1)/2 - (u**2 + v**2)/2"},
-        "field": {
-            "x": "x*s/8 - y",
-            "y": "x + y*s/8",
-            "u": "i*u + j*(x*u + y*v) - v/2",
-            "v": "i*v + j*(y*u - x*v) + u/2",
-            "w": "a",
-        },
-    }
+VERTICAL = described(
+    name="vertical",
+    state="x y u v w",
+    parameters="a",
+    where={"s": "1 - x**2 - y**2", "i": "(w - 1)/2 - (u**2 + v**2)/2", "j": "(w + 1)/2 - (u**2 + v**2)/2"},
+    field={
+        "x": "x*s/8 - y",
+        "y": "x + y*s/8",
+        "u": "i*u + j*(x*u + y*v) - v/2",
+        "v": "i*v + j*(y*u - x*v) + u/2",
+        "w": "a",
+    },
 )
 """`DOUBLING` with w for a: periodic orbits for a = 0 only, and for all w."""
 
-ROESSLER = define_system(
-    {
-        "name": "roessler",
-        "state": "x y z",
-        "parameters": "a b c",
-        "field": {"x": "-y - z", "y": "x + a*y", "z": "b + z*(x - c)"},
-    }
+ROESSLER = described(
+    name="roessler", state="x y z", parameters="a b c", field={"x": "-y - z", "y": "x + a*y", "z": "b + z*(x - c)"}
 )
 
 

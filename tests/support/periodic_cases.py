@@ -6,68 +6,58 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from orbitproof.shared.formats import PeriodicOrbit, define_system
+from support.systems import described
+
+from orbitproof.shared.formats import PeriodicOrbit
 from orbitproof.shared.systems import System
 
-LORENZ = define_system(
-    {
-        "name": "lorenz",
-        "state": "x y z",
-        "parameters": "sigma rho beta",
-        "field": {"x": "sigma*(y - x)", "y": "rho*x - y - x*z", "z": "x*y - beta*z"},
-    }
+LORENZ = described(
+    name="lorenz",
+    state="x y z",
+    parameters="sigma rho beta",
+    field={"x": "sigma*(y - x)", "y": "rho*x - y - x*z", "z": "x*y - beta*z"},
 )
 
-HOPF = define_system(
-    {
-        "name": "hopf",
-        "state": "x y w",
-        "parameters": "c",
-        "where": {"s": "1 - x**2 - y**2"},
-        "field": {"x": "x*s - y", "y": "x + y*s", "w": "-c*w"},
-    }
+HOPF = described(
+    name="hopf",
+    state="x y w",
+    parameters="c",
+    where={"s": "1 - x**2 - y**2"},
+    field={"x": "x*s - y", "y": "x + y*s", "w": "-c*w"},
 )
 """The unit circle, period 2 pi, multipliers exp(-4 pi) and exp(-2 pi c)."""
 
-PLANAR = define_system(
-    {
-        "name": "planar",
-        "state": "x y",
-        "parameters": "w",
-        "where": {"s": "1 - x**2 - y**2"},
-        "field": {"x": "x*s/4 - w*y", "y": "w*x + y*s/4"},
-    }
+PLANAR = described(
+    name="planar",
+    state="x y",
+    parameters="w",
+    where={"s": "1 - x**2 - y**2"},
+    field={"x": "x*s/4 - w*y", "y": "w*x + y*s/4"},
 )
 """The unit circle, period 2 pi/w, multiplier exp(-pi/w)."""
 
-TURNING = define_system(
-    {
-        "name": "turning",
-        "state": "x y u v",
-        "parameters": "a",
-        "where": {"s": "1 - x**2 - y**2"},
-        "field": {"x": "x*s - y", "y": "x + y*s", "u": "a*u - v/3", "v": "u/3 + a*v"},
-    }
+TURNING = described(
+    name="turning",
+    state="x y u v",
+    parameters="a",
+    where={"s": "1 - x**2 - y**2"},
+    field={"x": "x*s - y", "y": "x + y*s", "u": "a*u - v/3", "v": "u/3 + a*v"},
 )
 """The unit circle, period 2 pi, multipliers exp(-4 pi) and exp(2 pi (a +- i/3))."""
 
-OSCILLATORS = define_system(
-    {
-        "name": "oscillators",
-        "state": "x y u v",
-        "field": {"x": "y", "y": "-x", "u": "v", "v": "-2*u"},
-        "first_integral": "x**2 + y**2",
-    }
+OSCILLATORS = described(
+    name="oscillators",
+    state="x y u v",
+    field={"x": "y", "y": "-x", "u": "v", "v": "-2*u"},
+    first_integral="x**2 + y**2",
 )
 """On the level h of x^2 + y^2 the circle in u = v = 0, period 2 pi, multipliers 1, 1 and exp(+-2 pi i sqrt 2)."""
 
-PRODUCT = define_system(
-    {
-        "name": "product",
-        "state": "x y u v",
-        "field": {"x": "y", "y": "-x", "u": "v", "v": "-2*u"},
-        "first_integral": "(x**2 + y**2)*(1 + (x**2 + y**2)**2)",
-    }
+PRODUCT = described(
+    name="product",
+    state="x y u v",
+    field={"x": "y", "y": "-x", "u": "v", "v": "-2*u"},
+    first_integral="(x**2 + y**2)*(1 + (x**2 + y**2)**2)",
 )
 """The same with another first integral."""
 
@@ -157,17 +147,15 @@ def shifted(claim: PeriodicOrbit, place: int, by: Fraction) -> PeriodicOrbit:
     return replace(claim, centre=centre)
 
 
-LOCKED = define_system(
-    {
-        "name": "locked",
-        "state": "x y",
-        "parameters": "r k",
-        "where": {"s": "1 - x**2 - y**2"},
-        "field": {
-            "x": "x*s - r*y/2 + k*(x*cos(r*t) + y*sin(r*t) - x)",
-            "y": "y*s + r*x/2 + k*(x*sin(r*t) - y*cos(r*t) - y)",
-        },
-    }
+LOCKED = described(
+    name="locked",
+    state="x y",
+    parameters="r k",
+    where={"s": "1 - x**2 - y**2"},
+    field={
+        "x": "x*s - r*y/2 + k*(x*cos(r*t) + y*sin(r*t) - x)",
+        "y": "y*s + r*x/2 + k*(x*sin(r*t) - y*cos(r*t) - y)",
+    },
 )
 """z = x + iy follows half the angle of the force: z' = z (1 - |z|^2 + ir/2) + k (exp(irt) conj(z) - z)."""
 

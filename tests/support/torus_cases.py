@@ -6,19 +6,18 @@ from fractions import Fraction
 from typing import Any
 
 from flint import arb, ctx
+from support.systems import described
 
-from orbitproof.shared.formats import PERIODIC_TORUS, PeriodicBifurcation, define_system
+from orbitproof.shared.formats import PERIODIC_TORUS, PeriodicBifurcation
 from orbitproof.shared.systems import System
 from orbitproof.verify.evidence import enclose, exact_value
 
-ROUND = define_system(
-    {
-        "name": "round",
-        "state": "x y z",
-        "parameters": "a w b c d",
-        "where": {"q": "x**2 + y**2 - 1"},
-        "field": {"x": "-w*z*x/2 - y", "y": "x - w*z*y/2", "z": "w*q + 2*a*z + b*z**3 + c*q*z + d*z**2"},
-    }
+ROUND = described(
+    name="round",
+    state="x y z",
+    parameters="a w b c d",
+    where={"q": "x**2 + y**2 - 1"},
+    field={"x": "-w*z*x/2 - y", "y": "x - w*z*y/2", "z": "w*q + 2*a*z + b*z**3 + c*q*z + d*z**2"},
 )
 """The unit circle, period 2 pi, multipliers exp(2 pi (a +- i sqrt(w^2 - a^2))).
 
@@ -27,58 +26,50 @@ At a = 0 the latter has the first Lyapunov coefficient 3 b/8 - c d/(8 w) for the
 J. Guckenheimer and P. Holmes (Nonlinear oscillations, dynamical systems, and bifurcations of vector fields, 3.4).
 """
 
-BENT = define_system(
-    {
-        "name": "bent",
-        "state": "x y h",
-        "parameters": "a w b c d",
-        "where": {
-            "q": "x**2 + y**2 - 1",
-            "z": "h - x**2 + y**2",
-            "i": "-w*z*x/2 - y",
-            "j": "x - w*z*y/2",
-        },
-        "field": {"x": "i", "y": "j", "h": "w*q + 2*a*z + b*z**3 + c*q*z + d*z**2 + 2*x*i - 2*y*j"},
-    }
+BENT = described(
+    name="bent",
+    state="x y h",
+    parameters="a w b c d",
+    where={
+        "q": "x**2 + y**2 - 1",
+        "z": "h - x**2 + y**2",
+        "i": "-w*z*x/2 - y",
+        "j": "x - w*z*y/2",
+    },
+    field={"x": "i", "y": "j", "h": "w*q + 2*a*z + b*z**3 + c*q*z + d*z**2 + 2*x*i - 2*y*j"},
 )
 """`ROUND` with h = z + x^2 - y^2: the circle crosses planes h = constant twice in each direction."""
 
-PRODUCT = define_system(
-    {
-        "name": "product",
-        "state": "x y u v",
-        "parameters": "a w d k",
-        "where": {"s": "k*(1 - x**2 - y**2)", "q": "a + d*(u**2 + v**2)"},
-        "field": {"x": "x*s - y", "y": "x + y*s", "u": "q*u - w*v", "v": "w*u + q*v"},
-    }
+PRODUCT = described(
+    name="product",
+    state="x y u v",
+    parameters="a w d k",
+    where={"s": "k*(1 - x**2 - y**2)", "q": "a + d*(u**2 + v**2)"},
+    field={"x": "x*s - y", "y": "x + y*s", "u": "q*u - w*v", "v": "w*u + q*v"},
 )
 """The unit circle, period 2 pi, multipliers exp(-4 pi k) and exp(2 pi (a +- i w)); u + i v is in normal form."""
 
-LANGFORD = define_system(
-    {
-        "name": "langford",
-        "state": "x y z",
-        "parameters": "a b l w r e",
-        "field": {
-            "x": "(z - b)*x - w*y",
-            "y": "w*x + (z - b)*y",
-            "z": "l + a*z - z**3/3 - (x**2 + y**2)*(1 + r*z) + e*z*x**3",
-        },
-    }
+LANGFORD = described(
+    name="langford",
+    state="x y z",
+    parameters="a b l w r e",
+    field={
+        "x": "(z - b)*x - w*y",
+        "y": "w*x + (z - b)*y",
+        "z": "l + a*z - z**3/3 - (x**2 + y**2)*(1 + r*z) + e*z*x**3",
+    },
 )
 
-CIRCUIT = define_system(
-    {
-        "name": "circuit",
-        "state": "x y z",
-        "parameters": "nu beta gamma r a b e",
-        "where": {"c": "b*(y - x)**3"},
-        "field": {
-            "x": "(beta*y - (beta + nu)*x - a*x**3 + c)/r",
-            "y": "beta*x - (beta + gamma)*y - z - c",
-            "z": "y + e",
-        },
-    }
+CIRCUIT = described(
+    name="circuit",
+    state="x y z",
+    parameters="nu beta gamma r a b e",
+    where={"c": "b*(y - x)**3"},
+    field={
+        "x": "(beta*y - (beta + nu)*x - a*x**3 + c)/r",
+        "y": "beta*x - (beta + gamma)*y - z - c",
+        "z": "y + e",
+    },
 )
 
 WIDTH, KERNEL_WIDTH = Fraction(1, 2**40), Fraction(1, 2**28)

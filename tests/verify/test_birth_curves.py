@@ -17,6 +17,7 @@ from flint import arb, ctx
 from support import birth_cases as cases
 from support.balls import agree
 from support.forgeries import checked, forged
+from support.systems import described
 
 from orbitproof.shared.claims import BirthAtlas
 from orbitproof.shared.formats import define_system
@@ -173,13 +174,8 @@ def test_mean_slopes_of_functions_contain_those_of_the_points(function: str) -> 
                     assert (ball + (0 if change else arb(0, 1e-35))).contains(exact), (at, change, radius)
 
 
-NESTED = define_system(
-    {
-        "name": "f",
-        "state": "x y",
-        "parameters": "a",
-        "field": {"x": "exp(a*exp(x)/3) + a*y", "y": "sin(x*y)*log(y + 2)"},
-    }
+NESTED = described(
+    name="f", state="x y", parameters="a", field={"x": "exp(a*exp(x)/3) + a*y", "y": "sin(x*y)*log(y + 2)"}
 )
 
 

@@ -9,6 +9,7 @@ import pytest
 from flint import acb, arb
 from support import periodic_cases as cases
 from support.balls import agree
+from support.systems import described
 
 from orbitproof.shared.formats import PeriodicOrbit, define_system
 from orbitproof.verify.certificate.rechecking import _conclude
@@ -38,13 +39,11 @@ ASIDE = define_system(
 )
 """Circles about (1, 0): the first integral is not even."""
 
-BOTH = define_system(
-    {
-        "name": "both",
-        "state": "x y u v",
-        "field": {"x": "y", "y": "-x", "u": "v", "v": "-2*u"},
-        "first_integral": "x**2 + y**2 + 2*u**2 + v**2",
-    }
+BOTH = described(
+    name="both",
+    state="x y u v",
+    field={"x": "y", "y": "-x", "u": "v", "v": "-2*u"},
+    first_integral="x**2 + y**2 + 2*u**2 + v**2",
 )
 
 

@@ -12,6 +12,7 @@ import pytest
 from flint import arb, ctx
 from support import periodic_cases as cases
 from support.balls import agree
+from support.systems import described
 
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import PeriodicOrbit, define_system
@@ -32,13 +33,11 @@ BITS = 200
 ZERO, ONE = Fraction(0), Fraction(1)
 WIDTH = Fraction(1, 2**90)
 
-HALF_TURN = define_system(
-    {
-        "name": "half-turn",
-        "state": "x y u v",
-        "where": {"s": "1 - x**2 - y**2"},
-        "field": {"x": "x*s - y", "y": "x + y*s", "u": "-v/2", "v": "u/2"},
-    }
+HALF_TURN = described(
+    name="half-turn",
+    state="x y u v",
+    where={"s": "1 - x**2 - y**2"},
+    field={"x": "x*s - y", "y": "x + y*s", "u": "-v/2", "v": "u/2"},
 )
 """The unit circle, multipliers exp(-4 pi), -1 and -1: all orbits on the cylinder over it close after two turns."""
 
