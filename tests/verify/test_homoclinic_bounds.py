@@ -156,9 +156,9 @@ def test_what_needs_no_integration_is_asked_exactly() -> None:
     with pytest.raises(InputError, match=r"^reversing_symmetry"):
         replace(CLAIM, reversing_symmetry=(1, -1, -1, -1))
     turning = {
-        "name": "turning", "state": "x y u v", "field": {"x": "u", "y": "v", "u": "-sin(x)", "v": "-y"},
-        "first_integral": "(u**2 + v**2 + y**2)/2 - cos(x)",
+        "name": "turning", "state": "x u", "field": {"x": "u", "u": "-sin(x)"}, "first_integral": "u**2/2 - cos(x)",
     }  # fmt: skip
+    # Its four coordinates are x, u, sin(x) and cos(x).
     with pytest.raises(InputError, match=r"^system"):
         replace(CLAIM, system=define_system(turning), parameters={})
 
