@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction as Q
 
 from orbitproof.shared.claims import HomoclinicOrbit
@@ -37,4 +38,13 @@ def jupiter() -> HomoclinicOrbit:
         level_coordinate="vy", level_sign=1, crossings=2, arrival=7, slope=Q("2.5733012193647429351"), cone=Q("2e-8"),
         centre=(Q("0.920803491320743247190172918050642056"), Q("-2.107686028449205278722206960e-12")),
         radii=(Q("3e-12"), Q("1e-19")),
+    )  # fmt: skip
+
+
+def beyond_jupiter() -> HomoclinicOrbit:
+    """Of the Lyapunov orbit about L2 on the same level, through the outer region."""
+    return replace(
+        jupiter(), id="L2", level_sign=-1, slope=parse_exact("0x12411bc3a411aeee1p-63"), cone=Q(3, 2**26),
+        centre=tuple(map(parse_exact, ("0x8a7caa594823170d0f97e314e9377e2a02e3p-143", "0x1cb8b58b977372d15p-104"))),
+        radii=(Q(11, 2**42), Q(15, 2**67)),
     )  # fmt: skip

@@ -120,13 +120,18 @@ def test_false_claims_are_refused() -> None:
 
 
 @pytest.mark.slow
-def test_the_published_orbit_of_the_sun_and_jupiter_is_proved() -> None:
-    """Wilczak and Zgliczynski 2003: mu = 0.0009537, C = 3.03 (theirs is larger by mu (1 - mu)), about L1."""
+def test_orbits_of_the_sun_and_jupiter_are_proved() -> None:
+    """Wilczak and Zgliczynski 2003: mu = 0.0009537, C = 3.03 (theirs is larger by mu (1 - mu)), about L1 and L2."""
     found = certify(cases.jupiter(), Limits(digits=10, max_precision=256))
     assert found.proved, found.reason
     assert found.results.point["x"].overlaps(enclose(Q("0.92080349132074")) + arb(0, 1e-13))
     assert abs(float(found.results.multiplier) - 1391.778) < 1e-3
     assert abs(float(found.results.meeting["x"]) + 0.64819169) < 1e-7
+    found = certify(cases.beyond_jupiter(), Limits(digits=10, max_precision=256))
+    assert found.proved, found.reason
+    assert found.results.point["x"].overlaps(enclose(Q("1.08192948684179")) + arb(0, 1e-13))
+    assert abs(float(found.results.multiplier) - 1147.248) < 1e-3
+    assert abs(float(found.results.meeting["x"]) + 2.05362134) < 1e-7
 
 
 def test_claims_that_cannot_be_are_refused_with_their_field() -> None:
