@@ -25,6 +25,7 @@ FORCES: tuple[tuple[str, dict[str, str], float], ...] = (
     ("cos((r + a)*t) + sin(2*(a + r)*t - 3)", {}, 2.0),
     ("cos(w*t/(2*k)) - cos(w*t/k)", {"w": "r*k"}, 0.65 / 1.0),
     ("sin(-r*t) + cos(r*t + r*t)*v", {}, 1.3),
+    ("sin(2 - r*t + 1/k) + cos(r*t - x/v**2)", {}, 1.3),
 )
 """A force, what stands under where, and how fast the pair of coordinates turns."""
 

@@ -61,10 +61,10 @@ def test_an_orbit_begins_where_its_functions_are_and_is_compared_in_the_given_co
 
 
 def test_the_pair_is_that_of_the_derivative_through_the_functions() -> None:
-    """x' = -sin(4 y), y' = exp(x) - 1: omega = 2."""
-    field = {"x": "a*x - sin(4*y)", "y": "exp(x) - 1"}
-    system = define_system({"name": "w", "state": "x y", "parameters": "a", "field": field})
-    atlas = cases.circles_born(system)
+    """x' = -sin(4 y), y' = exp(x) - 1: omega = 2, as b has the value 4."""
+    field = {"x": "a*x - sin(b*y)", "y": "exp(x) - 1"}
+    system = define_system({"name": "w", "state": "x y", "parameters": "b a", "field": field})
+    atlas = cases.circles_born(system, parameters={"b": Q(4)})
     with ctx.workprec(128):
         start = dict.fromkeys(("a", AMPLITUDE, "x", "y"), arb(0))
         omega, others = proved_curve._check_pair(Checklist(), atlas, start)

@@ -24,6 +24,7 @@ from orbitproof.verify.equilibrium.proved_equilibrium import prove_equilibrium
 from orbitproof.verify.equilibrium.spectrum import Spectrum, spectrum_of
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, enclose, guarded
 from orbitproof.verify.poincare import IntegratorSettings
+from orbitproof.verify.words.equilibrium import hopf_in_full
 
 BITS = 200
 FAST = Limits(digits=10, max_precision=256)
@@ -493,6 +494,47 @@ def test_orbits_attract_if_the_coefficient_and_all_other_eigenvalues_are_negativ
         f"are there for values of a {side} that of the point, not for values {'below' if c < 0 else 'above'} it" in text
     )
     assert found.side == side
+
+
+def test_all_results_hold_what_is_so_at_a_point_beside_the_centre_of_a_wide_box() -> None:
+    """Of an equilibrium with w + w^2 = a that moves with a: at a = 2 the pair is +- i, and the third eigenvalue -3."""
+    field = {"x": "r*x - y", "y": "x + r*y", "w": "a - w - w**2"}
+    where = {"r": "w + a - 3 - x**2 - y**2"}
+    system = define_system({"name": "moving", "state": "x y w", "parameters": "a", "where": where, "field": field})
+    middle, radii = (Q(1, 10000), Q(-1, 5000), 1 - Q(1, 8000)), (Q(1, 1000),) * 3
+    kernel = ((Q(1), Q(0), Q(0)), (Q(0), Q(-1), Q(0)))
+    claim = HopfPoint(
+        "m", system, {"a": 2 + Q(1, 8000)}, "a", Q(1, 1000), middle, radii, 1 + Q(1, 10000), Q(1, 500), kernel,
+        Q(1, 250),
+    )  # fmt: skip
+
+    def prove(each: HopfPoint) -> Any:
+        with guarded(BITS):
+            return proved_hopf.prove_hopf(each, Checklist(), enclose_hopf(each, IntegratorSettings(BITS)))
+
+    found = prove(claim).results
+    for ball, value in (
+        (found.point["x"], Q(0)), (found.point["y"], Q(0)), (found.point["w"], Q(1)), (found.parameter, Q(2)),
+        (found.frequency, Q(1)), (found.speed, Q(4, 3)), (found.lyapunov, Q(-2)), (found.period / (2 * arb.pi()), Q(1)),
+        (found.eigenvalues.values[0].real, Q(-3)),
+    ):  # fmt: skip
+        assert ball.contains(enclose(value))
+        assert 0 < ball.rad() < 0.1
+    # w moves by 1/(1 + 2 w): from 1/4 to 1/2, where that is 3 up to 1.
+    second = [{places: arb(int(i < 2 and places in ((i, 2), (i, 3)))) for places in pairs(3)} for i in range(3)]
+    matrix = [[arb(0), arb(-1), arb(0)], [arb(1), arb(0), arb(0)], [arb(0), arb(0), arb(-3, 1)]]
+    known = proved_hopf.Derivatives(matrix, [arb(0), arb(0), arb(1)], second, [acb(0)] * 3)
+    place = proved_hopf._ImaginaryPair(arb(1), [acb(1), acb(0, -1), acb(0)], known)
+    _, speed = proved_hopf._check_crossing(Checklist(), claim, place)
+    assert speed.contains(1.25)
+    assert speed.contains(1.5)
+    # Each interval is told with its own half-width.
+    said = " ".join(hopf_in_full(claim, "", found))
+    for words in ("a lies in [1.9991, 2.0012]", "omega lies in [0.9980, 1.0022]", "kernel_radius = 0.004 of"):
+        assert words in said
+    # The eigenvector has a third component that differs from that of k by as much.
+    for side, holds in ((Q(1, 500), True), (Q(3, 500), False)):
+        assert isinstance(prove(replace(claim, kernel=((*kernel[0][:2], side), kernel[1]))), NotProved) is not holds
 
 
 def test_parameter_and_frequency_lie_each_in_an_interval_of_its_own() -> None:

@@ -83,6 +83,13 @@ def test_a_curve_goes_through_a_fold_which_is_regular() -> None:
         assert [(each.left, each.right) if each else None for each in counts] == [(1, 1), None, (2, 0)]
         assert found.sides[1].all_values.contains(0)
         assert found.sides[0].values[0].contains(0.25)
+        # Neighbours meet, and what is said of all points of a part holds at both of its ends.
+        for part, after in pairwise(found.sides):
+            assert part.between[1] == after.between[0]
+            assert part.values[1].overlaps(after.values[0])
+            assert abs(part.values[1]) < 1e-6
+        for part, values in zip(found.sides, ((Q(1, 4), Q(1, 10), Q(0)), (Q(0),), (Q(1, 100), Q(1, 4))), strict=True):
+            assert all(part.all_values.overlaps(enclose(value)) for value in values)
         assert [part.pieces for part in found.sides] == [("p1", "p1"), ("p1", "p1"), ("p1", "p2")]
         assert (found.sides[0].between[0], found.sides[2].between[1]) == (-1, 1)
 
@@ -128,6 +135,13 @@ def test_the_slope_of_the_determinant_is_its_derivative_along_the_curve() -> Non
             found = folds._slope_of_determinant(atlas, point, tangent)
             assert abs(found - (after - before) / (2 * enclose(step))) < arb(2) ** -120
             assert found.rad() < arb(2) ** -120
+            # Of balls it holds those of their points.
+            for place in range(4):
+                near = [x + arb(0, 0.125 * (n == place)) for n, x in enumerate(point)]
+                wide = folds._slope_of_determinant(atlas, near, tangent)
+                for sign in (-1, 0, 1):
+                    moved = [x + sign * arb(0.1 * (n == place)) for n, x in enumerate(point)]
+                    assert wide.contains(folds._slope_of_determinant(atlas, moved, tangent))
 
 
 CUBIC = define_system(
@@ -265,6 +279,9 @@ def test_a_fold_may_lie_on_two_proved_intervals() -> None:
         assert (fold.is_maximum, fold.is_regular) == (False, is_regular)
         assert fold.all_values is not None
         assert all(fold.all_values.contains(value) for value in fold.values)
+        row = atlas.curve_pieces()[0].polynomial[0]
+        for value, s in zip(fold.values, fold.between, strict=True):
+            assert value.overlaps(enclose(sum((c * s**n for n, c in enumerate(row)), Q(0))))
 
 
 def test_directions_that_are_not_certain_are_no_folds() -> None:

@@ -113,6 +113,7 @@ def test_parts_are_told_apart_if_nothing_else_is_claimed() -> None:
 def test_arcs_hang_together_by_chains() -> None:
     met = {"a": ["1", "2"], "b": ["1"], "c": ["2"], "d": ["3"], "e": ["4"], "f": ["3", "4"], "g": []}
     assert hanging_together(met) == (("a", "b", "c"), ("d", "e", "f"), ("g",))
+    assert hanging_together({"a": ["1"], "b": ["1", "2"], "c": ["2"]}) == (("a", "b", "c"),)
 
 
 def from_birth_to_birth() -> LifeCurve:
@@ -139,8 +140,9 @@ def test_orbits_from_birth_to_birth_begin_and_end_on_their_equilibria() -> None:
         for ball, value in ((joint.birth.point["a"], a), (joint.birth.point["x"], a), (joint.birth.frequency, omega)):
             assert ball.contains(value)
             assert ball.rad() < 1e-9
-    stored = [joint.frequency for joint in _stored(outcome.results, 1).joints]
-    assert stored == [begins.birth.frequency, ends.birth.frequency]
+    for joint, stored in zip((begins, ends), _stored(outcome.results, 1).joints, strict=True):
+        own = joint.birth
+        assert (stored.frequency, stored.point) == (own.frequency, (own.point["x"], own.point["y"]))
     words = " ".join(life_in_words(LifeTheorem(said), outcome.results, {"rest": "d", "born": "d"}).split())
     assert "- ends on rest, on piece e1" in words
     assert (
@@ -315,6 +317,10 @@ def test_births_are_different_if_one_coordinate_certainly_is() -> None:
                 digests = dict.fromkeys(("rest", "born", "again"), "d")
                 words = life_in_words(LifeTheorem(said), outcome.results, digests)
                 assert "All these births are at different equilibria" in words
+                # The first of three once more, which is no neighbour of it in the claim.
+                third = replace(elsewhere, id="third", pieces=(replace(piece, centre=(Q(2), *piece.centre[1:])),))
+                more = replace(said, arcs=(*said.arcs, LifeArc("third")))
+                assert why_not(more, line_, orbits, again, LifeCurve(third, orbits.curve))[0] == "births"
 
 
 def test_counts_beside_a_birth_are_those_of_the_nearest_parts_that_are_decided() -> None:
