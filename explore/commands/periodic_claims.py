@@ -109,7 +109,10 @@ def follow_families(
     except ValueError as error:
         raise InputError(f"--symmetry: {error}; give an involution that the vector field respects") from None
     if code == 0 and store is not None and not passed.claimed:
-        report.error(f"no fold, doubling, pitchfork, Neimark-Sacker or Hopf point on the way; none is in {store.path}")
+        some = "of which there are claims " if any(family.bifurcations for family in passed.families) else ""
+        report.error(
+            f"no fold, doubling, pitchfork, Neimark-Sacker or Hopf point {some}on the way; none is in {store.path}"
+        )
         return 1
     return code
 

@@ -76,7 +76,9 @@ def refine_bifurcation(
     if found.kind == BRANCH:
         raise RefinementFailure("a branch point without a symmetry that explains it is no claim")
     if found.is_double:
-        raise RefinementFailure("two multipliers meet the circle at once, as a symmetry makes them; there is no claim")
+        raise RefinementFailure(
+            "two multipliers meet the circle at once, as a symmetry makes them; claims are of one that meets it alone"
+        )
     try:
         start = _start(found, section)
     except (FlowFailure, PeriodicFailure) as failure:

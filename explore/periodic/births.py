@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 
+from orbitproof.explore.engines import Progress
 from orbitproof.explore.flow import FlowFailure
 from orbitproof.explore.numerics import NoStep, walked
 from orbitproof.explore.periodic.continuation import (
@@ -34,7 +35,7 @@ def new_orbits(
     bifurcation: Bifurcation,
     bounds: tuple[float, float],
     control: StepControl | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
     symmetries: tuple[Symmetry, ...] | None = None,
 ) -> PeriodicFamily:
     """The family that is born at a period doubling or pitchfork; of a pair of mirror images one.
@@ -136,7 +137,7 @@ def families(
     bounds: tuple[float, float],
     generations: int = 0,
     control: StepControl | None = None,
-    progress: Callable[[str, float | None], None] | None = None,
+    progress: Progress | None = None,
     symmetries: tuple[Symmetry, ...] | None = None,
     level: Fraction | None = None,
 ) -> Iterator[PeriodicFamily]:
@@ -146,8 +147,7 @@ def families(
     """
     if symmetries is None:
         symmetries = linear_symmetries(problem, name)
-    say = progress or (lambda _message, _fraction: None)
-    family = continue_orbit(problem, orbit, name, bounds, control, lambda done: say("", done), symmetries, level)
+    family = continue_orbit(problem, orbit, name, bounds, control, progress, symmetries, level)
     yield from with_descendants(family, bounds, generations, control, progress, symmetries)
 
 
@@ -156,7 +156,7 @@ def with_descendants(
     bounds: tuple[float, float],
     generations: int = 0,
     control: StepControl | None = None,
-    progress: Callable[[str, float | None], None] | None = None,
+    progress: Progress | None = None,
     symmetries: tuple[Symmetry, ...] | None = None,
 ) -> Iterator[PeriodicFamily]:
     """A family, then those born at its doublings and pitchforks, so many generations of them."""
@@ -175,7 +175,7 @@ def with_descendants(
             known.append(birth)
             say(f"new orbits of the {birth.kind} at {parent.name} = {birth.member.value:.8g}", None)
             try:
-                found = new_orbits(birth, bounds, control, lambda done: say("", done), symmetries)
+                found = new_orbits(birth, bounds, control, progress, symmetries)
             except PeriodicFailure as failure:
                 say(f"no new orbits at {parent.name} = {birth.member.value:.8g}: {failure}", None)
                 continue

@@ -5,7 +5,6 @@ Pseudo-arclength continuation in float64 (`family`); bifurcations on the way are
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import islice
@@ -14,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from orbitproof.explore import numerics
+from orbitproof.explore.engines import Progress
 from orbitproof.explore.names import told_apart
 from orbitproof.explore.numerics import NoStep, walked
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem
@@ -102,7 +102,7 @@ def continue_orbit(
     name: str | None,
     bounds: tuple[float, float],
     control: StepControl | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
     symmetries: tuple[Symmetry, ...] | None = None,
     level: Fraction | None = None,
 ) -> PeriodicFamily:
@@ -156,8 +156,10 @@ def scale_of(orbit: ClosedOrbit, name: str | None, bounds: tuple[float, float]) 
     return np.concatenate([np.full(m * len(orbit.point), orbit.size * m**0.5), [orbit.period], width])
 
 
-def _part(progress: Callable[[float], None] | None, number: int, parts: int) -> Callable[[float], None] | None:
-    return None if progress is None else lambda done: progress((number + done) / parts)
+def _part(progress: Progress | None, number: int, parts: int) -> Progress | None:
+    if progress is None:
+        return None
+    return lambda text, done: progress(text, None if done is None else (number + done) / parts)
 
 
 @dataclass(frozen=True)
@@ -176,7 +178,7 @@ def traced(
     start: FamilyMember,
     bounds: tuple[float, float],
     control: StepControl,
-    progress: Callable[[float], None] | None,
+    progress: Progress | None,
     grows: bool = False,
 ) -> Trace:
     """A family one way.
@@ -199,7 +201,7 @@ def _follow(
     start: FamilyMember,
     bounds: tuple[float, float],
     control: StepControl,
-    progress: Callable[[float], None] | None,
+    progress: Progress | None,
     members: list[FamilyMember],
     found: list[Bifurcation],
     hopf: list[Hopf],
@@ -230,11 +232,13 @@ def _follow(
         try:
             for now, passed in islice(steps, max(0, control.most - 1 - len(members))):
                 found += passed.bifurcations
+                for each in passed.bifurcations if progress is not None else ():
+                    progress(f"{each.kind} at {family.name or 'the level'} = {each.value:.8g}", None)
                 if passed.end is not None:
                     return f"{passed.end}, near {now.value:.8g}"
                 members.append(now)
                 if progress is not None:
-                    progress(_share(start.value, now.value, bounds, len(members) / control.most))
+                    progress("", _share(start.value, now.value, bounds, len(members) / control.most))
                 largest = max(largest, now.orbit.size)
                 if now.orbit.size < asked * largest:
                     asked /= 2
@@ -333,7 +337,8 @@ def family_described(family: PeriodicFamily) -> list[str]:
         )
         if each.is_double:
             lines.append(
-                "    two multipliers meet the circle at once, as a symmetry makes them; of this there is no claim"
+                "    two multipliers meet the circle at once, as a symmetry makes them; "
+                "claims are of one that meets it alone"
             )
     for point in family.hopf:
         lines += hopf_described(point)

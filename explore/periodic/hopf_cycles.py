@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import sqrt
 
 import numpy as np
 
+from orbitproof.explore.engines import Progress
 from orbitproof.explore.flow import FlowFailure
 from orbitproof.explore.numerics import NoStep, walked
 from orbitproof.explore.periodic.births import with_descendants
@@ -30,7 +31,7 @@ def cycles_of(
     hopf: Hopf,
     bounds: tuple[float, float],
     control: StepControl | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
     symmetries: tuple[Symmetry, ...] | None = None,
 ) -> PeriodicFamily:
     """The family of periodic orbits that is born at a Hopf point, from the smallest one on.
@@ -73,7 +74,7 @@ def families_from(
     bounds: tuple[float, float],
     generations: int = 0,
     control: StepControl | None = None,
-    progress: Callable[[str, float | None], None] | None = None,
+    progress: Progress | None = None,
     symmetries: tuple[Symmetry, ...] | None = None,
 ) -> Iterator[PeriodicFamily]:
     """The families that are born at Hopf points, each with those that are born from it (`births.families`).
@@ -90,7 +91,7 @@ def families_from(
         known.append(point)
         say(f"orbits of the Hopf point at {point.name} = {point.value:.8g}", None)
         try:
-            family = cycles_of(point, bounds, control, lambda done: say("", done), own)
+            family = cycles_of(point, bounds, control, progress, own)
         except PeriodicFailure as failure:
             say(str(failure), None)
             continue

@@ -69,10 +69,7 @@ def without_time(
     kept, changed, rest = reader.all_without(where, field, texts)
     cosine, sine = FORCE
     rate, spring = _as_text(base), f"(1 - {cosine}**2 - {sine}**2)/4"
-    force = {
-        cosine: f"({rate})*(-{sine} + {spring}*{cosine})",
-        sine: f"({rate})*({cosine} + {spring}*{sine})",
-    }
+    force = {cosine: f"({rate})*(-{sine} + {spring}*{cosine})", sine: f"({rate})*({cosine} + {spring}*{sine})"}
     highest = max(map(abs, harmonics.values()), default=1)
     return Forced((*state, *FORCE), changed | force, _harmonics(highest) | kept, rest)
 
@@ -233,8 +230,14 @@ class _Reader:
         self, where: Mapping[str, Any], field: Mapping[str, Any], texts: Mapping[str, Any]
     ) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
         """The formulas without the time; those under where that are phases are left out."""
-        kept = {name: self._without(text) for name, text in where.items() if not self._is_phase(name, text)}
-        first, second = ({name: self._without(text) for name, text in each.items()} for each in (field, texts))
+        kept, first, second = ({}, {}, {})  # type: tuple[dict[str, Any], dict[str, Any], dict[str, Any]]
+        for each, found in ((where, kept), (field, first), (texts, second)):
+            for name, text in each.items():
+                try:
+                    if each is not where or not self._is_phase(name, text):
+                        found[name] = self._without(text)
+                except FormulaError as error:
+                    raise FormulaError(f"in the formula of {name}: {error}") from None
         return kept, first, second
 
     def _is_phase(self, name: str, text: Any) -> bool:

@@ -78,12 +78,24 @@ def test_a_pair_that_crosses_the_circle_is_followed_to_it() -> None:
 
 
 def test_two_multipliers_that_meet_the_circle_at_once_are_told_once_and_are_no_claim() -> None:
-    family = _family(TWICE, "-1/10", [1, 0, 0, 0], 6.3, (-0.11, 0.1))
+    problem, told = PeriodicProblem(TWICE, {"a": Fraction(-1, 10)}), dict[str, float]()
+    orbit = correct(problem, [1, 0, 0, 0], 6.3)
+    # Each bifurcation is told as it is passed, with the family still to be followed.
+    shares = [0.0]
+
+    def note(text: str, share: float | None) -> None:
+        shares.append(shares[-1] if share is None else share)
+        told.update({text: shares[-1]} if text else {})
+
+    family = continue_orbit(problem, orbit, "a", (-0.11, 0.1), progress=note)
+    ((said, share),) = told.items()
+    assert said.startswith("period doubling at a = ")
+    assert 0.5 < share < shares[-1]
     (found,) = family.bifurcations
     assert (found.kind, found.is_double) == (DOUBLING, True)
     assert found.value == pytest.approx(0, abs=1e-7)
     assert family_described(family)[-1].strip().startswith("two multipliers meet the circle at once")
-    with pytest.raises(RefinementFailure, match="there is no claim"):
+    with pytest.raises(RefinementFailure, match="claims are of one that meets it alone"):
         refine_bifurcation(found, "twice", 30)
 
 

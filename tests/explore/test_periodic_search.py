@@ -40,6 +40,7 @@ from orbitproof.explore.periodic.nearly import equilibrium_of
 from orbitproof.explore.periodic.refinement import box_exponent, digits_of_centre
 from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.formats import define_system, read_claims
+from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.flow import LEAST_ERROR
 
 LORENZ = """\
@@ -405,3 +406,15 @@ def test_a_section_that_is_not_crossed_is_refused_with_others_to_try() -> None:
     request = PeriodicRequest(HOPF, {"c": Fraction(1)}, (1.0, 0.0, 0.0), 6.2, far)
     with pytest.raises(PeriodicFailure, match=r"sections that it crosses: [xy]=0"):
         list(find_periodic(request, lambda _text, _done: None))
+
+
+@pytest.mark.slow
+def test_an_orbit_that_no_symmetry_maps_to_itself_is_found_in_a_section_that_is_chosen() -> None:
+    state = (
+        0.9344801297091027, 0.0, 0.1794590652846985, 0.06389605635644968, 0.08723751109657948, -0.30965735212463297
+    )  # fmt: skip
+    mass = Fraction(float.fromhex("0x18e267d713713fp-59"))
+    request = PeriodicRequest(CR3BP, {"mu": mass}, state, period=2.1685175482660664)
+    (found,) = find_periodic(request, lambda _text, _done: None)
+    assert found.orbit.period == pytest.approx(2.16851754818262, abs=1e-9)
+    assert found.crossings == 1

@@ -90,7 +90,11 @@ def test_what_cannot_be_read_is_refused_with_what_to_do(force: str, said: str) -
     with pytest.raises(InputError, match=r"^field: ") as caught:
         forced(force, {})
     assert said in str(caught.value)
+    # Rates and harmonics are of all formulas together.
+    assert ("field: in the formula of v: " in str(caught.value)) is (said not in ("no common period", "harmonics"))
     assert "\n" not in str(caught.value)
+    with pytest.raises(InputError, match="in the formula of k: the time in"):
+        forced("k", {"k": "cos(r*t)*t"})
 
 
 def test_a_coordinate_of_ones_own_may_be_called_t() -> None:
