@@ -69,7 +69,7 @@ def tableau() -> tuple[tuple[tuple[float, ...], ...], tuple[float, ...]]:
 
 
 def square_tableau() -> tuple[np.ndarray, np.ndarray]:
-    """The same with a row of zeros for the first stage and zeros behind each, shape (S, S), and the errors' weights."""
+    """Rows of all S stages, the first and what is behind each filled with zeros, shape (S, S); weights of the error."""
     rows, error = tableau()
     return np.array([[*row, *[0.0] * (len(error) - len(row))] for row in ((), *rows)]), np.array(error)
 
@@ -95,7 +95,7 @@ def extended_error(start: jax.Array, end: jax.Array, stages: Sequence[jax.Array]
 
 
 def measured(error: jax.Array, start: jax.Array, end: jax.Array) -> jax.Array:
-    """The same of the difference between two orders, of the shape of an extended state."""
+    """A difference between two orders, of the shape of an extended state, in units of the tolerance, for each orbit."""
     return weighted(_scaled(error, scales(start), scales(end), RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE))
 
 

@@ -33,7 +33,7 @@ from orbitproof.shared.systems import Program, System, with_slope
 _STALLED, _STALLED_TOLERANCE = 4, 1e-7
 """Steps below this that have not become shorter for so many in a row are rounding, as for orbits near a double one."""
 _STALLED_IN_SEGMENTS = 1e-4
-"""The same for segments, which close all the same: one parameter may have orbits that differ by no more."""
+"""So short are such steps of segments, which close all the same: orbits of one parameter may differ by no more."""
 _LONGEST = 0.2
 """Longest step, relative to the size of the orbit."""
 _REPEATS = 1e-6

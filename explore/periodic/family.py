@@ -58,7 +58,7 @@ class FamilyEquations:
 
     @property
     def size(self) -> float:
-        """That of the orbit by which steps are measured: many states that move make a step no longer than one does."""
+        """Size of the orbit by which steps are measured: many states that move make no step longer than one does."""
         return float(self.scale[0]) / self.segments**0.5
 
     @cached_property

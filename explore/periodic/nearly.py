@@ -17,7 +17,7 @@ _PIECES = 40
 _NEAR = 0.1
 """Distance, relative to the size of the orbit, from which Newton's method is tried."""
 _CLOSED = 1e-4
-"""The same, of a piece that is an orbit up to errors of the integration."""
+"""Distance, so measured, between the ends of a piece that is an orbit up to errors of the integration."""
 _TRIED = 12
 _SAME = 1e-6
 _AT_REST = 1e-6

@@ -71,8 +71,8 @@ class PlanarOrbit:
 
 
 @dataclass(frozen=True)
-class LyapunovFamily:
-    """The planar Lyapunov family of a collinear libration point.
+class LibrationFamily:
+    """A family of a collinear libration point.
 
     Attributes:
         point: "L1", "L2" or "L3".
@@ -81,7 +81,6 @@ class LyapunovFamily:
 
     point: str
     mu: Fraction
-    _known: list[PlanarOrbit] = field(default_factory=list, compare=False)
 
     @cached_property
     def libration(self) -> LibrationPoint:
@@ -89,14 +88,21 @@ class LyapunovFamily:
         return libration_point(self.point, self.mu)
 
     @property
+    def constants(self) -> list[float]:
+        """The parameters before the size of the orbits."""
+        return [float(self.mu), self.libration.x]
+
+
+@dataclass(frozen=True)
+class LyapunovFamily(LibrationFamily):
+    """The planar Lyapunov family, over eps."""
+
+    _known: list[PlanarOrbit] = field(default_factory=list, compare=False)
+
+    @property
     def system(self) -> ReversibleSystem:
         """The equations around the point."""
         return AROUND[self.point]
-
-    @property
-    def constants(self) -> list[float]:
-        """The parameters before eps."""
-        return [float(self.mu), self.libration.x]
 
     def orbit(self, eps: float) -> PlanarOrbit:
         """The orbit that starts at eps, from its nearest known neighbour in steps. Raises `LibrationFailure`."""
@@ -112,7 +118,7 @@ class LyapunovFamily:
 
     def _correct(self, eps: float, vy: float, half_period: float) -> PlanarOrbit:
         """Newton's method for vy and the half period: y and vx vanish at its end."""
-        flow, parameters = flow_of(self.system), [float(self.mu), self.libration.x, eps]
+        flow, parameters = flow_of(self.system), [*self.constants, eps]
 
         def linearised(unknowns: Vector) -> tuple[Vector, Matrix, Vector]:
             speed, time = unknowns.tolist()

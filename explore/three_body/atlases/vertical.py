@@ -18,8 +18,8 @@ import numpy as np
 from orbitproof.explore.atlases import FARTHEST, NOT_FOUND, LibrationFailure, orbit_at, zero_near
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
 from orbitproof.explore.numerics import bracketed_zero
-from orbitproof.explore.three_body.atlases.lyapunov import pieces_over
-from orbitproof.explore.three_body.seeds import LibrationPoint, libration_point, primaries
+from orbitproof.explore.three_body.atlases.lyapunov import LibrationFamily, pieces_over
+from orbitproof.explore.three_body.seeds import primaries
 from orbitproof.shared.formats import Atlas, Claim, Covers
 from orbitproof.shared.systems import CR3BP, VERTICAL, ReversibleSystem
 
@@ -57,32 +57,15 @@ class VerticalOrbit:
 
 
 @dataclass(frozen=True)
-class VerticalFamily:
-    """The vertical family of a collinear libration point.
+class VerticalFamily(LibrationFamily):
+    """The vertical family, over eps2."""
 
-    Attributes:
-        point: "L1", "L2" or "L3".
-        mu: the mass parameter, exact.
-    """
-
-    point: str
-    mu: Fraction
     _known: list[VerticalOrbit] = field(default_factory=list, compare=False)
-
-    @cached_property
-    def libration(self) -> LibrationPoint:
-        """The libration point in float64."""
-        return libration_point(self.point, self.mu)
 
     @property
     def system(self) -> ReversibleSystem:
         """The equations around the point."""
         return VERTICAL[self.point]
-
-    @property
-    def constants(self) -> list[float]:
-        """The parameters before eps2."""
-        return [float(self.mu), self.libration.x]
 
     @cached_property
     def step(self) -> float:
