@@ -28,7 +28,7 @@ from orbitproof.figures.pictures import (
 )
 from orbitproof.figures.pictures.branches import write as write_branches
 from orbitproof.figures.pictures.certified_boxes import write as write_certified_branches
-from orbitproof.figures.style import close, use_style
+from orbitproof.figures.style import use_style
 from orbitproof.shared.systems import FALKNER_SKAN
 
 Drawn = Iterator[tuple[str, Figure]]
@@ -61,7 +61,6 @@ def _saved(draw: Callable[[DataFolder], Drawn]) -> Callable[[DataFolder, Path], 
         with use_style():
             for stem, figure in draw(data):
                 yield from save(figure, folder / stem)
-                close(figure)
 
     return write
 

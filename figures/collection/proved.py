@@ -8,7 +8,6 @@ from pathlib import Path
 from orbitproof.figures.certified import CertifiedStability, Curve
 from orbitproof.figures.files import file_name, save
 from orbitproof.figures.pictures import Surface, draw_certified_stability, draw_curves, draw_pieces, draw_surface
-from orbitproof.figures.style import close
 
 
 def write_curves(curves: Sequence[Curve], folder: Path) -> Iterator[Path]:
@@ -16,13 +15,9 @@ def write_curves(curves: Sequence[Curve], folder: Path) -> Iterator[Path]:
     groups: dict[str, list[Curve]] = {}
     for curve in curves:
         groups.setdefault(f"{curve.system.name}-{curve.atlas.claim.kind}", []).append(curve)
-        figure = draw_pieces(curve)
-        yield from save(figure, folder / f"atlas-{file_name(curve.atlas.id)}")
-        close(figure)
+        yield from save(draw_pieces(curve), folder / f"atlas-{file_name(curve.atlas.id)}")
     for name, group in groups.items():
-        figure = draw_curves(group)
-        yield from save(figure, folder / f"curves-{file_name(name)}")
-        close(figure)
+        yield from save(draw_curves(group), folder / f"curves-{file_name(name)}")
 
 
 def write_stability(found: Sequence[CertifiedStability], folder: Path) -> Iterator[Path]:
@@ -30,12 +25,9 @@ def write_stability(found: Sequence[CertifiedStability], folder: Path) -> Iterat
     for stability in found:
         figure = draw_certified_stability(stability)
         yield from save(figure, folder / f"stability-{file_name(stability.curve.atlas.id)}")
-        close(figure)
 
 
 def write_surfaces(surfaces: Sequence[Surface], folder: Path) -> Iterator[Path]:
     """Draw each surface; yields the paths written."""
     for surface in surfaces:
-        figure = draw_surface(surface)
-        yield from save(figure, folder / f"surface-{file_name(surface.atlas.id)}")
-        close(figure)
+        yield from save(draw_surface(surface), folder / f"surface-{file_name(surface.atlas.id)}")

@@ -89,7 +89,12 @@ def saved_as(files: Files | None) -> Iterator[None]:
 
 
 def save(figure: Any, stem: Path) -> list[Path]:
-    """Write `stem`.pdf, `stem`.png or what was asked for, each whole or not at all. Raises `InputError`."""
+    """Write `stem`.pdf, `stem`.png or what was asked for, each whole or not at all, and release the figure.
+
+    Raises `InputError`.
+    """
+    from matplotlib import pyplot
+
     files = _FILES.get(Files())
     if files.width is not None:
         size = figure.get_size_inches()
@@ -102,4 +107,5 @@ def save(figure: Any, stem: Path) -> list[Path]:
         figure.savefig(buffer, format=kind, metadata=_UNDATED[kind], **resolution)
         write_bytes(path, buffer.getvalue())
         written.append(path)
+    pyplot.close(figure)
     return written

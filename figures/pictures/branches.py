@@ -34,7 +34,7 @@ from orbitproof.figures.pictures.family import parameter_scale
 from orbitproof.figures.pictures.legends import legend_below, legend_handles, legend_row, verdict_handles
 from orbitproof.figures.pictures.marks import draw_point
 from orbitproof.figures.pictures.space import bounds_of, set_box
-from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, close, label_of, level_label, marker_of, use_style
+from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of, level_label, marker_of, use_style
 
 _WIDTH = 7.2
 _NEAR = 1e-2
@@ -58,12 +58,10 @@ def write(branches: Path, families: Sequence[Path], folder: Path) -> list[Path]:
             if any(record.sides for record in own):
                 figure = draw_overview(family, own)
                 written += save(figure, folder / _name(f"branches-{family.system.name}-{family.name}"))
-                close(figure)
         for record in records:
             if record.sides:
                 figure = draw_branch(record, _family_of(record, traced))
                 written += save(figure, folder / _name(f"branch-{record.system.name}-{record.id}"))
-                close(figure)
     return written
 
 

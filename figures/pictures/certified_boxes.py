@@ -21,7 +21,7 @@ from orbitproof.figures.files import check_folder, save
 from orbitproof.figures.orbits import Array
 from orbitproof.figures.pictures.legends import legend_row, verdict_handles
 from orbitproof.figures.pictures.marks import draw_point
-from orbitproof.figures.style import CURVE, INK, close, label_of, marker_of, unit_of, use_style
+from orbitproof.figures.style import CURVE, INK, label_of, marker_of, unit_of, use_style
 from orbitproof.shared.formats import LEADING_POWERS, InputError
 from orbitproof.verify.certificate import read_certificates
 
@@ -52,7 +52,6 @@ def write(certificates: Path, branches: Sequence[Path], folder: Path) -> list[Pa
             figure = draw_certified(curves, _same(curves, records))
             stem = re.sub(r"[^A-Za-z0-9.]+", "-", f"certified-{curves.claim.system.name}-{name}").strip("-.")
             written += save(figure, folder / stem)
-            close(figure)
     return written
 
 

@@ -70,7 +70,7 @@ def draw_distances(
     from orbitproof.figures.files import save
     from orbitproof.figures.model import read_families
     from orbitproof.figures.pictures.distances import draw_distances as draw
-    from orbitproof.figures.style import close, use_style
+    from orbitproof.figures.style import use_style
 
     known = [(Path(path), family) for path in families for family in read_families(Path(path))]
     for path, family in known:
@@ -79,9 +79,7 @@ def draw_distances(
     target, names, written = folder_of(folder), Names(), Written(told)
     with saved_as(files), use_style():
         for _, family in known:
-            figure = draw(family)
-            written.add(save(figure, target / names.new(f"distances-{family.name}")))
-            close(figure)
+            written.add(save(draw(family), target / names.new(f"distances-{family.name}")))
     return written.paths
 
 

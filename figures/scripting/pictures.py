@@ -62,24 +62,20 @@ def draw_family(
     from orbitproof.figures.files import save
     from orbitproof.figures.pictures import draw_family as draw
     from orbitproof.figures.pictures import draw_marks
-    from orbitproof.figures.style import close, use_style
+    from orbitproof.figures.style import use_style
 
     target, names, written = folder_of(folder), Names(), Written(told)
     with saved_as(files), use_style():
         on_family, alone = assign(traced, marks)
         for family, members in zip(traced, on_family, strict=True):
-            figure = draw(family, members)
-            written.add(save(figure, target / names.new(f"family-{family.system.name}-{family.name}")))
-            close(figure)
+            written.add(save(draw(family, members), target / names.new(f"family-{family.system.name}-{family.name}")))
         groups: dict[str, list[MarkedPoint]] = {}
         for mark in alone:
             groups.setdefault(mark.candidate.system.name, []).append(mark)
         for system, members in groups.items():
             if not quiet:
                 print(f"{system}: on no family given with --family: {counted(len(members), 'point')}", file=sys.stderr)
-            figure = draw_marks(members)
-            written.add(save(figure, target / names.new(f"points-{system}")))
-            close(figure)
+            written.add(save(draw_marks(members), target / names.new(f"points-{system}")))
     return written.paths
 
 
@@ -109,16 +105,14 @@ def draw_resonances(
 
     from orbitproof.figures.files import save
     from orbitproof.figures.pictures import draw_resonances as draw
-    from orbitproof.figures.style import close, use_style
+    from orbitproof.figures.style import use_style
 
     target, names, csv_names, written = folder_of(folder), Names(), Names(), Written(told)
     with saved_as(files), use_style():
         for curve, own in zip(curves, members, strict=True):
             places = curve.places(own)
             name = f"{curve.family.system.name}-{curve.family.name}"
-            figure = draw(curve, places)
-            written.add(save(figure, target / names.new(f"resonances-{name}")))
-            close(figure)
+            written.add(save(draw(curve, places), target / names.new(f"resonances-{name}")))
             for stem, text in (("stability", curve.samples_csv()), ("resonances", curve.events_csv(places))):
                 path = target / f"{csv_names.new(f'{stem}-{name}')}.csv"
                 write_text(path, text)
@@ -184,14 +178,12 @@ def draw_web(
     from orbitproof.figures.certified import Curve
     from orbitproof.figures.files import save
     from orbitproof.figures.pictures import draw_web as draw
-    from orbitproof.figures.style import close, use_style
+    from orbitproof.figures.style import use_style
 
     target, written = folder_of(folder), Written(told)
     curves = {name: Curve.of(certificate) for name, certificate in given.items() if not certificate.atlas.is_surface}
     with saved_as(files), use_style():
-        figure = draw(known, curves)
-        written.add(save(figure, target / f"web-{file_name(known.id)}"))
-        close(figure)
+        written.add(save(draw(known, curves), target / f"web-{file_name(known.id)}"))
     if page is not None:
         from orbitproof.figures.pictures.web_page import page_of
 
@@ -210,14 +202,12 @@ def draw_catalogues(
 
     from orbitproof.figures.files import save
     from orbitproof.figures.pictures import draw_rows
-    from orbitproof.figures.style import close, use_style
+    from orbitproof.figures.style import use_style
 
     target, names, written = folder_of(folder), Names(), Written(told)
     with saved_as(files), use_style():
         for name, certificate in given:
-            figure = draw_rows(certificate)
-            written.add(save(figure, target / names.new(f"rows-{file_name(name)}")))
-            close(figure)
+            written.add(save(draw_rows(certificate), target / names.new(f"rows-{file_name(name)}")))
     return written.paths
 
 
@@ -246,7 +236,7 @@ def draw_tori(
     from orbitproof.figures.files import save
     from orbitproof.figures.pictures import draw_manifold
     from orbitproof.figures.pictures import draw_tori as draw
-    from orbitproof.figures.style import close, use_style
+    from orbitproof.figures.style import use_style
 
     remedy = "give a file of tori or of a manifold, written by orbitproof explore"
     paths, drawings = [Path(source) for source in sources], []
@@ -259,9 +249,7 @@ def draw_tori(
     target, written = folder_of(folder), Written(told)
     with saved_as(files), use_style():
         for name, (shown, record) in zip(names, drawings, strict=True):
-            figure = shown(record)
-            written.add(save(figure, target / name))
-            close(figure)
+            written.add(save(shown(record), target / name))
     return written.paths
 
 
@@ -301,7 +289,7 @@ def draw_periodic(
         draw_periodic_family,
         draw_periodic_orbit,
     )
-    from orbitproof.figures.style import close, use_style
+    from orbitproof.figures.style import use_style
 
     remedy = "give candidates, certificates, or a family or a whole life of orbitproof explore"
     drawings: list[tuple[str, PeriodicFamilyRecord | LifeRecord | _Claimed]] = []
@@ -341,7 +329,6 @@ def draw_periodic(
                 not_drawn[name] = str(error)
                 continue
             written.add(save(figure, target / names.new(name)))
-            close(figure)
     return Drawn(tuple(written.paths), not_drawn, False, False)
 
 
