@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from support.claims import PUBLISHED_POINTS
+from support.refusals import refused
 
 from orbitproof.shared.formats import InputError, check_writable
 
@@ -88,20 +89,6 @@ CANDIDATE_FILES: dict[str, tuple[str, str]] = {
     "frame not square": (changed(frame=[["1", "0"]]), "frame"),
     "kernel frame of wrong size": (changed(kernel_frame=[["1", "0"], ["0", "1"]]), "kernel_frame"),
 }
-
-
-def refused(main: Main, arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
-    """The one line that the command writes to stderr; fails unless it exits 2 and prints nothing else."""
-    try:
-        code = main(arguments)
-    except SystemExit as stopped:
-        code = stopped.code if isinstance(stopped.code, int) else 1
-    output, errors = capsys.readouterr()
-    assert code == 2, errors
-    assert output == ""
-    assert len(errors.splitlines()) == 1, errors
-    assert "Traceback" not in errors
-    return errors
 
 
 def verify_main(arguments: list[str]) -> int:

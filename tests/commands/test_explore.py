@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.refusals import refused
 
 import orbitproof.explore.search.run
 import orbitproof.explore.three_body.families.named
@@ -210,15 +211,7 @@ def test_damaged_orbit_in_a_family_file_is_refused(family_path: Path, tmp_path: 
 def test_contradictory_options_are_refused_in_one_line(
     arguments: list[str], word: str, tmp_path: Path, capsys: Any
 ) -> None:
-    try:
-        code = main(["candidates", *arguments, "-o", str(tmp_path / "candidates.json")])
-    except SystemExit as stopped:
-        code = stopped.code  # type: ignore[assignment]
-    output, errors = capsys.readouterr()
-    assert code == 2
-    assert output == ""
-    assert len(errors.splitlines()) == 1
-    assert word in errors
+    assert word in refused(main, ["candidates", *arguments, "-o", str(tmp_path / "candidates.json")], capsys)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 from flint import ctx
 from support.claims import TOUCH_AND_GO
+from support.refusals import refused
 
 import orbitproof.verify.run.rows
 from orbitproof.shared.formats import candidate_from_json
@@ -184,10 +185,7 @@ def test_a_file_that_holds_no_certificates_is_not_overwritten(
 ) -> None:
     source, target = tmp_path / "candidates.json", tmp_path / "notes.txt"
     target.write_text(text)
-    assert main([write(source, TRUE), "-o", str(target)]) == 2
-    errors = capsys.readouterr().err
-    assert len(errors.splitlines()) == 1
-    assert str(target) in errors
+    assert str(target) in refused(main, [write(source, TRUE), "-o", str(target)], capsys)
     assert target.read_text() == text
     assert counted == []
 
@@ -229,15 +227,7 @@ def test_finished_rows_survive_an_interrupt(tmp_path: Path, capsys: Any, monkeyp
 def test_bad_options_are_refused_in_one_line(
     options: list[str], word: str, tmp_path: Path, capsys: Any, counted: list[str]
 ) -> None:
-    try:
-        code: Any = main([write(tmp_path / "candidates.json", TRUE), *options])
-    except SystemExit as stopped:
-        code = stopped.code
-    output, errors = capsys.readouterr()
-    assert code == 2
-    assert output == ""
-    assert len(errors.splitlines()) == 1
-    assert word in errors
+    assert word in refused(main, [write(tmp_path / "candidates.json", TRUE), *options], capsys)
     assert counted == []
 
 
@@ -293,11 +283,7 @@ def test_a_cluster_that_is_not_there_is_refused_and_rows_are_checked_again_here(
         ([source, "--scheduler", "somewhere"], "not an address"),
         (["--recheck", source, "--scheduler", "127.0.0.1:8786"], "give --jobs instead"),
     ):
-        assert main(arguments) == 2
-        output, errors = capsys.readouterr()
-        assert output == ""
-        assert word in errors
-        assert len(errors.splitlines()) == 1
+        assert word in refused(main, arguments, capsys)
 
 
 def test_a_row_whose_process_dies_is_not_proved_and_the_others_go_on() -> None:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.refusals import refused
 
 import orbitproof.explore.search.run
 from orbitproof.explore.__main__ import main
@@ -304,13 +305,5 @@ def test_wrong_options_are_refused_in_one_line(
     arguments: list[str], word: str, tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    try:
-        code = main(["family", *arguments, "-o", "family.json", "--quiet"])
-    except SystemExit as stopped:
-        code = stopped.code  # type: ignore[assignment]
-    output, errors = capsys.readouterr()
-    assert code == 2
-    assert output == ""
-    assert len(errors.splitlines()) == 1
-    assert word in errors
+    assert word in refused(main, ["family", *arguments, "-o", "family.json", "--quiet"], capsys)
     assert list(tmp_path.iterdir()) == []

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from support.periodic_cases import HOPF
+from support.refusals import refused
 
 from orbitproof import explore
 from orbitproof.explore.__main__ import main
@@ -322,10 +323,7 @@ def test_bad_input_is_one_line(
 ) -> None:
     (tmp_path / "lorenz.py").write_text(LORENZ)
     system = ["--system", str(tmp_path / "lorenz.py"), "--parameter", "sigma=10", "rho=28", "beta=8/3"]
-    assert main(["periodic", *system, *arguments]) == 2
-    error = capsys.readouterr().err
-    assert words in error
-    assert error.count("\n") == 1
+    assert words in refused(main, ["periodic", *system, *arguments], capsys)
 
 
 def test_bounds_grow_as_orbits_move_apart_or_by_absolute_values_where_volume_is_preserved() -> None:

@@ -13,6 +13,7 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from support.picture_texts import unreadable
+from support.refusals import refused
 from support.within import within
 
 import orbitproof.figures.scripting.data as data_files
@@ -178,10 +179,7 @@ def test_damaged_data_are_bad_input_and_do_not_stop_other_pictures(folder: Path,
 )
 def test_wrong_arguments_are_one_line(arguments: list[str], word: str, tmp_path: Path, capsys: Any) -> None:
     folder = tmp_path / "absent"
-    assert main(["all", str(folder), *arguments]) == 2
-    error = capsys.readouterr().err
-    assert word in error
-    assert error.count("\n") == 1
+    assert word in refused(main, ["all", str(folder), *arguments], capsys)
 
 
 def test_a_family_that_the_file_does_not_hold_is_missing_data(folder: Path) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.refusals import refused
 from support.table_rows import CANDIDATES, CERTIFICATES, certificates
 
 from orbitproof.figures.__main__ import main
@@ -59,24 +60,11 @@ BAD_CERTIFICATES: dict[str, tuple[Callable[[list[Any]], list[Any] | None], str]]
 }
 
 
-def refused(arguments: list[str], capsys: Any) -> str:
-    """The one line of a command that exits 2 and writes nothing else."""
-    try:
-        code = main(["tables", *arguments])
-    except SystemExit as stopped:
-        code = int(stopped.code or 0)
-    output, errors = capsys.readouterr()
-    assert code == 2, errors
-    assert output == ""
-    assert len(errors.splitlines()) == 1
-    return str(errors)
-
-
 @pytest.mark.parametrize("case", BAD_CERTIFICATES)
 def test_certificates_that_were_changed_are_refused(case: str, tmp_path: Path, capsys: Any) -> None:
     change, word = BAD_CERTIFICATES[case]
     path = certificates(tmp_path / "certificates.json", change)
-    message = refused([str(path), "-o", str(tmp_path / "out")], capsys)
+    message = refused(main, ["tables", str(path), "-o", str(tmp_path / "out")], capsys)
     assert word in message
     assert str(path) in message
     assert len(message) < 500
@@ -113,31 +101,31 @@ def test_bad_published_files_are_refused(case: str, tmp_path: Path, capsys: Any)
     text, word = BAD_PUBLISHED[case]
     path = tmp_path / "published.json"
     path.write_text(text)
-    message = refused([str(CERTIFICATES), "--published", str(path)], capsys)
+    message = refused(main, ["tables", str(CERTIFICATES), "--published", str(path)], capsys)
     assert word in message
     assert str(path) in message
 
 
 def test_a_certificate_in_two_files_and_a_candidate_of_another_claim_are_refused(tmp_path: Path, capsys: Any) -> None:
     again = certificates(tmp_path / "again.json", lambda entries: entries[:1])
-    assert "as well" in refused([str(CERTIFICATES), str(again)], capsys)
+    assert "as well" in refused(main, ["tables", str(CERTIFICATES), str(again)], capsys)
     document = json.loads(CANDIDATES.read_text())
     document["candidates"][0]["radii"][0] = "1"
     path = tmp_path / "candidates.json"
     path.write_text(json.dumps(document))
-    assert "differs from" in refused([str(CERTIFICATES), "--candidates", str(path)], capsys)
+    assert "differs from" in refused(main, ["tables", str(CERTIFICATES), "--candidates", str(path)], capsys)
 
 
 @pytest.mark.parametrize(
     "options", [["--digits", "0"], ["--digits", "nan"], ["--digits", "9" * 6000], ["--sources", "x"]]
 )
 def test_bad_options_are_refused(options: list[str], capsys: Any) -> None:
-    assert "--help" in refused([str(CERTIFICATES), *options], capsys)
+    assert "--help" in refused(main, ["tables", str(CERTIFICATES), *options], capsys)
 
 
 def test_a_folder_that_cannot_be_made_is_refused_before_anything_is_written(tmp_path: Path, capsys: Any) -> None:
     (tmp_path / "file").write_text("")
     for folder in (tmp_path / "file", tmp_path / "file" / "below"):
-        assert str(folder) in refused([str(CERTIFICATES), "-o", str(folder)], capsys)
+        assert str(folder) in refused(main, ["tables", str(CERTIFICATES), "-o", str(folder)], capsys)
     with pytest.raises(InputError, match="cannot be read"):
         read_rows([tmp_path / "absent.json"])

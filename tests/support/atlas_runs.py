@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from support import atlas_work
+from support import atlas_work, refusals
 from support.chain_cases import parabola
 
 from orbitproof.shared.claims import Atlas
@@ -49,9 +49,6 @@ def write(path: Path, atlas: Atlas = CURVE) -> str:
 
 
 def refused(capsys: Any, *arguments: str) -> str:
-    assert main(list(arguments), atlas_work.proving) == 2
-    output, errors = capsys.readouterr()
-    assert output == ""
+    errors = refusals.refused(lambda words: main(words, atlas_work.proving), list(arguments), capsys)
     assert errors.startswith("error: ")
-    assert errors.count("\n") == 1
-    return str(errors)
+    return errors
