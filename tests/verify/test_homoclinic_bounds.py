@@ -168,19 +168,21 @@ def test_points_of_the_box_and_of_the_sliver_lie_in_what_is_enclosed() -> None:
     claim, tiny = cases.wells(), Q(1, 2**80)
     r, rho = claim.radii
 
-    def at(a: Q, s: Q, slope: Q, crossings: int) -> Way:
+    def at(a: Q, s: Q, slope: Q, crossings: int, sign: int) -> Way:
         point = replace(
             claim, slope=slope, crossings=1, arrival=crossings, centre=(claim.centre[0] + 2 * s, a - s), cone=tiny,
-            radii=(tiny, tiny),
+            radii=(tiny, tiny), level_sign=sign,
         )  # fmt: skip
         return enclose_homoclinic(point, IntegratorSettings(precision=128), ORACLE).arrived
 
-    # With the other slope s is the direction in which the return stretches.
-    for slope, a, s in ((claim.slope, r, -r), (-claim.slope, Q(0), r)):
+    # With the other slope s is the direction in which the return stretches; the other sheet is a mirror image.
+    for slope, sign, a, s in ((claim.slope, 1, r, -r), (-claim.slope, -1, Q(0), r)):
         arrival = claim.arrival if slope == claim.slope else 1
-        followed = replace(claim, slope=slope, arrival=arrival)
+        given = dict(reversed(claim.parameters.items()))
+        followed = replace(claim, slope=slope, arrival=arrival, level_sign=sign, parameters=given)
         box = enclose_homoclinic(followed, IntegratorSettings(precision=96), ORACLE)
-        found = at(a, s, slope, claim.crossings)
+        found = at(a, s, slope, claim.crossings, sign)
+        assert (sign * box.returned.w.centre).lower() > 0
         for number in range(2):
             p, q = found.first.slopes[number], found.second.slopes[number] / enclose(slope)
             assert box.returned.first.slopes[number].contains((p + q) / 2)
@@ -188,9 +190,11 @@ def test_points_of_the_box_and_of_the_sliver_lie_in_what_is_enclosed() -> None:
             assert box.returned.w.slopes[number].contains(found.w.slopes[number])
             assert box.returned.time.slopes[number].contains(found.time.slopes[number])
         if slope == claim.slope:
-            corner = at(claim.centre[1] + rho, width_of_sliver(claim), slope, claim.arrival)
+            corner = at(claim.centre[1] + rho, width_of_sliver(claim), slope, claim.arrival, sign)
             for wide, narrow in zip(box.arrived.functions, corner.functions, strict=True):
                 assert all(map(arb.contains, wide.slopes, narrow.slopes))
+            x, u, v, _ = (function.centre for function in corner.functions)
+            assert ((u**2 + v**2 - (x - 1) ** 2 + (x - 1) ** 4 / 2) / 2).contains(arb(1) / 2)
 
 
 def test_the_words_say_where_the_box_lies() -> None:
