@@ -39,6 +39,12 @@ def test_malformed_claims_are_refused_with_the_field(begins: str) -> None:
     assert "\n" not in str(refusal.value)
 
 
+def test_parameters_are_put_in_by_their_names() -> None:
+    claim = cases.hopf()
+    assert len({*claim.values}) > 3
+    assert replace(claim, parameters=dict(reversed(claim.parameters.items()))).values == claim.values
+
+
 def test_curves_in_a_parameter_that_is_not_there_are_refused(tmp_path: Path) -> None:
     atlas = cases.curve_of_equilibria()
     path = tmp_path / "atlas.json"

@@ -22,7 +22,7 @@ from orbitproof.verify.equilibrium.equations import derivatives_of, equations_of
 from orbitproof.verify.equilibrium.expansions import expand
 from orbitproof.verify.equilibrium.proved_equilibrium import prove_equilibrium
 from orbitproof.verify.equilibrium.spectrum import Spectrum, spectrum_of
-from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, enclose, guarded
+from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Proved, enclose, guarded
 from orbitproof.verify.poincare import IntegratorSettings
 from orbitproof.verify.words.equilibrium import hopf_in_full
 
@@ -145,6 +145,11 @@ def test_a_zero_at_the_edge_is_not_excluded(place: str, is_excluded: bool) -> No
     assert isinstance(outcome, NotProved)
     assert outcome.reason.excluded is is_excluded
     assert outcome.reason.needs_precision is not is_excluded
+    near = replace(claim, centre=(Q(place) - Q(3, 64), Q(0)))
+    with guarded(BITS):
+        outcome = prove_equilibrium(near, Checklist(), enclose_equilibrium(near, IntegratorSettings(BITS)))
+    assert isinstance(outcome, Proved)
+    assert outcome.results.point["x"].contains(enclose(Q(place)))
 
 
 def test_which_eigenvalues_are_where_is_said_as_far_as_it_is_certain() -> None:
@@ -528,6 +533,16 @@ def test_all_results_hold_what_is_so_at_a_point_beside_the_centre_of_a_wide_box(
     _, speed = proved_hopf._check_crossing(Checklist(), claim, place)
     assert speed.contains(1.25)
     assert speed.contains(1.5)
+    # l has the third component 3 b/20 + .., where b is 1 up to 1.
+    second[2][0, 3], matrix[0][2], matrix[2][2] = arb(1), arb(1, 1), arb(-3)
+    known = replace(known, matrix=matrix, second=second)
+    _, speed = proved_hopf._check_crossing(Checklist(), claim, replace(place, known=known))
+    assert all(speed.contains(enclose(Q(4, 3) + Q(3 * b, 20))) for b in (0, 1, 2))
+    # |q|^2 is 9/4 up to 1.
+    straight = replace(known, second=[{places: arb(0) for places in pairs(3)}] * 3, third=[acb(-2), acb(0), acb(0)])
+    wide = replace(place, q=[acb(arb(1, 0.5)), *place.q[1:]], known=straight)
+    lyapunov = proved_hopf._check_lyapunov(Checklist(), wide, [acb(1), acb(0), acb(0)])
+    assert all(lyapunov.contains(enclose(-1 / (1 + Q(n, 4) ** 2))) for n in (2, 4, 6))
     # Each interval is told with its own half-width.
     said = " ".join(hopf_in_full(claim, "", found))
     for words in ("a lies in [1.9991, 2.0012]", "omega lies in [0.9980, 1.0022]", "kernel_radius = 0.004 of"):
