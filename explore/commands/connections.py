@@ -23,6 +23,9 @@ The system has four coordinates, two of which R fixes, and a first integral A + 
 Exit codes: 0 found, 1 nothing is found or not all is refined, 2 bad input.
 """
 
+_NEAR = 1e-6
+"""The images of boxes are so large: the unstable manifold bends little in them."""
+
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
@@ -43,8 +46,11 @@ def add_parser(commands: Any) -> None:
         "from the periodic orbit (default: up to 6)"
     )
     parser.add_argument("--arrivals", type=common.crossings, nargs="+", metavar="K", help=words)
-    words = "the box about the periodic orbit is about so large (default: %(default)s)"
-    parser.add_argument("--near", type=common.positive, default=3e-12, metavar="R", help=words)
+    words = (
+        "the orbit is claimed from a point at most so far from the periodic orbit, and the box is about as large "
+        "(default: a millionth, divided by the multiplier)"
+    )
+    parser.add_argument("--near", type=common.positive, metavar="R", help=words)
     common.add_claim_output(parser, "what is found is printed")
     parser.set_defaults(run=run, digits=30)
 
@@ -94,7 +100,7 @@ def run(options: argparse.Namespace) -> int:
         print(f"{'a':>16}  crossings to Fix(R)")
         for each in found:
             print(f"{float(each.distance):16.8e}  {each.crossings}")
-        code, claims = 0 if found else 1, []
+        code, claims, near = 0 if found else 1, [], options.near or _NEAR / abs(float(orbit.multiplier))
         if not found:
             report.error("no orbit comes to Fix(R) at these crossings; ask for later ones (--arrivals)")
         if options.output is None:
@@ -104,7 +110,7 @@ def run(options: argparse.Namespace) -> int:
             report.stage(f"refining {number} of {len(found)}")
             label = base if len(found) == 1 else f"{base}-{number}"
             try:
-                claims.append(homoclinic_claim(each, label, options.near, options.digits))
+                claims.append(homoclinic_claim(each, label, near, options.digits))
             except ConnectionFailure as failure:
                 report.error(f"{label}: {failure}")
                 code = 1

@@ -100,6 +100,41 @@ class OnLevel:
         result[place] = square.power(Fraction(1, 2), power) * self.sign
         return result
 
+    @property
+    def _values(self) -> list[float]:
+        return [float(self.parameters[name]) for name in self.system.parameters]
+
+    def states(self, p: Array, q: Array) -> Array:
+        """The states at points of the section, shape (4, N), in double precision; NaN where the level has none."""
+        integral, place = self.system.first_integral_program, self.system.state.index(str(self.system.level_coordinate))
+        assert integral is not None
+        state = np.zeros((4, len(p)))
+        state[self.along], state[self.across] = p, q
+
+        def height(w: float) -> Array:
+            state[place] = w
+            found: Array = integral.evaluate([*state, *self._values], float, _power)[0]
+            return found
+
+        rest, one = height(0.0), height(1.0)
+        with np.errstate(invalid="ignore"):
+            state[place] = self.sign * np.sqrt((float(self.level) - rest) / (one - rest))
+        return state
+
+    def field(self, states: Array) -> Array:
+        """The vector field at many states, shape (4, N), in double precision."""
+        values = self.system.program.evaluate([*states, *self._values], float, _power)
+        return np.array([np.broadcast_to(value, states.shape[1:]) for value in values])
+
+    def crossings_of(self, start: Array, most: int, time: float) -> Array:
+        """The crossings of the section by many orbits and their times, shape (most, 5, N), as `swarm.crossings_of`."""
+
+        def field(states: Array) -> Array:
+            return np.vstack([self.field(states[:-1]), np.ones_like(states[-1:])])
+
+        start = np.vstack([start, np.zeros_like(start[-1:])])
+        return crossings_of(field, start, self.system.section_index, most, time)
+
     def crossings(self, p: Any, q: Any, directions: Sequence[Sequence[Any]], bits: int) -> Iterator[Place]:
         """The successive crossings of the section by the orbit of a point, with derivatives in some directions."""
         context = working_context(bits)
@@ -152,10 +187,6 @@ class Hyperbolic:
     multiplier: Fraction
     slope: Fraction
     period: float
-
-    def point_at(self, distance: float) -> tuple[float, float]:
-        """(p, q) at a distance a on the unstable direction."""
-        return float(self.p) + distance, float(self.slope) * distance
 
 
 @dataclass(frozen=True)
@@ -240,22 +271,9 @@ def _changes(values: Array) -> list[int]:
 def _heights(orbit: Hyperbolic, distances: Array, most: int) -> Array:
     """q at the next crossings, shape (most, N), NaN where an orbit has not so many."""
     setting = orbit.setting
-    system, program = setting.system, setting.system.program
-    parameters = [float(setting.parameters[name]) for name in system.parameters]
-
-    def field(state: Array) -> Array:
-        values = program.evaluate([*state, *parameters], float, lambda base, power: base ** float(power))
-        return np.array([np.broadcast_to(value, state.shape[1:]) for value in values])
-
-    context, basis, start = working_context(53), JetBasis.graded((1,), 0), []
-    for distance in distances:
-        p, q = (basis.constant(context.mpf(value)) for value in orbit.point_at(float(distance)))
-        try:
-            start.append([float(jet.coefficients[0]) for jet in setting.start(p, q, context)])
-        except IntegrationFailure:
-            start.append([np.nan] * len(system.state))
+    start = setting.states(float(orbit.p) + distances, float(orbit.slope) * distances)
     time = orbit.period * (most / (2 * orbit.half) + _LONGEST)
-    return crossings_of(field, np.array(start).T, system.section_index, most, time)[:, setting.across]
+    return setting.crossings_of(start, most, time)[:, setting.across]
 
 
 def _from(orbit: Hyperbolic, distance: Any, bits: int, with_slope: bool) -> Iterator[Place]:
@@ -291,6 +309,10 @@ def closer(found: Homoclinic, distance: float, digits: int) -> Homoclinic:
     while abs(a) > distance:
         a, number = a / orbit.multiplier, number + 2 * orbit.half
     return refined(orbit, a, number, digits)
+
+
+def _power(base: Array, power: Fraction) -> Array:
+    return base ** float(power)
 
 
 def _number(value: Any, context: mpmath.MPContext) -> Any:

@@ -1,6 +1,8 @@
 from .around_fixed_point import section_iterates as section_iterates
 from .beside import NewOrbits as NewOrbits
 from .beside import new_orbits as new_orbits
+from .connection import Connection as Connection
+from .connection import connection_of as connection_of
 from .fixed_set import Array as Array
 from .fixed_set import centre_on_fixed_set as centre_on_fixed_set
 from .fixed_set import parameter_values as parameter_values

@@ -10,6 +10,7 @@ from .certified_stability import draw_certified_stability as draw_certified_stab
 from .certified_surfaces import Surface as Surface
 from .certified_surfaces import draw_surface as draw_surface
 from .certified_surfaces import surface_of as surface_of
+from .connection import draw_connection as draw_connection
 from .double_resonance import draw_double_resonance as draw_double_resonance
 from .falkner_skan import draw_crossings as draw_crossings
 from .falkner_skan import draw_resonant_orbits as draw_resonant_orbits

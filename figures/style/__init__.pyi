@@ -2,6 +2,7 @@ from .style import CURVE as CURVE
 from .style import INK as INK
 from .style import SECOND_CURVE as SECOND_CURVE
 from .style import close as close
+from .style import is_built_in as is_built_in
 from .style import label_of as label_of
 from .style import level_label as level_label
 from .style import marker_of as marker_of
