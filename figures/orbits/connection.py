@@ -30,6 +30,8 @@ _JUMP = 20.0
 """It ends where the next point is so many times as far as usual."""
 _LONGEST = 1e3
 _AT_FIXED_SET = 1e-6
+_MOVED = 0.02
+"""What is farther from the claim, relative to a, is another orbit."""
 
 
 @dataclass(frozen=True)
@@ -73,11 +75,13 @@ def connection_of(claim: HomoclinicOrbit) -> Connection:
     a, number = float(claim.centre[1]), claim.arrival
     while abs(a * multiplier) < _FARTHEST and number > claim.crossings:
         a, number = a * multiplier, number - claim.crossings
+    claimed = a
     for _ in range(_NEWTON_STEPS):
         low, here, high = crossing(a * np.array([1 - _PART, 1.0, 1 + _PART]), number)[setting.across]
         a -= 2 * _PART * a * here / (high - low)
     at = crossing(np.array([a]), number)[:, 0]
-    if not abs(at[setting.across]) < _AT_FIXED_SET * (1 + np.abs(at[:4]).max()):
+    is_found = abs(a - claimed) < _MOVED * abs(claimed)
+    if not (is_found and abs(at[setting.across]) < _AT_FIXED_SET * (1 + np.abs(at[:4]).max())):
         raise OrbitNotClosed(f"the homoclinic orbit of {claim.id} does not come to Fix(R) in double precision")
     half = _over(setting, start(np.array([a]))[:, 0], float(at[4]))
     signs = np.array(claim.reversing_symmetry, dtype=float)

@@ -11,7 +11,7 @@ from orbitproof.figures.pictures.periodic_orbit import DOT
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, is_built_in, label_of
 from orbitproof.shared.claims import HomoclinicOrbit
 
-_SIZE = (7.2, 3.9)
+_SIZE = (7.2, 3.7)
 _STABLE = "#b2182b"
 
 
@@ -25,7 +25,7 @@ def draw_connection(claim: HomoclinicOrbit, certified: bool = False) -> Figure:
     """
     found, system = connection_of(claim), claim.system
     figure = plt.figure(figsize=_SIZE)
-    grid = figure.add_gridspec(1, 2, left=0.1, right=0.985, top=0.97, bottom=0.29, wspace=0.32)
+    grid = figure.add_gridspec(1, 2, left=0.1, right=0.985, top=0.97, bottom=0.27, wspace=0.32)
     axes = figure.add_subplot(grid[0, 0])
     first, second = 0, 1
     axes.plot(found.orbit[:, first], found.orbit[:, second], color=CURVE, linewidth=0.9, label="homoclinic orbit")

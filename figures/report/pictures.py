@@ -10,6 +10,7 @@ from orbitproof.figures.certified import CertifiedCurves, Curve
 from orbitproof.figures.files import file_name
 from orbitproof.figures.orbits import OrbitNotClosed
 from orbitproof.figures.pictures import (
+    draw_connection,
     draw_curves,
     draw_double_resonance,
     draw_orbit,
@@ -144,6 +145,21 @@ def _of_periodic(entry: Checked) -> tuple[Picture, ...]:
     return (_picture(f"orbit-{file_name(name)}", caption, figure),)
 
 
+def _of_connection(entry: Checked) -> tuple[Picture, ...]:
+    """A homoclinic orbit; none where it is not found again in double precision."""
+    name = entry.certificate.id
+    try:
+        figure = draw_connection(entry.candidate, certified=True)
+    except OrbitNotClosed:
+        return ()
+    caption = (
+        f"{shown(name)}: (a) the homoclinic orbit and its periodic orbit, integrated in double precision; (b) their "
+        "unstable and stable manifold in the section, numerical. The certificate encloses the filled point, far closer "
+        "than can be seen, and proves that the manifolds cross there"
+    )
+    return (_picture(f"homoclinic-{file_name(name)}", caption, figure),)
+
+
 def _of_periodic_bifurcation(entry: Checked) -> tuple[Picture, ...]:
     """The picture of the orbit; none if it is too unstable to be drawn in double precision."""
     name = entry.certificate.id
@@ -187,6 +203,7 @@ _BY_NAME = {
     "stable orbit": _of_stable_orbit,
     "periodic orbit": _of_periodic,
     "bifurcation": _of_periodic_bifurcation,
+    "connection": _of_connection,
 }
 """Pictures of claims about boxes, as `BoxKind.picture` names them."""
 

@@ -122,7 +122,7 @@ class BoxKind(Kind, Generic[Claim, Found, Results]):
         on_side: what there is on the side of the parameter that is proved, from the kind.
         normal_form_section: of the coefficients among the `attributes`.
         picture: which one shows it: "box", "birth", "meeting", "orbit", "stable orbit", "periodic orbit",
-            "bifurcation"; "" for none.
+            "bifurcation", "connection"; "" for none.
         attributes: what a `Certificate` says of the results beside their point; the rest is as of what is not proved.
         besides: what else the screen tells of the results, in short lines.
         missing: how many digits the results lack, of so many that are wanted.

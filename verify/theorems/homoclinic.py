@@ -37,6 +37,7 @@ KIND = BoxKind(
     prove=prove_homoclinic,
     titles={"homoclinic": "A transverse homoclinic orbit"},
     said=lambda k, kind: "homoclinic orbit to a periodic orbit",
+    picture="connection",
     attributes=lambda found: {"parameter_name": "period", "parameter": found.period},
     besides=homoclinic_found,
     # How well the numbers are known is decided by the box and the interval, not by precision.
