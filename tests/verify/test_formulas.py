@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import re
+from dataclasses import replace
 from fractions import Fraction
 from itertools import product
 from types import SimpleNamespace
@@ -72,6 +73,13 @@ def test_a_formula_of_another_program_differs(program: Program) -> None:
         other = text.replace(" - ", " + ", 1)
     left = [f"out{i}" for i in range(len(program.outputs))]
     assert equations(program_from_text(other), left) != equations(program, left)
+
+
+def test_each_letter_of_a_system_of_ones_own_has_one_meaning() -> None:
+    """In Hill's units the field and the integral are written with letters."""
+    lines = setting(replace(BRANCH_SYSTEMS["cr3bp-hill"], name="own"), {}, None)
+    left = [line.partition(" = ")[0].strip() for line in lines if line.startswith("  ")]
+    assert len({*left}) == len(left) > len(SYSTEMS["cr3bp"].state) + 4
 
 
 def test_the_images_of_a_point_under_the_symmetries_are_printed_with_their_signs() -> None:

@@ -130,10 +130,10 @@ def setting(
     left = [f"{name}'" for name in system.state]
     taken = () if system.name in BRANCH_SYSTEMS else _TAKEN
     field = equations(system.program, left, taken)
+    taken = (*taken, *_left_sides(field)) if taken else ()
     lines = [f"The {system.title}:", *(f"  {line}" for line in field)]
     lines += [f"  {name} = {exact_text(value)}" for name, value in parameters.items()]
     if system.defined:
-        taken = (*taken, *_left_sides(field))
         kinds = [(each.name, each.function) for each in system.defined]
         functions = functions_in_lines(system.given_state, kinds, system.argument_programs, taken)
         taken = (*taken, *_left_sides(functions))
