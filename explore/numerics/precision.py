@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 import mpmath
 
 
+@lru_cache(maxsize=64)
 def working_context(bits: int) -> mpmath.MPContext:
-    """Arithmetic of its own with so many bits."""
+    """Arithmetic with so many bits, the same for all who ask: it takes milliseconds to make. Nobody changes `prec`."""
     context = mpmath.MPContext()
     context.prec = bits
     return context
