@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +28,7 @@ from orbitproof.shared.wording import counted
 
 if TYPE_CHECKING:
     from orbitproof.explore.engines import Reporter
-    from orbitproof.explore.three_body.catalogues import Catalogue, CatalogueTask, MadeCatalogue
+    from orbitproof.explore.three_body.catalogues import Catalogue, MadeCatalogue
 
 _EXAMPLES = """\
 examples:
@@ -167,7 +168,7 @@ def run(options: argparse.Namespace) -> int:
         report.stage(tasks[0].title if len(tasks) == 1 else f"{len(tasks)} families")
         complete = True
         for index, made in run_all(
-            Job(catalogue_task, _title, _never), tasks, options.jobs, report.update, options.scheduler
+            Job(catalogue_task, attrgetter("title"), _never), tasks, options.jobs, report.update, options.scheduler
         ):
             task = tasks[index]
             if isinstance(made, Lost) or made.catalogue is None:
@@ -188,10 +189,6 @@ def run(options: argparse.Namespace) -> int:
             chosen = _kept(made.catalogue, limits, options.all, task.title, report)
             complete &= _write(chosen, path, task.title, report)
     return 0 if complete else 1
-
-
-def _title(task: CatalogueTask) -> str:
-    return task.title
 
 
 def _never(made: MadeCatalogue) -> bool:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from operator import attrgetter
 
 from orbitproof.explore.engines import Job, Lost, Progress, run_all
 from orbitproof.explore.families.continuation import Family
@@ -142,10 +143,6 @@ def trace_task(task: TraceTask, progress: Progress) -> Traced:
         return result(interrupted=True)
 
 
-def _title(task: TraceTask) -> str:
-    return task.title
-
-
 def _interrupted(result: Traced) -> bool:
     return result.interrupted
 
@@ -155,7 +152,7 @@ def trace_tasks(tasks: Sequence[TraceTask], jobs: int, progress: Progress) -> It
 
     After an interrupt the parts of families that are traced by then are yielded as well.
     """
-    for index, result in run_all(Job(trace_task, _title, _interrupted), tasks, jobs, progress):
+    for index, result in run_all(Job(trace_task, attrgetter("title"), _interrupted), tasks, jobs, progress):
         if isinstance(result, Lost):
             yield index, Traced(tasks[index], None, result.reason, False, 0.0)
         else:

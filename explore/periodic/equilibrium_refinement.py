@@ -20,6 +20,7 @@ from orbitproof.explore.periodic.correction import PeriodicProblem
 from orbitproof.explore.periodic.flow import Vector
 from orbitproof.explore.periodic.refinement import RULE, evaluated, solved, whole_jets
 from orbitproof.explore.refinement import Jet, JetBasis
+from orbitproof.explore.refinement.frames import dot
 from orbitproof.shared.systems import System
 
 
@@ -87,12 +88,12 @@ class EquilibriumEquations:
         ]
         if count == 1:
             rows.append([*lead, *kernel[0]])
-            values.append(_product(kernel[0], apart[0]))
+            values.append(dot(kernel[0], apart[0]))
         if count == 2:
             rows += [[*lead, *kernel[0], *kernel[1]], [*lead, *(-k for k in kernel[1]), *kernel[0]]]
             values += [
-                _product(kernel[0], apart[0]) + _product(kernel[1], apart[1]),
-                _product(kernel[0], apart[1]) - _product(kernel[1], apart[0]),
+                dot(kernel[0], apart[0]) + dot(kernel[1], apart[1]),
+                dot(kernel[0], apart[1]) - dot(kernel[1], apart[0]),
             ]
         matrix = context.matrix(rows)
         spread = float(np.linalg.cond(np.array([[float(value) for value in row] for row in rows])))
@@ -109,10 +110,6 @@ def _basis(variables: int, vectors: int) -> JetBasis:
 
 def _units(count: int, size: int) -> list[list[Fraction]]:
     return [[Fraction(int(i == j)) for i in range(size)] for j in range(count)]
-
-
-def _product(left: Sequence[Any], right: Sequence[Any]) -> Any:
-    return sum(a * b for a, b in zip(left, right, strict=True))
 
 
 def field_jets(

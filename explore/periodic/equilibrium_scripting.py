@@ -15,6 +15,7 @@ from orbitproof.explore.periodic.equilibrium_search import FoundEquilibria, Foun
 from orbitproof.explore.periodic.equilibrium_search import find_equilibria as found_equilibria
 from orbitproof.explore.periodic.hopf import Hopf
 from orbitproof.explore.periodic.hopf_cycles import families_from
+from orbitproof.explore.periodic.scripting import assignments
 from orbitproof.explore.periodic.search import symmetries_for
 from orbitproof.shared import claims
 from orbitproof.shared.formats import InputError
@@ -42,10 +43,10 @@ def find_equilibria(
     Raises `ValueError` for what is missing or unknown, and `PeriodicFailure` if none is found.
     """
     try:
-        exact = given_values("parameters", _words(parameters or {}), tuple(system.parameters))
+        exact = given_values("parameters", assignments(parameters or {}), tuple(system.parameters))
         place = None
         if start is not None:
-            place = tuple(map(float, given_values("start", _words(start), system.given_state).values()))
+            place = tuple(map(float, given_values("start", assignments(start), system.given_state).values()))
     except InputError as error:
         raise ValueError(str(error)) from None
     with Reporter(quiet) as report:
@@ -139,7 +140,3 @@ def refine_equilibrium(
         if isinstance(found, Hopf):
             return hopf_claim(found, name, digits, report.update)
         return equilibrium_claim(found.problem, found.equilibrium, name, digits, report.update)
-
-
-def _words(values: Mapping[str, object]) -> list[str]:
-    return [f"{name}={value}" for name, value in values.items()]

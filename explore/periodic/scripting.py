@@ -63,8 +63,8 @@ def find_periodic(
     Raises `ValueError` for what is missing or unknown, and `PeriodicFailure` if no orbit is found.
     """
     try:
-        exact = given_values("parameters", _words(parameters or {}), tuple(system.parameters))
-        place = start_values("start", _words(start), system)
+        exact = given_values("parameters", assignments(parameters or {}), tuple(system.parameters))
+        place = start_values("start", assignments(start), system)
         chosen = section_of(system, section, direction)
         value = None if level is None else exact_number("level", str(level))
     except InputError as error:
@@ -208,5 +208,6 @@ def periodic_atlas(
         return cover_curve(found, parameter, (low, high), name, progress=lambda text: report.update(text, None)).atlas
 
 
-def _words(values: Mapping[str, object]) -> list[str]:
+def assignments(values: Mapping[str, object]) -> list[str]:
+    """Values by name as a command takes them: ``name=value``."""
     return [f"{name}={value}" for name, value in values.items()]

@@ -97,10 +97,10 @@ def bifurcation_frame(
     tangent = _family_tangent(family, context)
     matrix = _rows(derivative)
     left, _, right = np.linalg.svd(_floats(matrix))
-    reduced = [[_dot(row, v) for row in matrix] for v in _exact(context, right[: n - 1])]
+    reduced = [[dot(row, v) for row in matrix] for v in _exact(context, right[: n - 1])]
     left_null = _normalised(context, _solve(context, reduced, left[:, -1]))
     rows = [left_null, *_complement(context, [left_null], n)]
-    equations = [[_dot(row, column) for column in zip(*matrix, strict=True)] for row in rows[1:]]
+    equations = [[dot(row, column) for column in zip(*matrix, strict=True)] for row in rows[1:]]
     at_level = tangential or system.family_parameter is not None
     condition = list(level_gradient) if at_level else tangent
     first, second = right[n - 1], right[n]
@@ -196,7 +196,8 @@ def _exact(context: mpmath.MPContext, rows: Any) -> list[list[Any]]:
     return [[context.mpf(float(x)) for x in row] for row in rows]
 
 
-def _dot(left: Sequence[Any], right: Sequence[Any]) -> Any:
+def dot(left: Sequence[Any], right: Sequence[Any]) -> Any:
+    """The scalar product."""
     return sum(a * b for a, b in zip(left, right, strict=True))
 
 
@@ -205,7 +206,7 @@ def _unit(context: mpmath.MPContext, index: int, size: int) -> list[Any]:
 
 
 def _normalised(context: mpmath.MPContext, vector: Sequence[Any]) -> list[Any]:
-    length = context.sqrt(_dot(vector, vector))
+    length = context.sqrt(dot(vector, vector))
     return [x / length for x in vector]
 
 
@@ -231,7 +232,7 @@ def _complement(context: mpmath.MPContext, vectors: Sequence[Sequence[Any]], siz
     def reduced(vector: Sequence[Any]) -> list[Any]:
         result = list(vector)
         for b in [*basis, *basis]:
-            c = _dot(result, b)
+            c = dot(result, b)
             result = [x - c * y for x, y in zip(result, b, strict=True)]
         return result
 
@@ -240,5 +241,5 @@ def _complement(context: mpmath.MPContext, vectors: Sequence[Sequence[Any]], siz
     found = len(basis)
     while len(basis) < size:
         rest = [reduced(_unit(context, i, size)) for i in range(size)]
-        basis.append(_normalised(context, max(rest, key=lambda v: _dot(v, v))))
+        basis.append(_normalised(context, max(rest, key=lambda v: dot(v, v))))
     return basis[found:]

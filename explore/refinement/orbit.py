@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, isfinite, log2
+from operator import attrgetter
 from typing import Any, Literal
 
 import mpmath
@@ -78,13 +79,9 @@ def refine_orbit_task(task: OrbitTask, progress: Progress) -> RefinedOrbit:
         return RefinedOrbit(task, None, f"the arithmetic broke down ({type(error).__name__}: {error})")
 
 
-def _name(task: OrbitTask) -> str:
-    return task.id
-
-
 def refine_orbits(tasks: Sequence[OrbitTask], jobs: int, progress: Progress) -> Iterator[tuple[int, RefinedOrbit]]:
     """Refine all orbits with `jobs` processes; yields (index, result) in the order of completion."""
-    for index, result in run_all(Job(refine_orbit_task, _name), tasks, jobs, progress):
+    for index, result in run_all(Job(refine_orbit_task, attrgetter("id")), tasks, jobs, progress):
         yield index, RefinedOrbit(tasks[index], None, result.reason) if isinstance(result, Lost) else result
 
 

@@ -29,6 +29,7 @@ from orbitproof.explore.refinement.frames import (
     Parity,
     RefinementFailure,
     bifurcation_frame,
+    dot,
     fold_frame,
     turning,
 )
@@ -209,13 +210,9 @@ def _spanning(vectors: list[list[Any]], context: mpmath.MPContext) -> tuple[list
             break
         chosen.append(int(sizes.argmax()))
     basis = [vectors[i] for i in chosen]
-    gram = context.matrix([[_dot(a, b) for b in basis] for a in basis])
-    combinations = [list(context.lu_solve(gram, context.matrix([_dot(a, v) for a in basis]))) for v in vectors]
+    gram = context.matrix([[dot(a, b) for b in basis] for a in basis])
+    combinations = [list(context.lu_solve(gram, context.matrix([dot(a, v) for a in basis]))) for v in vectors]
     return basis, combinations
-
-
-def _dot(left: Sequence[Any], right: Sequence[Any]) -> Any:
-    return sum(a * b for a, b in zip(left, right, strict=True))
 
 
 def newton_equations(problem: Resonance, at: LinearisedResonance, slope: Sequence[Any]) -> tuple[Any, Any]:

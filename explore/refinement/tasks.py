@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
 from orbitproof.explore.engines import Job, Lost, Progress, run_all
@@ -102,10 +103,6 @@ def decimal(value: Fraction, digits: int) -> str:
     return f"{'-' if scaled < 0 else ''}{whole}.{part:0{digits}d}"
 
 
-def _name(task: Task) -> str:
-    return task.id
-
-
 def refine_tasks(tasks: Sequence[Task], jobs: int, progress: Progress) -> Iterator[tuple[int, Refined]]:
     """Refine all tasks with `jobs` processes; yields (index, result) in the order of completion.
 
@@ -113,7 +110,7 @@ def refine_tasks(tasks: Sequence[Task], jobs: int, progress: Progress) -> Iterat
     called with a message and the fraction of all tasks done.
     """
     order = sorted(range(len(tasks)), key=lambda index: -tasks[index].work if jobs > 1 else index)
-    for place, result in run_all(Job(refine_task, _name), [tasks[index] for index in order], jobs, progress):
+    for place, result in run_all(Job(refine_task, attrgetter("id")), [tasks[index] for index in order], jobs, progress):
         index = order[place]
         if isinstance(result, Lost):
             yield index, Refined(tasks[index], None, None, result.reason, 0.0)

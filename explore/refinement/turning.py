@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from operator import attrgetter
 from typing import Any
 
 import mpmath
@@ -43,12 +44,8 @@ def refine_turns(tasks: Sequence[OrbitTask], jobs: int, progress: Progress) -> I
 
     The provenance of a task has a `stability_parameter`, the value at the extremum in float64.
     """
-    for index, result in run_all(Job(_refined_or_not, _name), tasks, jobs, progress):
+    for index, result in run_all(Job(_refined_or_not, attrgetter("id")), tasks, jobs, progress):
         yield RefinedTurn(tasks[index], (), result.reason) if isinstance(result, Lost) else result
-
-
-def _name(task: OrbitTask) -> str:
-    return task.id
 
 
 def _refined_or_not(task: OrbitTask, progress: Progress) -> RefinedTurn:

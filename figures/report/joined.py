@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from statistics import median
 
-from flint import arb
-
 from orbitproof.figures.certified.rows import BOUNDS, bounds_of
 from orbitproof.figures.report.document import Block, Code, Paragraph, Reference, Run, Runs, Table
+from orbitproof.figures.report.statements import shown_ball
 from orbitproof.figures.report.theorems import Checked
 from orbitproof.shared.systems import shown
 from orbitproof.verify.branches.catalogue import CertifiedRow
 from orbitproof.verify.certificate.kinds import CATALOGUE, WEB
-from orbitproof.verify.evidence import decimal_interval
 
-_SHORT = 12
 _SHOWN = 40
 """A catalogue of no more rows is told row by row."""
 
@@ -47,8 +44,8 @@ def _arcs(entry: Checked) -> Table:
     rows: list[tuple[Runs, ...]] = [
         (
             (arc.id,), (arc.kind,), (str(len(arc.meets)),),
-            () if arc.level is None else (_shown(arc.level),),
-            () if arc.period is None else (_shown(arc.period),),
+            () if arc.level is None else (shown_ball(arc.level),),
+            () if arc.period is None else (shown_ball(arc.period),),
         )
         for arc in entry.certificate.arcs
     ]  # fmt: skip
@@ -78,12 +75,8 @@ def _rows(entry: Checked) -> Iterator[Block]:
         orbit = row.orbit
         assert orbit is not None
         balls = (orbit.level, orbit.period, orbit.stability_index, orbit.least)
-        each.append(((str(row.number),), *(() if ball is None else (_shown(ball),) for ball in balls)))
+        each.append(((str(row.number),), *(() if ball is None else (shown_ball(ball),) for ball in balls)))
     if each:
         header = ("row", "first integral", "period", "stability index", "least distance")
         table = Table(header, tuple(each), f"The orbits, {shown(entry.name)}", (0.08, 0.22, 0.22, 0.22, 0.2))
         yield table.without_empty_columns()
-
-
-def _shown(ball: arb) -> str:
-    return decimal_interval(ball, _SHORT)

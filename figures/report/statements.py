@@ -154,7 +154,7 @@ def hypothesis_table(entry: Checked) -> Table:
         if not enclosures:
             rows.append((*lead, ("exact",) if entry.part == VERTEX else (), ()))
         for key, ball in enclosures.items():
-            rows.append((*lead, (f"{key}: {_shown(ball)}",), _margin(entry, name, key, ball)))
+            rows.append((*lead, (f"{key}: {shown_ball(ball)}",), _margin(entry, name, key, ball)))
             lead = ((), ())
     kind = kind_of(entry)
     return Table(
@@ -172,7 +172,8 @@ def _margin(entry: Checked, hypothesis: str, name: str, ball: arb) -> Runs:
     return (margin,) if margin else ()
 
 
-def _shown(ball: arb) -> str:
+def shown_ball(ball: arb) -> str:
+    """A ball as an interval of decimals, in few digits."""
     return decimal_interval(ball, _SHORT)
 
 
@@ -187,7 +188,7 @@ def piece_table(entry: Checked) -> Table:
             piece, tube = str(result["piece"]), tubes.get(result["piece"])
             parts: Runs = (str(len(result["parts"])),) if "parts" in result else ()
             margin: Runs = () if tube is None else (_tube_margin(result["deviation"], tube),)
-            times = (_shown(ball_from_json(result["time"])),)
+            times = (shown_ball(ball_from_json(result["time"])),)
             rows.append(((piece,), (_interval(result["interval"]),), parts, times, margin))
     times_of = f"{of_branches(atlas).time}s"
     if atlas.is_of_symmetric_orbits and times_are_of_quarters(atlas.system):

@@ -11,6 +11,7 @@ from typing import Any
 import mpmath
 import pytest
 from support.claims import PUBLISHED_POINTS
+from support.exact_elements import number
 from support.independent_flow import CONSTANTS, EARTH_MOON, LINEAR, crossings, extrapolated_crossings
 
 from orbitproof.explore.numerics import working_context
@@ -58,10 +59,6 @@ def test_return_from_the_section_tangency_is_refused() -> None:
         refine(CR3BP, EARTH_MOON, "period_tupling", 2, (0.84, 0.16, 0.0))
 
 
-def decimal(value: Fraction) -> Any:
-    return mpmath.mpf(value.numerator) / value.denominator
-
-
 @pytest.mark.parametrize("k", [2, 3, 4])
 def test_falkner_skan_point_agrees_with_the_paper(k: int) -> None:
     beta, y = falkner_skan_point(k).centre
@@ -94,7 +91,7 @@ def test_falkner_skan_point_solves_the_equations_where_the_printed_one_does_not(
             ends = [extrapolated_crossings(FALKNER_SKAN, [beta], start, times, 60)[0] for start in starts]
             return (ends[0] - ends[1]) / (2 * h)
 
-        ours = slope(*(decimal(x) for x in falkner_skan_point(3).centre))
+        ours = slope(*(number(x) for x in falkner_skan_point(3).centre))
         printed = slope(*(mpmath.mpf(x) for x in PUBLISHED_POINTS[3]))
     assert abs(ours) < 1e-18
     assert abs(printed) > 5e-16
@@ -154,11 +151,11 @@ def test_frame_annihilates_what_the_reduction_divides_out(row: int) -> None:
     """Along all k half returns, not through the reversibility that the refinement uses."""
     point, k = halo_point(row), L1_ROWS[row][0]
     with mpmath.workprec(200):
-        directions = [[decimal(point.frame[i][j]) for i in range(3)] + [0, 0] for j in range(3)]
+        directions = [[number(point.frame[i][j]) for i in range(3)] + [0, 0] for j in range(3)]
     images, _ = crossings(CR3BP, point.centre, k, 190, LINEAR, directions)
     kernel = [jet.coefficients[1:] for jet in images[-1][3:]]
     rows = [
-        [sum(decimal(f) * kernel[b][j] for b, f in enumerate(frame)) for j in range(3)] for frame in point.kernel_frame
+        [sum(number(f) * kernel[b][j] for b, f in enumerate(frame)) for j in range(3)] for frame in point.kernel_frame
     ]
     size = max(abs(float(x)) for r in rows for x in r)
     for i, j in ((0, 0), (0, 1), (0, 2), (1, 0), (1, 1)):

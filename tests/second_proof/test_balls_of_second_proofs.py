@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from flint import acb, arb, arb_mat, arb_poly
 from polynomial_returns import BEND, BITS, bifurcation, claimed, jets, legs, returning, synthetic, torus
-from support.balls import agree
+from support.balls import agree, first_of
 from support.inclusion import Refused, broken_inclusions
 from support.normal_form_maps import known_bifurcation, known_torus
 from support.other_coordinates import mixing
@@ -225,10 +225,6 @@ def test_a_family_stays_in_the_box_over_all_of_its_parameter(k: int) -> None:
         assert isinstance(found, Refused) is not stays, slope
 
 
-def _first_of(function: Any, second: Any, first: Any) -> Any:
-    return function(first, second)
-
-
 def rows_of(attempt: Any) -> tuple[list[Row], list[arb], int]:
     """Jets of E on the box of the zero, as coefficients, and the zero."""
     newton, zero, _, rows = attempt.enclosed()
@@ -257,7 +253,7 @@ def test_coefficients_of_bifurcations(kind: str, legs_of: int) -> None:
         )  # fmt: skip
 
     assert not broken_inclusions(lambda vector: found(rows, vector), (vector,), chance)
-    of_rows = partial(_first_of, found, vector)
+    of_rows = partial(first_of, found, vector)
     by_parameter = (attempt.varied,)
     assert not broken_inclusions(of_rows, (rows,), chance, 2, where=lambda path: path[-1] == by_parameter)
     for degree in (1, 2) if kind == "periodic-fold" else (1, 2, 3):
@@ -279,7 +275,7 @@ def test_coefficients_of_tori() -> None:
         )  # fmt: skip
 
     assert not broken_inclusions(lambda zero: found(rows, zero), (zero,), chance)
-    of_rows = partial(_first_of, found, zero)
+    of_rows = partial(first_of, found, zero)
     by_parameter = (attempt.varied,)
     assert not broken_inclusions(of_rows, (rows,), chance, 2, where=lambda path: path[-1] == by_parameter)
     for degree in (1, 2, 3):

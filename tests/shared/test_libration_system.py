@@ -15,6 +15,7 @@ import pytest
 from flint import arb, ctx
 from support.claims import known
 from support.conclusions import conclude
+from support.exact_elements import number
 from support.stored import entry_of
 
 from orbitproof.explore.__main__ import main
@@ -58,10 +59,6 @@ EARTH_MOON = MASS_PARAMETERS["earth-moon"]
 DIGITS = 60
 FAST = PieceLimits(56, 24, 24)
 WHOLE = (Fraction(-1), Fraction(1))
-
-
-def number(value: Fraction) -> Any:
-    return mpmath.mpf(value.numerator) / value.denominator
 
 
 def root(point: str, mu: Any) -> Any:

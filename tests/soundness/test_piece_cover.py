@@ -16,6 +16,7 @@ from typing import Any
 import mpmath
 import pytest
 from flint import arb, ctx
+from support.piece_cases import proved_interval
 from support.wide_checks import OMEGA, TWIST, piece, value_and_error
 
 from orbitproof.shared.claims import Piece
@@ -24,7 +25,7 @@ from orbitproof.verify.algebra import Arithmetic, Series
 from orbitproof.verify.curve import PieceLimits, PieceResult, ProvedInterval, parts_of_interval, prove_piece
 from orbitproof.verify.curve import piece as branch_piece
 from orbitproof.verify.curve.equation import halves
-from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotProved, Proved, Reason
+from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotProved, Reason
 from orbitproof.verify.oracle import ORACLE
 
 END = Fraction(16, 17)
@@ -79,12 +80,6 @@ def prove(
     returning(monkeypatch, lambda proof: equations(proof.arithmetic))
     system, parameters = (TWIST, {"omega": OMEGA}) if len(given.tube) == 1 else (CR3BP, {"mu": MU})
     return prove_piece(system, parameters, given, interval, ORACLE, LIMITS, None, "S")
-
-
-def proved_interval(result: PieceResult[ProvedInterval]) -> ProvedInterval:
-    """What is known of a piece that is proved."""
-    assert isinstance(result.outcome, Proved)
-    return result.outcome.results
 
 
 def reason_of(result: PieceResult[ProvedInterval]) -> Reason:

@@ -16,6 +16,8 @@ from scipy.optimize import brentq
 
 from orbitproof.shared.formats import REVERSOR_BREAKING, Candidate, candidate_from_json
 from orbitproof.shared.systems import Defined, FixedLevel, ParameterRange, ReversibleSystem
+from orbitproof.verify.certificate import Certificate
+from orbitproof.verify.reversor_breaking import BreakingResults
 
 DATA = Path(__file__).parents[1] / "data"
 A = Fraction(9, 10)
@@ -163,3 +165,10 @@ def level_beside(y: float, angle: bool = False) -> float:
 
     h = float(level_of(odd=True))
     return float(brentq(miss, 0.5 * h, 2.0 * h, xtol=1e-15))
+
+
+def results_of(certificate: Certificate) -> BreakingResults:
+    """What a certificate proves."""
+    assert certificate.proved, certificate.reason
+    assert isinstance(certificate.results, BreakingResults)
+    return certificate.results

@@ -14,8 +14,9 @@ from flint import arb
 from orbitproof import shared
 from orbitproof.shared.formats import PeriodicAtlas, PeriodicCurveClaim, Piece
 from orbitproof.verify.curve import PROVED, Computation, IntervalResult, PieceResult, ProvedInterval
+from orbitproof.verify.evidence import NotProved
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.periodic_curve import PeriodicLimits, prove_periodic_piece
+from orbitproof.verify.periodic_curve import PeriodicLimits, conclude_periodic, prove_periodic_piece
 from orbitproof.verify.periodic_curve.returns import FramingWideOracle
 
 LIMITS = PeriodicLimits(96, 40, 24, 2)
@@ -237,3 +238,10 @@ def shifted(atlas: PeriodicAtlas, by: Q, number: int = 0, row: int = 0) -> Perio
     rows[row][0] += by
     pieces[number] = replace(pieces[number], polynomial=tuple(map(tuple, rows)))
     return replace(atlas, pieces=tuple(pieces))
+
+
+def refused(atlas: PeriodicAtlas, results: Sequence[IntervalResult]) -> str:
+    """The condition and the message for which a curve is not proved."""
+    outcome = conclude_periodic(atlas, results).outcome
+    assert isinstance(outcome, NotProved)
+    return f"{outcome.reason.condition}: {outcome.reason.message}"

@@ -9,12 +9,13 @@ from typing import Any
 
 import mpmath
 from flint import arb
+from support.exact_elements import number
 
 from orbitproof.shared.formats import COORDINATE, STABLE_ORBIT, Candidate, Equation
 from orbitproof.shared.systems import ParameterRange, ReversibleSystem
-from orbitproof.verify.evidence import bounds
+from orbitproof.verify.evidence import bounds, exact_value
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.orbit import OrbitEnclosures, enclose_orbit
+from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults, enclose_orbit
 from orbitproof.verify.poincare import IntegratorSettings
 
 BITS = 160
@@ -35,10 +36,6 @@ SPRINGS = ReversibleSystem(
 """x'' = -x - x^3 from x = a is at -a after the time T(a); y = y_0 cos(t w^(1/2))."""
 
 Y = Fraction(1, 2)
-
-
-def number(value: Fraction) -> Any:
-    return mpmath.mpf(value.numerator) / value.denominator
 
 
 def exactly(value: Any) -> Fraction:
@@ -88,7 +85,7 @@ def springs(name: str) -> tuple[Candidate, OrbitEnclosures]:
     return candidate, enclose_orbit(candidate, IntegratorSettings(128), ORACLE)
 
 
-def contains(ball: arb, value: Any, accuracy: float) -> bool:
+def contains(ball: arb, value: Any, accuracy: float = 1e-18) -> bool:
     """Whether a ball contains a number that is known up to `accuracy`."""
     low, high = bounds(ball)
     return bool(number(low) - accuracy <= value <= number(high) + accuracy)
@@ -108,3 +105,13 @@ def spring() -> Candidate:
         frame=((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1))),
         equation=Equation(COORDINATE, Fraction(3, 2), "x"),
     )
+
+
+def middle(ball: arb) -> Any:
+    return number(exact_value(ball.mid()))
+
+
+def start_of(orbit: OrbitResults) -> list[Fraction]:
+    """The state from which an orbit of the three-body problem starts, in the middle of what is known."""
+    x, z, vy = (exact_value(ball.mid()) for ball in orbit.point.values())
+    return [x, Fraction(0), z, Fraction(0), vy, Fraction(0)]

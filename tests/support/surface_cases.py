@@ -8,15 +8,12 @@ from typing import Any
 
 import mpmath
 from flint import arb
+from support.exact_elements import number
 
 from orbitproof.shared.claims import SurfacePiece, evaluate
 
 WHOLE = (Fraction(-1), Fraction(1))
 ONE = Fraction(1)
-
-
-def number(value: Fraction) -> Any:
-    return mpmath.mpf(value.numerator) / value.denominator
 
 
 def point_of(piece: SurfacePiece, s: Fraction, p: Sequence[Fraction]) -> list[Any]:

@@ -9,20 +9,16 @@ from typing import Any
 
 import pytest
 from support import atlas_work
+from support.atlas_runs import write
 from support.claims import TOUCH_AND_GO
 
-from orbitproof.shared.claims import Atlas, Piece
-from orbitproof.shared.formats import candidate_from_json, read_atlas, write_atlas
+from orbitproof.shared.claims import Piece
+from orbitproof.shared.formats import candidate_from_json, read_atlas
 from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import certify, read_certificate, write_certificates
 from orbitproof.verify.run.branch_command import main
 
 SOURCE = Path(__file__).parents[1] / "data" / "atlas-falkner-skan.json"
-
-
-def written(path: Path, atlas: Atlas) -> str:
-    write_atlas(path, atlas)
-    return str(path)
 
 
 def lifted(piece: Piece, height: Fraction) -> Piece:
@@ -69,7 +65,7 @@ def test_a_polynomial_that_was_changed_is_found(tmp_path: Path, capsys: Any) -> 
     first, second = atlas.curve_pieces()
     changed = replace(atlas, pieces=(first, lifted(second, 2 * second.tube[0])))
     target = tmp_path / "curve.json"
-    assert main([written(tmp_path / "atlas.json", changed), "-o", str(target), "--max-splits", "0"]) == 1
+    assert main([write(tmp_path / "atlas.json", changed), "-o", str(target), "--max-splits", "0"]) == 1
     output, errors = capsys.readouterr()
     assert "NOT PROVED" in output
     assert f"{second.id}: not proved" in errors
@@ -83,7 +79,7 @@ def test_a_forged_certificate_is_found_by_integrating(tmp_path: Path, capsys: An
     wide = [replace(piece, tube=(10 * piece.tube[0],)) for piece in atlas.curve_pieces()]
     forged = replace(atlas, pieces=tuple(lifted(piece, 5 * piece.tube[0]) for piece in wide))
     target = str(tmp_path / "curve.json")
-    assert main([written(tmp_path / "atlas.json", forged), "-o", target, "--quiet"], atlas_work.proving) == 0
+    assert main([write(tmp_path / "atlas.json", forged), "-o", target, "--quiet"], atlas_work.proving) == 0
     assert main(["--recheck", target]) == 0
     capsys.readouterr()
     assert main(["--recheck", "--integrate", target]) == 1

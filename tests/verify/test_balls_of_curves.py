@@ -12,6 +12,7 @@ import pytest
 from flint import arb, ctx
 from support.balls import agree
 from support.inclusion import broken_inclusions
+from support.random_segments import ball, number
 from support.thresholds import unsound_balls
 from support.within import within
 
@@ -43,14 +44,6 @@ MU = {"mu": Fraction(1, 80)}
 LITTLE = Fraction(1, 2**20)
 
 precision = within(lambda: ctx.workprec(BITS))
-
-
-def ball(chance: random.Random, low: float = -1.0, high: float = 1.0) -> arb:
-    return arb(chance.uniform(low, high))
-
-
-def number(chance: random.Random) -> Fraction:
-    return Fraction(chance.randint(-64, 64), 64)
 
 
 def random_birth(chance: random.Random) -> BirthTube:

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from flint import acb, arb
 from support import torus_cases
-from support.balls import agree
+from support.balls import agree, first_of
 from support.inclusion import Path, Refused, broken_inclusions, checked
 from support.known_bifurcations import BITS, CASES, case, over_box
 from support.normal_form_maps import known_torus
@@ -246,7 +246,7 @@ def test_coefficients_depend_on_each_derivative_by_itself(kind: str, setting: st
         return given.opening, given.pairing / given.speed
 
     for degree in (1, 2, 3) if kind == "periodic-doubling" else (1, 2):
-        of_centres = partial(_first_of, found, place.kernel)
+        of_centres = partial(first_of, found, place.kernel)
         assert not broken_inclusions(
             # Which equation the first integral replaces is chosen by the middles of its slopes.
             of_centres,
@@ -257,10 +257,6 @@ def test_coefficients_depend_on_each_derivative_by_itself(kind: str, setting: st
             lambda path, d=degree: path[1] == "image" and of_degree(d)(path[1:]),
         ), degree
     assert not broken_inclusions(lambda kernel: found(centres, kernel), (list(place.kernel),), chance)
-
-
-def _first_of(function: Any, second: Any, first: Any) -> Any:
-    return function(first, second)
 
 
 def test_the_parts_of_the_equations_depend_on_the_balls_that_they_are_found_from() -> None:

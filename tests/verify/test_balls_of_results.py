@@ -14,6 +14,7 @@ from support import krein_cases
 from support.balls import agree
 from support.closed_form_maps import claim, description
 from support.inclusion import broken_inclusions, checked
+from support.random_segments import ball
 from support.within import within
 
 from orbitproof.shared.systems import CR3BP
@@ -38,10 +39,6 @@ from orbitproof.verify.twist import Rotation, proved_stable_orbit
 BITS = 160
 
 precision = within(lambda: guarded(BITS))
-
-
-def ball(chance: random.Random, low: float = -1.0, high: float = 1.0) -> arb:
-    return arb(chance.uniform(low, high))
 
 
 def jet_of(chance: random.Random, variables: int, first: int = 1, terms: int = 20) -> Jet:

@@ -16,6 +16,7 @@ from support.closed_form_maps import claim, description
 from support.closed_form_maps import table as table_of
 from support.inclusion import broken_inclusions
 from support.polynomial_tables import table
+from support.random_segments import ball
 from support.within import within
 
 from orbitproof.verify.bifurcation.conditions import Problem
@@ -37,10 +38,6 @@ BITS = 160
 SMALL = Fraction(1, 2**16)
 
 precision = within(lambda: guarded(BITS))
-
-
-def ball(chance: random.Random, low: float = -1.0, high: float = 1.0) -> arb:
-    return arb(chance.uniform(low, high))
 
 
 def constant(size: int, value: arb) -> Jet:

@@ -177,10 +177,6 @@ def graph_of(polynomials: Sequence[Any], sides: Sequence[arb], independent: int)
     return ImplicitGraph(tuple(BoxFunction(table(each, sides)) for each in polynomials), tuple(sides), independent)
 
 
-def _first_of(function: Any, second: Any, first: Any) -> Any:
-    return function(first, second)
-
-
 @pytest.mark.parametrize(("independent", "size"), [(1, 1), (2, 1), (1, 2), (2, 2)])
 def test_graphs_of_zeros(independent: int, size: int) -> None:
     """By the independent variables, each coefficient of the equations, and the place where jets are asked for."""

@@ -11,6 +11,7 @@ from typing import Any
 import mpmath
 import pytest
 from flint import ctx
+from support.exact_elements import number
 from support.flow_checks import (
     Model,
     contains,
@@ -66,11 +67,6 @@ RETURNS = 3
 def _precision() -> Iterator[None]:
     with mpmath.workdps(DIGITS), ctx.workprec(400):
         yield
-
-
-def number(value: Fraction) -> mpmath.mpf:
-    """A fraction as an mpmath number."""
-    return mpmath.mpf(value.numerator) / value.denominator
 
 
 def exact(value: mpmath.mpf) -> Fraction:

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx, fmpq, fmpq_poly
+from support.flow_checks import ball
 
 from orbitproof.shared.formats import read_atlas
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
@@ -22,10 +23,6 @@ from orbitproof.verify.surface.libration_piece import BOX, _Newton
 
 ONE = Fraction(1)
 WHOLE = (-ONE, ONE)
-
-
-def exact(value: Fraction) -> arb:
-    return arb(fmpq(value.numerator, value.denominator))
 
 
 def value_of(terms: Sequence[tuple[Fraction, int, int, int]], s: Fraction, x: Fraction, w: Fraction) -> Fraction:
@@ -66,7 +63,7 @@ def test_an_image_holds_the_newton_steps_of_every_function_that_is_enclosed(grad
             image = newton.image(sigma, across)  # type: ignore[arg-type]
             assert image is not None
             for s, x, w in product(sigma, across, (-BOX, Fraction(0), BOX)):
-                assert image.contains(exact(-value_of(terms, s, x, Fraction(0)) / slope_of(terms, s, x, w)))
+                assert image.contains(ball(-value_of(terms, s, x, Fraction(0)) / slope_of(terms, s, x, w)))
 
 
 def peaked(height: Fraction, s: Fraction, x: Fraction, slope: Sequence[Fraction] = (ONE,)) -> Series:
@@ -88,8 +85,8 @@ PLACES = [(s, x * BOX) for s, x in product((-ONE, -ONE / 3, ONE / 5, ONE), repea
 def test_what_leaves_the_tube_at_one_point_of_the_piece_is_refused(place: tuple[Fraction, Fraction]) -> None:
     with ctx.workprec(100):
         inside = [*_Newton(peaked(BOX * Fraction(7, 8), *place)).images()]
-        assert all(abs(image) < exact(BOX) for image in inside)
-        assert hull(*inside).contains(exact(-BOX * Fraction(7, 8)))
+        assert all(abs(image) < ball(BOX) for image in inside)
+        assert hull(*inside).contains(ball(-BOX * Fraction(7, 8)))
         with pytest.raises(NotEstablishedError, match="leaves the tube"):
             [*_Newton(peaked(BOX * Fraction(65, 64), *place)).images()]
 

@@ -12,10 +12,11 @@ from flint import arb
 from scipy.optimize import fsolve
 from support import breaking_cases as cases
 from support.balls import agree
+from support.breaking_cases import results_of
 
 from orbitproof.verify.certificate import Certificate, certify
 from orbitproof.verify.evidence import enclose, guarded
-from orbitproof.verify.reversor_breaking import BreakingResults, BreakingTheorem
+from orbitproof.verify.reversor_breaking import BreakingTheorem
 from orbitproof.verify.words.breaking import breaking_in_words
 
 BITS = 192
@@ -24,12 +25,6 @@ BITS = 192
 @pytest.fixture(scope="module")
 def modes() -> Certificate:
     return certify(cases.modes())
-
-
-def results_of(certificate: Certificate) -> BreakingResults:
-    assert certificate.proved, certificate.reason
-    assert isinstance(certificate.results, BreakingResults)
-    return certificate.results
 
 
 def test_what_is_found_is_that_of_the_point_and_not_of_the_centre() -> None:

@@ -13,6 +13,7 @@ import mpmath
 import pytest
 from support.balls import agree
 from support.reference import Orbits, three_body
+from support.springs import contains, middle, number, start_of
 from support.within import within
 
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Candidate, Equation, read_candidates
@@ -42,25 +43,6 @@ def orbit(certificate: Certificate) -> OrbitResults:
     assert certificate.proved, certificate.reason
     assert certificate.orbit is not None
     return certificate.orbit
-
-
-def contains(ball: Any, value: Any, accuracy: float = 1e-18) -> bool:
-    """Whether a ball contains a number that is known up to `accuracy`."""
-    low, high = bounds(ball)
-    return bool(number(low) - accuracy <= value <= number(high) + accuracy)
-
-
-def number(value: Fraction) -> Any:
-    return mpmath.mpf(value.numerator) / value.denominator
-
-
-def middle(ball: Any) -> Any:
-    return number(exact_value(ball.mid()))
-
-
-def start_of(orbit: OrbitResults) -> list[Fraction]:
-    x, z, vy = (exact_value(ball.mid()) for ball in orbit.point.values())
-    return [x, Fraction(0), z, Fraction(0), vy, Fraction(0)]
 
 
 @pytest.fixture(scope="module")

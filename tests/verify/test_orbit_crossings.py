@@ -12,11 +12,12 @@ import mpmath
 import pytest
 from support.balls import agree
 from support.reference import Orbits, three_body
+from support.springs import contains, middle, number, start_of
 
 from orbitproof.shared.formats import HALF_PERIOD, Candidate, Equation, read_candidates
 from orbitproof.verify.attempt import Limits
 from orbitproof.verify.certificate import Certificate, certify
-from orbitproof.verify.evidence import bounds, exact_value
+from orbitproof.verify.evidence import exact_value
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.orbit import OrbitResults, enclose_orbit
 from orbitproof.verify.poincare import PHYSICAL, REGULARISED, IntegratorSettings
@@ -25,19 +26,6 @@ from orbitproof.verify.poincare import PHYSICAL, REGULARISED, IntegratorSettings
 LIMITS = Limits(digits=12, max_precision=256)
 BITS = 160
 FLOW = Orbits(three_body, 1)
-
-
-def number(value: Fraction) -> Any:
-    return mpmath.mpf(value.numerator) / value.denominator
-
-
-def middle(ball: Any) -> Any:
-    return number(exact_value(ball.mid()))
-
-
-def contains(ball: Any, value: Any, accuracy: float) -> bool:
-    low, high = bounds(ball)
-    return bool(number(low) - accuracy <= value <= number(high) + accuracy)
 
 
 @pytest.fixture(scope="module")
@@ -61,11 +49,6 @@ def state(orbit: OrbitResults) -> Callable[[float], list[Any]]:
             return list(map(number, end(start_of(orbit), Fraction(share) * exact_value(orbit.half_period.mid()))))
 
     return at
-
-
-def start_of(orbit: OrbitResults) -> list[Fraction]:
-    x, z, vy = (exact_value(ball.mid()) for ball in orbit.point.values())
-    return [x, Fraction(0), z, Fraction(0), vy, Fraction(0)]
 
 
 def end(start: list[Fraction], time: Fraction) -> tuple[Fraction, ...]:

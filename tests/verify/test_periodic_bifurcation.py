@@ -12,6 +12,7 @@ import pytest
 from flint import acb, arb, ctx
 from support import periodic_bifurcation_cases as cases
 from support.balls import agree
+from support.known_bifurcations import diagonal
 
 from orbitproof.shared.formats import PeriodicBifurcation, define_system
 from orbitproof.verify.claim import inverse, is_respected
@@ -314,20 +315,16 @@ def test_a_parameter_on_which_nothing_depends_is_refused() -> None:
     assert _refused(cases.folding(parameter="c")) == "bifurcation"
 
 
-def _diagonal(*entries: int) -> tuple[tuple[Fraction, ...], ...]:
-    return tuple(tuple(Fraction(entry * (i == j)) for j in range(len(entries))) for i, entry in enumerate(entries))
-
-
 @pytest.mark.parametrize(
     ("changes", "condition"),
     [
         ({"direction": -1}, "direction"),
         ({"offset": ONE}, "section"),
         ({"normal": (ZERO,) * 4}, "section"),
-        ({"symmetry": _diagonal(1, 1, -1, 2)}, "symmetry"),
-        ({"symmetry": (*_diagonal(1, 1, -1, -1)[:2], (ONE, ZERO, -ONE, ZERO), cases.unit(4, 3))}, "symmetry"),
-        ({"symmetry": _diagonal(1, -1, -1, -1)}, "symmetry"),
-        ({"symmetry": _diagonal(-1, -1, -1, -1)}, "symmetry"),
+        ({"symmetry": diagonal(1, 1, -1, 2)}, "symmetry"),
+        ({"symmetry": (*diagonal(1, 1, -1, -1)[:2], (ONE, ZERO, -ONE, ZERO), cases.unit(4, 3))}, "symmetry"),
+        ({"symmetry": diagonal(1, -1, -1, -1)}, "symmetry"),
+        ({"symmetry": diagonal(-1, -1, -1, -1)}, "symmetry"),
         ({"radii": (Fraction(3), ONE, ONE)}, "direction"),
     ],
 )
@@ -394,10 +391,10 @@ def test_a_field_respects_a_matrix_or_does_not() -> None:
 def test_a_function_that_is_defined_elsewhere_is_not_respected() -> None:
     """1/x and -1/x: a divisor has to be one of the field itself."""
     odd = define_system({"name": "odd", "state": "x y", "field": {"x": "1/x", "y": "0*x"}})
-    assert not is_respected(odd.program, _diagonal(-1, 1))
+    assert not is_respected(odd.program, diagonal(-1, 1))
     apart = define_system({"name": "apart", "state": "x y", "field": {"x": "x", "y": "y*(1 + x)/(1 + x)"}})
-    assert not is_respected(apart.program, _diagonal(-1, 1))
-    assert is_respected(apart.program, _diagonal(1, -1))
+    assert not is_respected(apart.program, diagonal(-1, 1))
+    assert is_respected(apart.program, diagonal(1, -1))
 
 
 def test_an_earlier_return_that_may_be_the_point_proves_nothing() -> None:

@@ -19,6 +19,7 @@ from support.periodic_curves import (
     levels_atlas,
     on_level_atlas,
     proved,
+    refused,
     shifted,
     turning_atlas,
     turning_piece,
@@ -27,7 +28,6 @@ from support.periodic_curves import (
 
 from orbitproof.shared.claims import evaluate
 from orbitproof.shared.formats import Covers, PeriodicAtlas
-from orbitproof.verify.curve import IntervalResult
 from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.maps import framed_orbits
 from orbitproof.verify.oracle.approximations import Approximations
@@ -39,13 +39,6 @@ def condition(atlas: PeriodicAtlas, number: int = 0) -> str:
     outcome = attempt(atlas, number).outcome
     assert isinstance(outcome, NotProved)
     return outcome.reason.condition
-
-
-def refused(atlas: PeriodicAtlas, results: tuple[IntervalResult, ...]) -> str:
-    """The condition and the message for which a curve is not proved."""
-    outcome = conclude_periodic(atlas, results).outcome
-    assert isinstance(outcome, NotProved)
-    return f"{outcome.reason.condition}: {outcome.reason.message}"
 
 
 @pytest.mark.parametrize("name", ATLASES)

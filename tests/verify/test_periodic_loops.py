@@ -15,6 +15,7 @@ from support.periodic_curves import (
     levels_atlas,
     on_level_atlas,
     proved,
+    refused,
     turning_atlas,
 )
 
@@ -31,13 +32,6 @@ def said(atlas: PeriodicAtlas, results: Sequence[IntervalResult]) -> str:
     found = conclude_periodic(atlas, results)
     assert found.is_proved, found.outcome
     return str(told(found)["statement"])
-
-
-def why(atlas: PeriodicAtlas, results: Sequence[IntervalResult]) -> str:
-    """Why a curve is not proved."""
-    outcome = conclude_periodic(atlas, results).outcome
-    assert isinstance(outcome, NotProved)
-    return f"{outcome.reason.condition}: {outcome.reason.message}"
 
 
 def test_what_is_said_of_parts_of_the_closed_curve_is_found_by_integration() -> None:
@@ -130,7 +124,7 @@ def test_pieces_in_another_order_are_no_closed_curve(name: str) -> None:
     atlas, results = closed_atlas()
     pieces = tuple(ORDERS[name](list(atlas.pieces)))
     kept = [result for result in results if result.piece in {piece.id for piece in pieces}]
-    assert why(replace(atlas, pieces=pieces), kept).startswith(("curve", "pieces"))
+    assert refused(replace(atlas, pieces=pieces), kept).startswith(("curve", "pieces"))
 
 
 def test_pieces_of_another_curve_do_not_close_it() -> None:
@@ -139,7 +133,7 @@ def test_pieces_of_another_curve_do_not_close_it() -> None:
     pieces = list(atlas.curve_pieces())
     a, x = pieces[6].centre
     pieces[6] = replace(pieces[6], centre=(a + Fraction(1, 10**4), x))
-    assert "beside its tube" in why(replace(atlas, pieces=tuple(pieces)), results)
+    assert "beside its tube" in refused(replace(atlas, pieces=tuple(pieces)), results)
 
 
 @pytest.mark.parametrize(
@@ -152,7 +146,7 @@ def test_the_parameter_lies_inside_its_range(lower: str | None, upper: str | Non
     narrow = replace(atlas, system=system)
     assert conclude_periodic(narrow, proved("turning")).is_proved == holds
     if not holds:
-        assert why(narrow, proved("turning")).startswith("pieces")
+        assert refused(narrow, proved("turning")).startswith("pieces")
         found = attempt(narrow, 1).outcome
         assert isinstance(found, NotProved)
         assert found.reason.condition == "piece"
@@ -163,7 +157,7 @@ def test_a_normal_over_coordinates_that_are_functions_of_others_is_refused() -> 
     field = {"x": "v", "v": "-a*sin(x)"}
     system = define_system({"name": "pendulum", "state": "x v", "parameters": "a", "field": field})
     claim = replace(atlas.claim, normal=tuple(Fraction(int(name == "v")) for name in system.state))
-    found = why(replace(atlas, system=system, claim=claim), proved("turning"))
+    found = refused(replace(atlas, system=system, claim=claim), proved("turning"))
     assert found.startswith("section: ")
     assert "no normal" in found
 

@@ -12,6 +12,7 @@ import pytest
 from flint import acb, arb, ctx
 from support import torus_cases as cases
 from support.balls import agree
+from support.known_bifurcations import over_box
 from support.normal_form_maps import KnownTorus, known_torus, seen_from
 
 from orbitproof.shared.errors import InputError
@@ -27,10 +28,8 @@ from orbitproof.verify.evidence import (
     Proved,
     enclose,
     guarded,
-    index_factorial,
     indices_up_to,
     symmetric,
-    total,
 )
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic_bifurcation import (
@@ -389,22 +388,10 @@ def _tables(known: KnownTorus, claim: PeriodicBifurcation, size: int) -> Bifurca
 
     def table(values: dict[tuple[int, ...], Fraction]) -> DerivativeTable:
         centre = {index: enclose(values.get(index, Fraction(0))) for index in indices}
-        return DerivativeTable({index: _over(centre, index, sides) for index in indices}, centre)
+        return DerivativeTable({index: over_box(centre, index, sides) for index in indices}, centre)
 
     time = table({(0,) * (size + 1): Fraction(1)})
     return BifurcationEnclosures((), tuple(map(table, known.derivatives)), time, None, 1, BITS, 1)
-
-
-def _over(centre: dict[tuple[int, ...], arb], index: tuple[int, ...], sides: list[arb]) -> arb:
-    """The derivative of a polynomial of degree 3 on a box."""
-    terms = []
-    for shift in indices_up_to(len(index), 3 - sum(index)):
-        term = centre[tuple(map(sum, zip(index, shift, strict=True)))] / index_factorial(shift)
-        for side, power in zip(sides, shift, strict=True):
-            for _ in range(power):
-                term = term * side
-        terms.append(term)
-    return total(terms)
 
 
 def _claim_of_map(known: KnownTorus) -> PeriodicBifurcation:

@@ -16,6 +16,7 @@ import pytest
 from flint import arb
 from support import breaking_cases as cases
 from support.balls import agree
+from support.breaking_cases import results_of
 
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import Candidate
@@ -61,12 +62,6 @@ def modes() -> Certificate:
 @pytest.fixture(scope="module")
 def halo() -> Certificate:
     return certify(cases.halo())
-
-
-def results_of(certificate: Certificate) -> BreakingResults:
-    assert certificate.proved, certificate.reason
-    assert isinstance(certificate.results, BreakingResults)
-    return certificate.results
 
 
 def exactly(ball: arb) -> Fraction:

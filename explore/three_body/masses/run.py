@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import log
+from operator import attrgetter
 from pathlib import Path
 
 from orbitproof.explore.engines import Job, Lost, Progress, Reporter, run_all
@@ -179,7 +180,7 @@ def _refine(request: MassCurveRequest, curves: dict[str, CurveRecord], report: R
     if not tasks:
         return complete
     report.stage(f"{counted(len(tasks), 'point')} to {request.digits} digits")
-    for index, result in run_all(Job(_work, _title), tasks, request.jobs, report.update):
+    for index, result in run_all(Job(_work, attrgetter("title")), tasks, request.jobs, report.update):
         task = tasks[index]
         if isinstance(result, (Lost, PrecisionFailure)):
             report.error(f"{task.title}: not found: {result.reason if isinstance(result, Lost) else result}")
@@ -214,10 +215,6 @@ def _extremum_tasks(request: MassCurveRequest, curve: CurveRecord, report: Repor
         settings = Settings(*request.extremum_settings)
         tasks.append(_Task(curve.libration, Fraction(near.mu), near.scaled, request.digits, settings, True))
     return tasks
-
-
-def _title(task: _Task) -> str:
-    return task.title
 
 
 def _work(task: _Task, progress: Progress) -> PrecisePoint | PrecisionFailure:
