@@ -543,6 +543,20 @@ def test_all_results_hold_what_is_so_at_a_point_beside_the_centre_of_a_wide_box(
     wide = replace(place, q=[acb(arb(1, 0.5)), *place.q[1:]], known=straight)
     lyapunov = proved_hopf._check_lyapunov(Checklist(), wide, [acb(1), acb(0), acb(0)])
     assert all(lyapunov.contains(enclose(-1 / (1 + Q(n, 4) ** 2))) for n in (2, 4, 6))
+    # 2 i omega - A is known as well as omega and A are.
+    second = [{places: arb(places == {0: (1, 2), 2: (0, 0)}.get(i)) for places in pairs(3)} for i in range(3)]
+
+    def coefficient(eigenvalue: arb, omega: arb) -> arb:
+        straight = [[arb(0), -omega, arb(0)], [omega, arb(0), arb(0)], [arb(0), arb(0), eigenvalue]]
+        bent = proved_hopf.Derivatives(straight, known.rate, second, [acb(-2), acb(0), acb(0)])
+        pair = proved_hopf._ImaginaryPair(omega, place.q, bent)
+        return proved_hopf._check_lyapunov(Checklist(), pair, [acb(1), acb(0), acb(0)])
+
+    for wide, values in (
+        (coefficient(arb(-3, 1), arb(1)), [coefficient(arb(-n), arb(1)) for n in (2, 3, 4)]),
+        (coefficient(arb(-3), arb(1, 0.25)), [coefficient(arb(-3), arb(n) / 4) for n in (3, 4, 5)]),
+    ):
+        assert all(wide.contains(value) for value in values)
     # Each interval is told with its own half-width.
     said = " ".join(hopf_in_full(claim, "", found))
     for words in ("a lies in [1.9991, 2.0012]", "omega lies in [0.9980, 1.0022]", "kernel_radius = 0.004 of"):
