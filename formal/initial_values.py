@@ -80,7 +80,7 @@ def _field(program: Program, given: Sequence[Poly], bits: int, length: int) -> l
     return [values[i] for i in program.outputs]
 
 
-def _taylor(
+def taylor(
     program: Program, form: Format, start: Sequence[int], constants: Sequence[int], step: Fraction
 ) -> list[Poly]:
     """About the solution over one step, as polynomials in theta that begin at `start`."""
@@ -101,7 +101,7 @@ def _steps(
     steps = []
     for _ in range(count):
         begin = [x.known[0][0] if x.known[0] else 0 for x in state]
-        solution = [[p] for p in _taylor(program, form, begin, first, time / count)]
+        solution = [[p] for p in taylor(program, form, begin, first, time / count)]
         steps.append(check_step(program, form, state, parameters, time / count, solution, []))
         state = steps[-1].at_end()
     return steps, state

@@ -1,18 +1,18 @@
 #!/bin/sh
 # Has the kernel of Coq check the theorems of this folder, and files of initial value problems: sh check.sh [FILE.v ...]
-# It needs coq, libcoq-bignums and libcoq-coquelicot
+# It needs coq, libcoq-bignums and libcoq-coquelicot; FalknerSkan.v, and files that name it, libcoq-interval besides.
 # Exit codes: 0 all are checked, 1 one is not, 2 Coq is missing.
 
 here=$(cd "$(dirname "$0")" && pwd) || exit 2
 if ! command -v coqc >/dev/null 2>&1; then
-  echo "coqc is missing; on Debian and Ubuntu: apt install coq libcoq-bignums libcoq-coquelicot" >&2; exit 2
+  echo "coqc is missing; on Debian and Ubuntu: apt install coq libcoq-bignums libcoq-coquelicot libcoq-interval" >&2; exit 2
 fi
 for name in Polynomials Elements Formats Programs Steps Crossings Sound; do
   echo "theory/$name.v" >&2
   (cd "$here/../theory" && coqc -q -w none -R . Orbitproof "$name.v") || { echo "theory/$name.v: NOT CHECKED"; exit 1; }
 done
-more="Dependence Boxes Curves Variations Returns"
-[ $# -eq 0 ] || more=""
+more="Dependence Boxes Curves Variations Returns FalknerSkan"
+[ $# -eq 0 ] || grep -q FalknerSkan "$@" || more=""
 for name in Comparison Existence Flow Exponential Norms Values Fields Bounds CheckedSteps CheckedFlow InitialValues $more; do
   echo "solutions/$name.v" >&2
   (cd "$here" && coqc -q -w none -R ../theory Orbitproof -R . Solutions "$name.v") || { echo "solutions/$name.v: NOT CHECKED"; exit 1; }
@@ -33,14 +33,19 @@ for file in "$@"; do
   # Alone in a new folder, and what it proves, and on what, is printed by a file of our own.
   work=$(mktemp -d) || exit 2
   cp "$file" "$work/Problem.v" || { echo "$file: NOT CHECKED: there is no such file"; exit 1; }
-  cat >"$work/Statement.v" <<'END'
+  said="Check Problem.solution."
+  if grep -q FalknerSkan "$file"; then
+    said="From Solutions Require FalknerSkan. Check (Problem.solution : FalknerSkan.period_doubling)."
+    for word in period_doubling once twice half_orbit J Y b_centre e_centre; do said="$said Print FalknerSkan.$word."; done
+  fi
+  cat >"$work/Statement.v" <<END
 From Coq Require Import Reals.
 From Coquelicot Require Import Coquelicot.
 Require Problem.
 Set Printing Width 120.
 Set Printing Depth 1000.
 Open Scope R_scope.
-Check Problem.solution.
+$said
 Print Assumptions Problem.solution.
 END
   for name in Problem Statement; do
