@@ -128,7 +128,7 @@ def setting(
     symmetry = None if symmetry is None else names.get(symmetry, symmetry)
     system = system_in_words(system)
     left = [f"{name}'" for name in system.state]
-    taken = () if system.name in BRANCH_SYSTEMS else _TAKEN
+    taken: tuple[str, ...] = () if system.name in BRANCH_SYSTEMS else _TAKEN
     field = equations(system.program, left, taken)
     taken = (*taken, *_left_sides(field)) if taken else ()
     lines = [f"The {system.title}:", *(f"  {line}" for line in field)]
