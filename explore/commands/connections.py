@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from typing import Any
 
 from orbitproof.explore.commands import common
-from orbitproof.explore.commands.periodic_claims import kept_claims
+from orbitproof.explore.commands.periodic_claims import ClaimStore, kept_claims
 from orbitproof.explore.names import exact_number, exact_parameters, system_named, values_by_name
-from orbitproof.shared.formats import InputError, check_writable, write_candidates
+from orbitproof.shared.claims import HomoclinicOrbit
+from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.help_text import add_command
-from orbitproof.shared.wording import counted
+from orbitproof.shared.interrupts import INTERRUPTED
 
 _EXAMPLES = """\
 examples:
@@ -20,7 +22,7 @@ examples:
   orbitproof verify claims.json -o certificates.json
 
 The system has four coordinates, two of which R fixes, and a first integral A + b w^2 in its level coordinate w.
-Exit codes: 0 found, 1 nothing is found or not all is refined, 2 bad input.
+Exit codes: 0 found, 1 nothing is found or not all is refined, 2 bad input, 130 interrupted: the claims so far are kept.
 """
 
 _NEAR = 1e-6
@@ -75,6 +77,7 @@ def run(options: argparse.Namespace) -> int:
         homoclinic_claim,
         homoclinic_orbits,
         hyperbolic_orbit,
+        is_claimed,
     )
     from orbitproof.explore.engines import Reporter
 
@@ -100,20 +103,22 @@ def run(options: argparse.Namespace) -> int:
         print(f"{'a':>16}  crossings to Fix(R)")
         for each in found:
             print(f"{float(each.distance):16.8e}  {each.crossings}")
-        code, claims, near = 0 if found else 1, [], options.near or _NEAR / abs(float(orbit.multiplier))
+        code, near = 0 if found else 1, options.near or _NEAR / abs(float(orbit.multiplier))
         if not found:
             report.error("no orbit comes to Fix(R) at these crossings; ask for later ones (--arrivals)")
         if options.output is None:
             return code
+        store, claimed = ClaimStore(options.output, kept, report), {each.id: each for each in kept}
         base = options.id or f"{system.name}-homoclinic"
-        for number, each in enumerate(found, start=1):
-            report.stage(f"refining {number} of {len(found)}")
-            label = base if len(found) == 1 else f"{base}-{number}"
-            try:
-                claims.append(homoclinic_claim(each, label, near, options.digits))
-            except ConnectionFailure as failure:
-                report.error(f"{label}: {failure}")
-                code = 1
-        write_candidates(options.output, [*kept, *claims])
-        report.message(f"{counted(len(claims), 'claim')} written to {options.output}")
-    return code
+        try:
+            for number, each in enumerate(found, start=1):
+                label = base if len(found) == 1 else f"{base}-{number}"
+                old = claimed.get(label)
+                if not (isinstance(old, HomoclinicOrbit) and is_claimed(each, old)):
+                    store.add(label, partial(homoclinic_claim, each, label, near, options.digits))
+        except KeyboardInterrupt:
+            report.error("interrupted; the same command with --append goes on from the claims in the file")
+            return INTERRUPTED
+        finally:
+            store.close()
+    return code if store.complete else 1

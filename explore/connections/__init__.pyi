@@ -1,4 +1,5 @@
 from .claims import homoclinic_claim as homoclinic_claim
+from .claims import is_claimed as is_claimed
 from .homoclinic import ConnectionFailure as ConnectionFailure
 from .homoclinic import Homoclinic as Homoclinic
 from .homoclinic import Hyperbolic as Hyperbolic

@@ -14,6 +14,8 @@ _BOX = Fraction(3, 2)
 _INTERVAL = 2.0**-24
 """Half-width of the interval of a, as a part of a."""
 _BITS = 64
+_SAME = 0.01
+"""Orbits whose a differ by a smaller part of it are one, as their periodic orbits then."""
 _WIDER = 4
 """The cone is so many times as wide as the samples ask for."""
 
@@ -47,6 +49,18 @@ def homoclinic_claim(found: Homoclinic, name: str, near: float, digits: int) -> 
         radii=(radius, _short(Fraction(_INTERVAL) * abs(a))),
         provenance={"digits": digits},
     )
+
+
+def is_claimed(found: Homoclinic, claim: HomoclinicOrbit) -> bool:
+    """Whether a claim is about this orbit, from some point of the unstable manifold, as far as its rounded a tells."""
+    orbit, setting = found.orbit, found.orbit.setting
+    given = setting.system.name, setting.parameters, setting.level, setting.sign, 2 * orbit.half
+    if given != (claim.system.name, claim.parameters, claim.level, claim.level_sign, claim.crossings):
+        return False
+    returns, rest = divmod(claim.arrival - found.crossings, 2 * orbit.half)
+    a = float(claim.centre[1]) * float(orbit.multiplier) ** returns
+    same = float(claim.centre[0] - orbit.p), float(found.distance) - a
+    return rest == 0 and max(map(abs, same)) < _SAME * abs(a)
 
 
 def _short(value: Fraction) -> Fraction:

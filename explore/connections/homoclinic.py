@@ -19,7 +19,14 @@ import numpy as np
 
 from orbitproof.explore.connections.swarm import Array, crossings_of
 from orbitproof.explore.numerics import fraction, mpf, working_context
-from orbitproof.explore.refinement import IntegrationFailure, Jet, JetBasis, operations, section_crossings
+from orbitproof.explore.refinement import (
+    IntegrationFailure,
+    Jet,
+    JetBasis,
+    RefinementFailure,
+    operations,
+    section_crossings,
+)
 from orbitproof.shared.systems import ReversibleSystem
 
 _FIRST = 1e-7
@@ -34,7 +41,7 @@ _CLOSEST = 1e-4
 """Where q changes its sign and is not so small, it jumps."""
 
 
-class ConnectionFailure(Exception):
+class ConnectionFailure(RefinementFailure):
     """There is no such orbit, or it is not found; the message is one line that says why."""
 
 

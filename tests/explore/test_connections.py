@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from fractions import Fraction as Q
 from pathlib import Path
 
 import pytest
 from support import homoclinic_cases as cases
 
+from orbitproof.explore import connections
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.connections import (
     ConnectionFailure,
@@ -19,7 +21,9 @@ from orbitproof.explore.connections import (
     homoclinic_orbits,
     hyperbolic_orbit,
 )
+from orbitproof.shared.claims import HomoclinicOrbit
 from orbitproof.shared.formats import define_system, read_claims
+from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.certificate import Limits, certify
 
@@ -50,6 +54,40 @@ def test_what_is_not_there_is_told_in_a_line(orbit: Hyperbolic) -> None:
     setting = orbit.setting
     with pytest.raises(ConnectionFailure, match="no point of the level"):
         hyperbolic_orbit(OnLevel(setting.system, setting.parameters, Q(-10), 1), Q(1), 1, 20)
+
+
+def test_a_stopped_command_keeps_its_claims_and_goes_on_with_the_others(
+    orbit: Hyperbolic, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    a = cases.wells().centre[1]
+    refined: list[str] = []
+    # The first from one return later than its claim.
+    found = [Homoclinic(orbit, a * orbit.multiplier, 4), Homoclinic(orbit, -a, 6)]
+
+    def claim(each: Homoclinic, name: str, *_: object) -> HomoclinicOrbit:
+        refined.append(name)
+        if refined == ["two-1", "two-2"]:
+            raise KeyboardInterrupt
+        claimed = -a if each is found[1] else a
+        return replace(cases.wells(), id=name, centre=(Q(1), claimed), system=orbit.setting.system)
+
+    monkeypatch.setattr(connections, "hyperbolic_orbit", lambda *_: orbit)
+    monkeypatch.setattr(connections, "homoclinic_orbits", lambda *_: found)
+    monkeypatch.setattr(connections, "homoclinic_claim", claim)
+    system, claims = tmp_path / "wells.json", tmp_path / "claims.json"
+    system.write_text(json.dumps({"format": "orbitproof-system", "version": 1, **DESCRIBED}))
+    words = f"connections --system {system} --parameter w=4 e=1/4 --level 1/2 --start x=1.01 --side 1 --id two --quiet"
+    command = [*words.split(), "--append", "-o", str(claims)]
+    assert main(command) == INTERRUPTED
+    assert "interrupted; the same command with --append goes on" in capsys.readouterr().err
+    assert [each.id for each in read_claims(claims)] == ["two-1"]
+    assert main(command) == 0
+    assert [each.id for each in read_claims(claims)] == ["two-1", "two-2"]
+    assert refined == ["two-1", "two-2", "two-2"]
+    # Another orbit in place of one that is claimed is no reason to leave it out.
+    found.reverse()
+    assert main(command) == 2
+    assert "two-1: is in" in capsys.readouterr().err
 
 
 @pytest.mark.slow
