@@ -110,8 +110,10 @@ def test_the_script_takes_no_other_files_and_no_other_assumptions(tmp_path: Path
     stand_in = tmp_path / "bin" / "coqc"
     shutil.copy(THEORY.parent / "check.sh", tmp_path)
 
-    def answer(*names: str, row: str, heading: str = "Axioms:") -> tuple[int, bool]:
-        lines = "\n".join(["statement", "     : checked", heading, *names])
+    def answer(
+        *names: str, row: str, heading: str = "Axioms:", end: tuple[str, ...] = ("     = tt", "     : unit")
+    ) -> tuple[int, bool]:
+        lines = "\n".join(["statement", "     : checked", heading, *names, *end])
         stand_in.write_text(
             f"#!/bin/sh\ncase \"$*\" in *Statement.v) cat <<'END'\n{lines}\nEND\nesac\n", encoding="utf-8"
         )
@@ -138,6 +140,7 @@ def test_the_script_takes_no_other_files_and_no_other_assumptions(tmp_path: Path
         "bad is assumed to be guarded.",
     ):
         assert answer(*good, name, row=row) == (1, False)
+    assert answer(*good, row=row, end=()) == (1, False)
     assert answer(row=row, heading="Closed under the global context") == (1, False)
     for number, other in enumerate(("PrimInt63.v", "Step01.v", "Step1x.v", "other.cmxs", ".hidden.v")):
         assert answer(*good, row=row_of(f"other{number}", other)) == (1, False), other
@@ -146,8 +149,27 @@ def test_the_script_takes_no_other_files_and_no_other_assumptions(tmp_path: Path
     (tmp_path / foldered / "Orbitproof").mkdir()
     (tmp_path / row_of("moved") / "Step1.v").unlink()
     (tmp_path / "moved" / "Step1.v").symlink_to(tmp_path / "row" / "Step1.v")
-    for name in (linked, foldered, "moved"):
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "link").symlink_to(tmp_path / "row")
+    for name in (linked, foldered, "moved", "link"):
         assert answer(*good, row=name) == (1, False), name
+
+    # Nothing is removed of a folder that is none of ours.
+    (tmp_path / row_of("notes", "notes.txt") / "day.log").write_text("Monday")
+    assert answer(*good, row="notes") == (1, False)
+    assert (tmp_path / "notes" / "day.log").exists()
+    for name in ("Row.vo", "Rows.v/Rows.vo", "sub/Rows.vo", "Formal.v"):
+        path = tmp_path / "theory" / name
+        path.parent.mkdir(exist_ok=True)
+        path.touch()
+        assert answer(*good, row=row) == (1, False), name
+        path.unlink()
+        if path.parent.name != "theory":
+            path.parent.rmdir()
+    assert answer(*good, row=row) == (0, True)
+    (tmp_path / "theory").rmdir()
+    (tmp_path / "theory").symlink_to(tmp_path / "elsewhere")
+    assert answer(*good, row=row) == (1, False)
 
 
 @needs_coq

@@ -26,7 +26,7 @@ DATA = Path(__file__).parents[1] / "data"
 FILE = DATA / "figures-certificates.json"
 COMMAND = ["orbitproof", "verify", "--recheck", "--formal", str(FILE)]
 ROW, OTHER = "falkner-skan-odd-k2-1", "earth-moon-L1-halo-k1-1"
-ANSWER = "cat <<'END'\nAxioms:\nPrimInt63.add\nPrimInt63.int : Set\nEND"
+ANSWER = "cat <<'END'\nAxioms:\nPrimInt63.add\nPrimInt63.int : Set\n     = tt\n     : unit\nEND"
 Coq = Callable[[str, str], None]
 
 
