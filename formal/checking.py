@@ -6,28 +6,32 @@ code decides.
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import json
+import math
 import os
 import shutil
 import signal
 import subprocess
-from collections.abc import Callable, Generator, Iterable, Sequence
-from contextlib import closing, suppress
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, TemporaryFile
 from time import monotonic
 from typing import Any
 
 from orbitproof.formal.arithmetic import NotShownError
-from orbitproof.formal.files import THEORY, name_of, sources_of, write_row
+from orbitproof.formal.files import THEORY, digest_of, name_of, sources_of, write_row
 from orbitproof.formal.rows import Progress, export
 from orbitproof.shared.formats import InputError
+from orbitproof.shared.output import write_text
 from orbitproof.shared.processes import Failure
+from orbitproof.shared.sources import source_digests
 from orbitproof.verify.certificate import Certificate, Recheck
 from orbitproof.verify.certificate.levels import Meaning
-from orbitproof.verify.evidence import IntegrationFailure, one_line
+from orbitproof.verify.evidence import IntegrationFailure, one_line, software
 from orbitproof.verify.run import GIBIBYTE, INTEGRATION_SECONDS, CheckLimits, Display, Workplace, apart
 from orbitproof.verify.scripting import recheck as recheck_before
 
@@ -36,11 +40,13 @@ LEVEL = "4 kernel"
 MEANING = Meaning(
     "all arithmetic of the proof: steps, crossings, every inequality of the conclusion, the parameter at the point",
     "orbits followed once more and written down for Coq, whose kernel computes; assumed are primitive integers only",
-    "that kernel; the definitions of formal/theory; the lemmas on paper; statement.txt says what the certificate does",
+    "that kernel; the definitions of formal/theory; the lemmas on paper; that statement.txt says what the certificate "
+    "does, which nothing compares: read it",
 )
 """What the level looks at, and what remains, beside `levels.MEANINGS`."""
 
 _RECORD = "checked.json"
+_MOST_STEPS = 10**6
 _POLL_SECONDS = 0.2
 _LONGEST_WORDS = 500
 WATCHED = 'exec 3<&0; (cat <&3 >/dev/null; kill -KILL 0) & exec sh "$0" "$@" </dev/null 3<&-'
@@ -110,18 +116,22 @@ def checks(
 ) -> Generator[KernelCheck, None, None]:
     """What `recheck` returns, one by one; to be closed, whatever ends it."""
     own_folders(given)
-    if folder is None:
-        with TemporaryDirectory(prefix="orbitproof-formal-") as temporary:
-            yield from checks(given, Path(temporary), integrate, workplace, fresh)
-        return
+    with ExitStack() as stack:
+        place = folder or Path(stack.enter_context(TemporaryDirectory(prefix="orbitproof-formal-")))
+        yield from _checks(given, place, folder is not None, integrate, workplace, fresh)
+
+
+def _checks(
+    given: Sequence[Certificate], folder: Path, kept: bool, integrate: bool, workplace: Workplace, fresh: bool
+) -> Generator[KernelCheck, None, None]:
     before = recheck_before(
         given, integrate=integrate, jobs=workplace.jobs, timeout=workplace.timeout,
         memory=workplace.memory / GIBIBYTE, quiet=workplace.quiet,
     )  # fmt: skip
     try:
-        run = _Run(folder, workplace, fresh)
-        display = Display({entry.id: entry.computation.seconds + 0.1 for entry in given}, workplace.quiet)
-        with display.shown():
+        display = Display({entry.id: _work(entry) for entry in given}, workplace.quiet)
+        with _alone(folder), display.shown():
+            run = _Run(folder, kept, workplace, fresh)
             for entry, check in zip(given, before, strict=True):
                 result = run.check(entry, check, display)
                 display.finish(entry.id, "checked" if result.checked else f"NOT CHECKED: {result.words}")
@@ -132,19 +142,39 @@ def checks(
 
 def own_folders(certificates: Sequence[Certificate]) -> None:
     """Raises `InputError` if the files of two certificates would lie in one folder."""
-    folders: dict[str, str] = {}
+    folders = {"theory": "the theory"}
     for entry in certificates:
         if (other := folders.setdefault(name_of(entry.id), entry.id)) != entry.id:
             raise InputError(f"{entry.id}: it would have the folder of {other}; write one of them elsewhere (--only)")
 
 
-def written(certificate: Certificate, folder: Path, progress: Progress = lambda n, what: None) -> tuple[bool, str]:
-    """Write the files of a row: whether they are written, and how many steps and crossings, or why not."""
+def _work(certificate: Certificate) -> float:
+    """How long Coq takes grows with the steps; a file may say anything of them."""
+    steps = 0 if "format" in certificate.document else certificate.computation.steps
+    return 1.0 + min(steps, _MOST_STEPS)
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """No other run is at work in the folder meanwhile. Raises `OSError`; `InputError` if there is one."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / ".lock").open("a") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise InputError(f"{folder}: another run is at work there; wait for it, or give another folder") from None
+        yield
+
+
+def written(certificate: Certificate, folder: Path, progress: Progress = lambda n, what: None) -> tuple[bool, str, str]:
+    """Write the files of a row: whether they are written; how many steps and crossings, or why not; their digest."""
     try:
-        row = write_row(export(certificate, progress), folder)
+        row, digest = write_row(export(certificate, progress), folder)
     except (InputError, NotShownError, IntegrationFailure) as error:
-        return False, str(error).removeprefix(f"{certificate.id}: ")
-    return True, size_of(row)
+        return False, str(error).removeprefix(f"{certificate.id}: "), ""
+    except OSError as error:
+        return False, f"the folder cannot be written: {error.strerror}", ""
+    return True, size_of(row), digest
 
 
 def size_of(row: Path) -> str:
@@ -155,16 +185,23 @@ def size_of(row: Path) -> str:
 
 
 def lay_out(folder: Path) -> None:
-    """Theories and script into the folder. Raises `OSError`."""
+    """Theories and script into the folder. Raises `OSError`; `InputError` if a link or a folder is in their place."""
     theory = folder / "theory"
     theory.mkdir(parents=True, exist_ok=True)
+    if theory.resolve() == THEORY.resolve():
+        raise InputError(f"{folder}: the theory itself lies there; give another folder")
+    for path in (theory, folder / "check.sh", *theory.iterdir()):
+        if path.is_symlink() or (path != theory and path.is_dir()):
+            raise InputError(f"{path} is a link or a folder; remove it, or give another folder")
     for path in sorted(THEORY.glob("*.v")):
         shutil.copy(path, theory)
     shutil.copy(THEORY.parent / "check.sh", folder)
 
 
-def _checked_words(certificate: Certificate, row: Path) -> str:
+def _checked_words(entry: Certificate, before: Recheck, row: Path) -> str:
     """What the kernel has computed for the hypotheses of a certificate, and what their sections leave on paper."""
+    # Words of another version are not printed, and sections are words.
+    certificate = entry if before.rendered is None else Certificate(before.rendered)
     names = ", ".join(h.name for h in certificate.hypotheses)
     numbers = sorted({tuple(map(int, h.section.split("."))) for h in certificate.hypotheses})
     sections = [".".join(map(str, number)) for number in numbers if number >= (6,)]
@@ -179,14 +216,18 @@ def _checked_words(certificate: Certificate, row: Path) -> str:
 class _Run:
     """Rows of one folder, one after the other."""
 
-    def __init__(self, folder: Path, workplace: Workplace, fresh: bool) -> None:
-        """Raises `OSError`; `InputError` if what was checked in the folder cannot be read."""
-        self._folder, self._jobs = folder, workplace.jobs
+    def __init__(self, folder: Path, kept: bool, workplace: Workplace, fresh: bool) -> None:
+        """`kept`: the folder will still be there. Raises `OSError`; `InputError` if its record cannot be read."""
+        self._folder, self._kept, self._jobs = folder.absolute(), kept, workplace.jobs
         self._limits = CheckLimits(workplace.timeout, workplace.memory, INTEGRATION_SECONDS)
         self._record = {} if fresh else _read(folder / _RECORD)
         self._missing = COQ_IS_MISSING if shutil.which("coqc") is None else ""
         self._theory_is_compiled = False
+        self._coq = ""
         if not self._missing:
+            version = subprocess.run(["coqc", "--version"], capture_output=True, check=False).stdout
+            words = version.decode(errors="replace").strip().split("\n")[0]
+            self._coq = f"{shutil.which('coqc')}: {words}"
             lay_out(folder)
 
     def check(self, entry: Certificate, before: Recheck, display: Display) -> KernelCheck:
@@ -198,13 +239,15 @@ class _Run:
     def _check(self, entry: Certificate, before: Recheck, display: Display) -> KernelCheck:
         row = self._folder / name_of(entry.id)
         kept = self._record.get(entry.id)
-        if kept is not None and kept["of"] == self._digest(entry, row):
-            return KernelCheck(before, True, _checked_words(entry, row), float(kept["seconds"]), True)
+        now = {"of": self._digest(entry, _digest_of_files(row)), "stated": _stated(row)}
+        if kept is not None and now.items() <= kept.items():
+            words = f"{self._words(entry, before, row)}; {self._folder / _RECORD} says so, `fresh` checks it again"
+            return KernelCheck(before, True, words, float(kept["seconds"]), True)
         display.advance(entry.id, 0.0, "following its orbits")
         answer = apart(written, entry.id, (entry, self._folder), self._limits)
         if isinstance(answer, Failure):
             return KernelCheck(before, False, f"its files are not written: {answer.message}")
-        is_written, words = answer
+        is_written, words, digest = answer
         if not is_written:
             return KernelCheck(before, False, f"its files are not written: {words}")
         if not self._theory_is_compiled:
@@ -213,7 +256,7 @@ class _Run:
             if code != 0:
                 return KernelCheck(before, False, said)
             self._theory_is_compiled = True
-        of = self._digest(entry, row)
+        of = self._digest(entry, digest)
         files = sum(1 for _ in sources_of(row))
 
         def progress() -> None:
@@ -224,17 +267,22 @@ class _Run:
         code, said, seconds = self._script(["-k", "-j", str(self._jobs), row.name], progress)
         if code != 0:
             return KernelCheck(before, False, said, seconds)
-        if of != self._digest(entry, row):
+        if of != self._digest(entry, _digest_of_files(row)):
             return KernelCheck(before, False, "its files were changed meanwhile", seconds)
-        self._record[entry.id] = {"of": of, "seconds": round(seconds, 1)}
-        (self._folder / _RECORD).write_text(json.dumps(self._record, indent=1), encoding="utf-8")
-        return KernelCheck(before, True, _checked_words(entry, row), seconds)
+        self._record[entry.id] = {"of": of, "stated": _stated(row), "seconds": round(seconds, 1)}
+        write_text(self._folder / _RECORD, json.dumps(self._record, indent=1))
+        return KernelCheck(before, True, self._words(entry, before, row), seconds)
+
+    def _words(self, entry: Certificate, before: Recheck, row: Path) -> str:
+        """What was checked, by what, and where the reader sees of what."""
+        words = f"{_checked_words(entry, before, row)}; by {self._coq}"
+        read = f"read {row / 'statement.txt'}" if self._kept else "give a `folder` to read it"
+        return f"{words}; nothing compares what Coq states with the certificate: {read}"
 
     def _script(self, words: Sequence[str], progress: Callable[[], None] | None) -> tuple[int, str, float]:
         """Run `check.sh`: its exit code, the end of what it said, and processor time."""
         start, before = monotonic(), _processor_seconds()
-        said = self._folder / "said.txt"
-        with said.open("w+", encoding="utf-8") as into:
+        with TemporaryFile("w+", encoding="utf-8", errors="replace") as into:
             run = subprocess.Popen(
                 ["sh", "-c", WATCHED, str(self._folder / "check.sh"), *words],
                 stdin=subprocess.PIPE, stdout=into, stderr=subprocess.STDOUT, start_new_session=True,
@@ -261,12 +309,12 @@ class _Run:
         words = words[:_LONGEST_WORDS] if sign else words[-_LONGEST_WORDS:]
         return code, words or f"it ended with {code}", _processor_seconds() - before
 
-    def _digest(self, entry: Certificate, row: Path) -> str:
-        """Of all that a check rests on: the certificate, the version of Coq, the theories, the script, the files."""
-        version = subprocess.run(["coqc", "--version"], capture_output=True, check=False).stdout
-        found = hashlib.sha256(json.dumps([entry.to_json(), version.decode(errors="replace")]).encode())
+    def _digest(self, entry: Certificate, files: str) -> str:
+        """Of all that a check rests on: the certificate, Coq, what writes files, theories, the script, the files."""
+        exporter = source_digests([("formal", Path(__file__).parent)], ())
+        found = hashlib.sha256(json.dumps([entry.to_json(), self._coq, software(), *exporter, files]).encode())
         theory = sorted((self._folder / "theory").glob("*.v"))
-        for path in (self._folder / "check.sh", *theory, *sources_of(row)):
+        for path in (self._folder / "check.sh", *theory):
             found.update(f"{path.name} {hashlib.sha256(path.read_bytes()).hexdigest()}".encode())
         return found.hexdigest()
 
@@ -275,14 +323,27 @@ def _read(path: Path) -> dict[str, Any]:
     """What earlier runs have checked; nothing if it is not known. Raises `InputError` for another file."""
     if not path.exists():
         return {}
-    with suppress(ValueError):
+    with suppress(ValueError, RecursionError):
         found = json.loads(path.read_text("utf-8"))
         if isinstance(found, dict) and all(
-            isinstance(kept, dict) and isinstance(kept.get("seconds"), float) and "of" in kept
+            isinstance(kept, dict)
+            and isinstance(s := kept.get("seconds"), float)
+            and math.isfinite(s)
+            and {"of", "stated"} <= {*kept}
             for kept in found.values()
         ):
             return found
     raise InputError(f"{path}: it does not say what was checked; give another folder, or --fresh")
+
+
+def _stated(row: Path) -> str:
+    """The digest of what Coq has said is claimed; empty if that is not there."""
+    path = row / "statement.txt"
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
+
+
+def _digest_of_files(row: Path) -> str:
+    return digest_of((path.name, path.read_text("utf-8")) for path in sources_of(row))
 
 
 def _processor_seconds() -> float:

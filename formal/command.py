@@ -86,7 +86,7 @@ def _run(options: argparse.Namespace) -> int:
                 if not options.quiet:
                     print(f"{name}: {steps} {what}", file=sys.stderr)
 
-            done, words = written(entry, options.output, progress)
+            done, words, _ = written(entry, options.output, progress)
             line = (
                 f"{entry.id}: {options.output / name_of(entry.id)}, {words}"
                 if done
@@ -117,7 +117,7 @@ def _recheck(options: argparse.Namespace) -> int:
     before = {check.id: check.before for check in done}
     names = [entry.id for entry in selected]
     as_json = [
-        {**row, "kernel": check.checked, "words": check.words, "seconds": round(check.seconds, 1)}
+        {**row, "kernel": check.checked, "words": _as_said(check), "seconds": round(check.seconds, 1)}
         for row, check in zip(rechecks_as_json(names, before), done, strict=True)
     ]
     tell(f"{recheck_table(names, before)}\n\n{_table(done)}", as_json)
@@ -126,13 +126,17 @@ def _recheck(options: argparse.Namespace) -> int:
     return 0 if all(check.checked for check in done) else 1
 
 
+def _as_said(check: KernelCheck) -> str:
+    return as_options(check.words, timeout="--row-timeout", folder="-o FOLDER")
+
+
 def _table(checks: Sequence[KernelCheck]) -> str:
     """What the kernel of Coq has said of each; then what it has checked and what remains, row by row and in general."""
     rows = [("certificate", "kernel of Coq", "processor time")]
     for check in checks:
         word = ("checked before" if check.earlier else "checked") if check.checked else "NOT CHECKED"
         rows.append((shown(check.id), word, f"{check.seconds:.1f} s" if check.seconds else ""))
-    words = [f"{shown(check.id)}: {as_options(check.words, timeout='--row-timeout')}" for check in checks]
+    words = [f"{shown(check.id)}: {_as_said(check)}" for check in checks]
     legend = [("level", "what was checked", "how", "what remains to be believed")]
     legend.append((LEVEL, MEANING.checked, MEANING.how, MEANING.remains))
     tables = [fitted(rows), words, fitted(legend) if any(check.checked for check in checks) else []]

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
+from collections.abc import Iterable
 from pathlib import Path
 
 from orbitproof.formal import writing as w
 from orbitproof.formal.rows import LevelData, Row
+from orbitproof.shared.formats import InputError
 
 THEORY = Path(__file__).parent / "theory"
 OF_ORBITS = ("Polynomials", "Elements", "Formats", "Programs", "Steps", "Crossings", "Rows")
 OF_CONCLUSIONS = ("Intervals", "Jets", "Conclusions", "Theorems")
 _SOURCE = re.compile(r"(Row|Conclusion|(Step|Crossing)[1-9][0-9]*)\.v")
+_OF_A_ROW = re.compile(
+    r"\.?(Row|Conclusion|Statement|(Step|Crossing)[1-9][0-9]*)\.(v|vo|vok|vos|vio|glob|aux|log)|done|failed|statement\.txt"
+)
 
 _HEAD = """\
 From Coq Require Import List ZArith.
@@ -159,16 +165,30 @@ def sources_of(row: Path) -> list[Path]:
     return sorted(path for path in row.glob("*.v") if _SOURCE.fullmatch(path.name))
 
 
-def write_row(row: Row, folder: Path) -> Path:
-    """Write the files of a row into a folder of its own, which is returned."""
+def digest_of(sources: Iterable[tuple[str, str]]) -> str:
+    """Of names and texts of the files of a row."""
+    found = hashlib.sha256()
+    for name, text in sorted(sources):
+        found.update(f"{name} {hashlib.sha256(text.encode()).hexdigest()}\n".encode())
+    return found.hexdigest()
+
+
+def write_row(row: Row, folder: Path) -> tuple[Path, str]:
+    """Write the files of a row into a folder of its own; returns that, and the digest of what was written.
+
+    Raises `OSError`, and `InputError` if the folder is a link.
+    """
     own = folder / name_of(row.certificate.id)
+    if own.is_symlink():
+        raise InputError(f"{own} is a link; remove it, or give another folder")
     own.mkdir(parents=True, exist_ok=True)
-    for old in own.glob("*.v*"):
+    # Other files, which `check.sh` refuses, are not ours to remove.
+    for old in [path for path in own.iterdir() if _OF_A_ROW.fullmatch(path.name)]:
         old.unlink()
-    files = {"Row": _row(row)}
-    files |= {f"Step{n}": _step(row, n) for n in range(1, len(row.moves) + 1)}
-    files |= {f"Crossing{n}": _crossing(row, n) for n in range(1, len(row.arrivals) + 1)}
-    files["Conclusion"] = _theorem(row)
+    files = {"Row.v": _row(row)}
+    files |= {f"Step{n}.v": _step(row, n) for n in range(1, len(row.moves) + 1)}
+    files |= {f"Crossing{n}.v": _crossing(row, n) for n in range(1, len(row.arrivals) + 1)}
+    files["Conclusion.v"] = _theorem(row)
     for name, text in files.items():
-        (own / f"{name}.v").write_text(text, encoding="utf-8")
-    return own
+        (own / name).write_text(text, encoding="utf-8")
+    return own, digest_of(files.items())

@@ -113,6 +113,8 @@ class Row:
 
 def claim_of(certificate: Certificate) -> Candidate:
     """What the hypotheses of a certificate are about. Raises `InputError` where there is no formal check."""
+    if "format" in certificate.document:
+        raise InputError(f"{certificate.id}: the formal check is for bifurcations at which orbits branch off")
     candidate: BoxClaim = certificate.candidate
     if not certificate.proved:
         raise InputError(f"{certificate.id}: it is not proved; there is nothing to check")

@@ -11,6 +11,7 @@ import shutil
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from support.runs import is_running, wait_until
@@ -80,7 +81,7 @@ def rows_that_stand(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPa
         row.mkdir(exist_ok=True)
         for name in ("Row", "Step1", "Crossing1", "Conclusion"):
             (row / f"{name}.v").touch()
-        return True, ""
+        return True, "", checking._digest_of_files(row)
 
     monkeypatch.setattr(checking, "recheck_before", before)
     monkeypatch.setattr(checking, "apart", apart)
@@ -126,14 +127,20 @@ def test_what_is_checked_is_said_and_is_not_checked_again(
     )
     assert "4 kernel" in said
     assert "definitions of formal/theory" in said
+    assert (
+        f"by {tmp_path}/bin/coqc: 8.16; nothing compares what Coq states with the certificate: read {tmp_path}/out"
+        in said
+    )
 
     # The next one takes no file; what was checked before is not handed to it.
     coq("*.v", "exit 1")
     first, second = checking.recheck(certificates(ROW, OTHER), folder=tmp_path / "out", quiet=True)
     assert (first.checked, first.earlier, second.checked, second.earlier) == (True, True, True, True)
+    assert first.words.endswith("checked.json says so, `fresh` checks it again")
+    (tmp_path / "out" / files.name_of(OTHER) / "statement.txt").write_text("another claim")
     (tmp_path / "out" / files.name_of(ROW) / "Step1.v").write_text("(* changed *)")
     first, second = checking.recheck(certificates(ROW, OTHER), folder=tmp_path / "out", quiet=True)
-    assert (first.checked, second.checked) == (False, True)
+    assert (first.checked, second.checked) == (False, False)
     assert not checking.recheck(certificates(OTHER), folder=tmp_path / "out", quiet=True, fresh=True)[0].checked
 
 
@@ -204,6 +211,89 @@ def test_coq_ends_with_the_one_that_started_it(tmp_path: Path) -> None:
         run.stdin.close()
         assert run.wait(60) < 0
     wait_until(lambda: not is_running(number))
+
+
+def test_files_that_were_not_written_for_a_certificate_are_not_checked_for_it(
+    coq: Coq, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another process writes a row of the same id into the folder before Coq begins, or another Coq is there."""
+    coq("*Polynomials.v", f"echo >>{tmp_path}/out/{files.name_of(ROW)}/Row.v")
+    (check,) = checking.recheck(certificates(ROW), folder=tmp_path / "out", quiet=True)
+    assert (check.checked, check.words) == (False, "its files were changed meanwhile")
+
+    coq("nothing", "true")
+    assert checking.recheck(certificates(ROW), folder=tmp_path / "out", quiet=True)[0].checked
+    assert checking.recheck(certificates(ROW), folder=tmp_path / "out", quiet=True)[0].earlier
+    tool = tmp_path / "bin" / "coqc"
+    tool.write_text(tool.read_text().replace("8.16", "8.17"))
+    (check,) = checking.recheck(certificates(ROW), folder=tmp_path / "out", quiet=True)
+    assert (check.checked, check.earlier) == (True, False)
+    monkeypatch.setattr(checking, "software", lambda: {"program": "another"})
+    assert not checking.recheck(certificates(ROW), folder=tmp_path / "out", quiet=True)[0].earlier
+
+
+def test_a_folder_in_which_another_run_is_at_work_is_refused(coq: Coq, tmp_path: Path) -> None:
+    coq("nothing", "true")
+    with checking._alone(tmp_path / "out"), pytest.raises(verify.InputError, match="another run is at work there"):
+        checking.recheck(certificates(ROW), folder=tmp_path / "out", quiet=True)
+
+
+def test_links_and_other_files_in_the_folder_are_refused_and_kept(coq: Coq, tmp_path: Path) -> None:
+    coq("nothing", "true")
+    out = tmp_path / "out"
+    (tmp_path / "mine").mkdir()
+    for name in ("theory", "check.sh", "theory/Rows.v", "theory/sub"):
+        (out / name).parent.mkdir(parents=True, exist_ok=True)
+        (out / name).symlink_to(tmp_path / "mine")
+        with pytest.raises(verify.InputError, match="is a link or a folder"):
+            checking.recheck(certificates(ROW), folder=out, quiet=True)
+        (out / name).unlink()
+    with pytest.raises(verify.InputError, match="the theory itself lies there"):
+        checking.lay_out(files.THEORY.parent)
+    (out / "checked.json").write_text('{"a": {"of": "", "stated": "", "seconds": NaN}}')
+    with pytest.raises(verify.InputError, match="does not say what was checked"):
+        checking.recheck(certificates(ROW), folder=out, quiet=True)
+
+    # Of the folder of a row, only files of a row are removed.
+    row = SimpleNamespace(certificate=SimpleNamespace(id="mine"), moves=(), arrivals=())
+    kept, ours = ("notes.vue", "main.v", "day.log"), ("Step3.v", "Row.vo", ".Step1.aux", "statement.txt", "done")
+    for name in (*kept, *ours):
+        (tmp_path / "mine" / name).touch()
+    with pytest.MonkeyPatch.context() as short:
+        for name in ("_row", "_theorem"):
+            short.setattr(files, name, lambda _row: "")
+        _, digest = files.write_row(row, tmp_path)
+        assert digest == checking._digest_of_files(tmp_path / "mine")
+        assert {path.name for path in (tmp_path / "mine").iterdir()} == {*kept, "Row.v", "Conclusion.v"}
+        (out / "mine").symlink_to(tmp_path / "mine")
+        with pytest.raises(verify.InputError, match="is a link"):
+            files.write_row(row, out)
+    with pytest.raises(verify.InputError, match="it would have the folder of the theory"):
+        checking.own_folders([SimpleNamespace(id="theory")])
+
+
+def test_words_of_another_version_are_not_printed(coq: Coq, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The sections of hypotheses are words: the certificate that is derived has those of this version."""
+    coq("nothing", "true")
+    (entry,) = certificates(ROW)
+    foreign = entry.to_json()
+    for hypothesis in foreign["hypotheses"]:
+        hypothesis["section"] = "all of physics"
+    before = Recheck(ROW, "proved", 1, (), level=Level.CONCLUSION, rendered=entry.to_json())
+    monkeypatch.setattr(checking, "recheck_before", lambda _given, **_: [before])
+    (check,) = checking.recheck(verify.Certificate.from_json(foreign), folder=tmp_path / "out", quiet=True)
+    assert check.checked
+    assert "(sections 1.3 to 5.2, 6, 7.1," in check.words
+
+
+def test_the_time_that_is_left_goes_by_steps_whatever_a_file_says_of_them() -> None:
+    entry, other = (certificates(name)[0] for name in (ROW, OTHER))
+    assert checking._work(entry) / checking._work(other) == (1 + entry.computation.steps) / (
+        1 + other.computation.steps
+    )
+    endless = entry.to_json()
+    endless["computation"]["steps"] = 10**400
+    assert checking._work(verify.Certificate.from_json(endless)) < 1e7
 
 
 @pytest.mark.slow
