@@ -352,7 +352,7 @@ def test_a_result_of_a_curve_has_nothing_of_one_of_a_surface(curve: Document, su
 
 
 def test_a_claim_of_an_unknown_kind_is_refused_with_the_kinds_that_are_known(point: Certificate) -> None:
-    for kind in ("homoclinic", ["orbit"]):
+    for kind in ("kindless", ["orbit"]):
         with pytest.raises(InputError, match=r"statement\.candidate\.kind: .*\"touch_and_go\""):
             Certificate.from_json(
                 forged(point.to_json(), lambda d, kind=kind: d["statement"]["candidate"].update(kind=kind))
