@@ -44,8 +44,8 @@ def add_parser(commands: Any) -> None:
     words = "the branch of the unstable manifold on which that coordinate grows or falls (default: both)"
     parser.add_argument("--side", type=int, choices=(1, -1), help=words)
     words = (
-        "crossings after which an orbit is in Fix(R), counted from a distance of 1e-7 to 1e-7 times the multiplier "
-        "from the periodic orbit (default: up to 6)"
+        "crossings after which an orbit is in Fix(R), counted from a that are sampled, from 1e-7 or more, which is "
+        "printed, to that times the multiplier (default: the first at which there are orbits)"
     )
     parser.add_argument("--arrivals", type=common.crossings, nargs="+", metavar="K", help=words)
     words = (
@@ -93,19 +93,22 @@ def run(options: argparse.Namespace) -> int:
             return 1
         report.message(
             f"periodic orbit: {name} = {float(orbit.p):.15g}, period {orbit.period:.10g}, multiplier "
-            f"{float(orbit.multiplier):.10g}"
+            f"{float(orbit.multiplier):.10g}; sampled from a = {orbit.first:.3g}"
         )
-        arrivals = options.arrivals or range(1, 7)
         found = []
         for side in (1, -1) if options.side is None else (options.side,):
             report.stage("unstable manifold")
-            found += homoclinic_orbits(orbit, side, arrivals)
+            found += homoclinic_orbits(orbit, side, options.arrivals or ())
         print(f"{'a':>16}  crossings to Fix(R)")
         for each in found:
             print(f"{float(each.distance):16.8e}  {each.crossings}")
         code, near = 0 if found else 1, options.near or _NEAR / abs(float(orbit.multiplier))
         if not found:
-            report.error("no orbit comes to Fix(R) at these crossings; ask for later ones (--arrivals)")
+            report.error(
+                "no orbit comes to Fix(R) at these crossings; ask for later ones (--arrivals)"
+                if options.arrivals
+                else f"no orbit comes to Fix(R) within {orbit.crossings} crossings; ask for later ones (--arrivals)"
+            )
         if options.output is None:
             return code
         store, claimed = ClaimStore(options.output, kept, report), {each.id: each for each in kept}

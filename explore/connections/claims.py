@@ -5,14 +5,16 @@ from __future__ import annotations
 from fractions import Fraction
 from math import ceil, log2
 
-from orbitproof.explore.connections.homoclinic import Homoclinic, Hyperbolic, closer
+from orbitproof.explore.connections.homoclinic import Homoclinic, Hyperbolic, closer, slopes_at_arrival
 from orbitproof.shared.claims import HomoclinicOrbit
 from orbitproof.shared.numbers import round_dyadic
 
 _BOX = Fraction(3, 2)
 """The box reaches so many times as far as the homoclinic orbit begins."""
-_INTERVAL = 2.0**-24
-"""Half-width of the interval of a, as a part of a."""
+_INTERVAL = 2.0**-40
+"""Least half-width of the interval of a, as a part of a: errors grow with the interval."""
+_AROUND = 4
+"""It is so many times as wide as the end of the unstable manifold is known."""
 _BITS = 64
 _SAME = 0.01
 """Orbits whose a differ by a smaller part of it are one, as their periodic orbits then."""
@@ -31,6 +33,10 @@ def homoclinic_claim(found: Homoclinic, name: str, near: float, digits: int) -> 
     scale = ceil(-log2(abs(at.distance)))
     a = round_dyadic(at.distance, _BITS)
     radius = _short(_BOX * abs(a))
+    cone = _short(_WIDER * Fraction(_steepness(orbit, radius)))
+    # What (a, s) with |s| <= 2 cone |a| changes at the arrival, as a part of what a changes there.
+    along, across = slopes_at_arrival(at)
+    interval = max(_INTERVAL, _AROUND * 2 * float(cone) * abs(across / along))
     assert system.level_coordinate is not None
     return HomoclinicOrbit(
         id=name,
@@ -44,9 +50,9 @@ def homoclinic_claim(found: Homoclinic, name: str, near: float, digits: int) -> 
         crossings=2 * orbit.half,
         arrival=at.crossings,
         slope=round_dyadic(orbit.slope, _BITS),
-        cone=_short(_WIDER * Fraction(_steepness(orbit, radius))),
+        cone=cone,
         centre=(round_dyadic(orbit.p, 2 * scale + _BITS), a),
-        radii=(radius, _short(Fraction(_INTERVAL) * abs(a))),
+        radii=(radius, _short(Fraction(interval) * abs(a))),
         provenance={"digits": digits},
     )
 

@@ -31,7 +31,11 @@ from orbitproof.shared.systems import ReversibleSystem
 
 _FIRST = 1e-7
 """Samples of the unstable manifold begin so far from the periodic orbit, relative to its distance from 0."""
+_EARLY = 1e-4
+"""They reach at least so far: where the multiplier is small they begin farther away."""
 _SAMPLES = 64
+_FARTHER = 5
+"""Orbits of the unstable manifold are followed for so many times the crossings in a period after they have left."""
 _NEWTON_STEPS = 40
 _FEW_BITS = 64
 _LONGEST = 12
@@ -195,6 +199,17 @@ class Hyperbolic:
     slope: Fraction
     period: float
 
+    @property
+    def first(self) -> float:
+        """The distance at which the unstable manifold is sampled, up to so many times as far as the multiplier says."""
+        return max(_FIRST, _EARLY / abs(float(self.multiplier))) * max(1.0, abs(float(self.p)))
+
+    @property
+    def crossings(self) -> int:
+        """So many crossings from there orbits are followed: as many as they take to leave, and some more."""
+        returns = int(-log(self.first) / log(abs(float(self.multiplier))))
+        return 2 * self.half * (returns + _FARTHER)
+
 
 @dataclass(frozen=True)
 class Homoclinic:
@@ -241,19 +256,22 @@ def hyperbolic_orbit(setting: OnLevel, guess: Fraction, half: int, digits: int) 
     return Hyperbolic(setting, half, fraction(p), fraction(multiplier), fraction(slope), back.time)
 
 
-def homoclinic_orbits(orbit: Hyperbolic, side: int, arrivals: Collection[int]) -> list[Homoclinic]:
+def homoclinic_orbits(orbit: Hyperbolic, side: int, arrivals: Collection[int] = ()) -> list[Homoclinic]:
     """Orbits of one branch of the unstable manifold that come to Fix(R) at certain crossings.
 
     Arguments:
         side: 1 for the branch on which p grows, -1 for the other.
-        arrivals: numbers of these crossings, counted from the fundamental interval that is sampled.
+        arrivals: numbers of these crossings, counted from the fundamental interval that is sampled; by default the
+            first at which there are such orbits.
     """
     length = log(abs(float(orbit.multiplier))) * (1 if orbit.multiplier > 0 else 2)
-    first = side * _FIRST * max(1.0, abs(float(orbit.p)))
+    first = side * orbit.first
     distances = first * np.exp(length * np.linspace(0, 1, _SAMPLES + 1))
     found = []
-    heights = _heights(orbit, distances, max(arrivals))
-    for number in sorted(arrivals):
+    heights = _heights(orbit, distances, max(arrivals, default=orbit.crossings))
+    for number in sorted(arrivals) or range(1, len(heights) + 1):
+        if found and not arrivals:
+            break
         for place in _changes(heights[number - 1]):
             ends = distances[place], distances[place + 1]
             for _ in range(_REFINEMENTS):
@@ -283,10 +301,11 @@ def _heights(orbit: Hyperbolic, distances: Array, most: int) -> Array:
     return setting.crossings_of(start, most, time)[:, setting.across]
 
 
-def _from(orbit: Hyperbolic, distance: Any, bits: int, with_slope: bool) -> Iterator[Place]:
+def _from(orbit: Hyperbolic, distance: Any, bits: int, *signs: int) -> Iterator[Place]:
+    """The crossings from (1, slope) a, with derivatives in a, and in s for the sign -1."""
     context = working_context(bits)
     a, slope = mpf(distance, context), mpf(orbit.slope, context)
-    directions = [(1, slope)] if with_slope else []
+    directions = [(1, sign * slope) for sign in signs]
     return orbit.setting.crossings(mpf(orbit.p, context) + a, slope * a, directions, bits)
 
 
@@ -299,7 +318,7 @@ def refined(orbit: Hyperbolic, guess: Fraction, number: int, digits: int) -> Hom
     a = mpf(guess, context)
     try:
         for _ in range(_NEWTON_STEPS):
-            at = _nth(_from(orbit, fraction(a), few, True), number)
+            at = _nth(_from(orbit, fraction(a), few, 1), number)
             step = at.q / at.slopes[1][0]
             a -= step
             few = bits if abs(step) < 1e-4 * abs(a) else few
@@ -316,6 +335,13 @@ def closer(found: Homoclinic, distance: float, digits: int) -> Homoclinic:
     while abs(a) > distance:
         a, number = a / orbit.multiplier, number + 2 * orbit.half
     return refined(orbit, a, number, digits)
+
+
+def slopes_at_arrival(found: Homoclinic) -> tuple[float, float]:
+    """The derivatives of q at Fix(R) in a and in s, the coordinates along the two directions of the periodic orbit."""
+    bits = 64 - int(log2(abs(found.distance)))
+    along, across = _nth(_from(found.orbit, found.distance, bits, 1, -1), found.crossings).slopes[1]
+    return float(along), float(across)
 
 
 def _power(base: Array, power: Fraction) -> Array:

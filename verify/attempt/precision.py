@@ -120,9 +120,9 @@ def periodic_precision(claim: InSection, digits: int) -> int:
 
 
 def homoclinic_precision(claim: HomoclinicOrbit, digits: int) -> int:
-    """Bits to begin with for a homoclinic orbit: errors grow on the way as much as the interval is narrow."""
+    """Bits to begin with for a homoclinic orbit: errors are carried in frames, and grow as the orbits part."""
     widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in claim.half_widths)
-    wanted = 2 * widths + _RESERVE + _RESERVE_PER_RETURN * (claim.crossings + claim.arrival)
+    wanted = widths + _RESERVE + _RESERVE_PER_RETURN * (claim.crossings + claim.arrival)
     return max(LEAST_PRECISION, -(-wanted // 8) * 8)
 
 

@@ -69,4 +69,10 @@ class Approximations(Frames):
             return 0
 
 
+class _InFrames(Approximations):
+    everywhere = True
+
+
 ORACLE = Approximations()
+IN_FRAMES = _InFrames()
+"""The same, with frames for flows that preserve volume too."""

@@ -17,7 +17,13 @@ _CONTRACTING = 2.0**-30
 
 
 class Frames:
-    """See `flow.FrameOracle`: Lohner's method, a QR factorisation with the longest edge first."""
+    """See `flow.FrameOracle`: Lohner's method, a QR factorisation with the longest edge first.
+
+    Attributes:
+        everywhere: whether flows that preserve volume have frames too, which pays on long ways along unstable orbits.
+    """
+
+    everywhere = False
 
     def columns(
         self, slopes: Sequence[dict[int, fmpz_poly]], frame: fmpz_mat, step: Fraction, coarse: Arithmetic
@@ -28,10 +34,9 @@ class Frames:
         except (ArithmeticError, ValueError):
             return None
 
-    @staticmethod
     @np.errstate(over="ignore", invalid="ignore")
     def _columns(
-        slopes: Sequence[dict[int, fmpz_poly]], frame: fmpz_mat, step: Fraction, coarse: Arithmetic
+        self, slopes: Sequence[dict[int, fmpz_poly]], frame: fmpz_mat, step: Fraction, coarse: Arithmetic
     ) -> list[list[fmpz_poly]] | None:
         size, unit, stride, width = len(slopes), 2.0**-coarse.bits, coarse.stride, coarse.width + 1
         length = -(-max(p.length() for row in slopes for p in row.values()) // stride)
@@ -40,7 +45,7 @@ class Frames:
             for j, p in row.items():
                 flat[: p.length(), i, j] = [float(int(c)) for c in p.coeffs()]
         matrices = (flat * unit * float(step)).reshape(-1, stride, size, size)
-        if np.abs(np.trace(matrices, axis1=2, axis2=3)).sum() < _CONTRACTING:
+        if not self.everywhere and np.abs(np.trace(matrices, axis1=2, axis2=3)).sum() < _CONTRACTING:
             return None
         solution = [np.zeros((width, size, size))]
         solution[0][0] = _floats(frame, unit)

@@ -14,7 +14,7 @@ from orbitproof.verify.homoclinic import (
     enclose_homoclinic,
     prove_homoclinic,
 )
-from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.oracle import IN_FRAMES
 from orbitproof.verify.poincare import IntegratorSettings
 from orbitproof.verify.theorems import linearised  # noqa: F401 (how its functions are stored)
 from orbitproof.verify.words.homoclinic import homoclinic_found, homoclinic_in_full, homoclinic_in_words
@@ -22,7 +22,7 @@ from orbitproof.verify.words.row_in_full import in_lines
 
 
 def _enclose(claim: HomoclinicOrbit, settings: IntegratorSettings, progress: Progress | None) -> HomoclinicEnclosures:
-    return enclose_homoclinic(claim, settings, ORACLE, progress)
+    return enclose_homoclinic(claim, settings, IN_FRAMES, progress)
 
 
 KIND = BoxKind(
