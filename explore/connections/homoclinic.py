@@ -37,10 +37,15 @@ _SAMPLES = 64
 _FARTHER = 5
 """Orbits of the unstable manifold are followed for so many times the crossings in a period after they have left."""
 _NEWTON_STEPS = 40
+_ABOUT = 0.03
+"""A periodic orbit is looked for so far about a guess, relative to its distance from 0."""
+_TIME = 1e3
+"""Half a period takes no longer."""
 _FEW_BITS = 64
 _LONGEST = 12
 """Orbits are followed for so many periods longer than the periodic orbit has as many crossings."""
 _REFINEMENTS = 3
+_CLOSE = 0.1
 _CLOSEST = 1e-4
 """Where q changes its sign and is not so small, it jumps."""
 
@@ -230,7 +235,7 @@ def hyperbolic_orbit(setting: OnLevel, guess: Fraction, half: int, digits: int) 
     """The symmetric periodic orbit near a point of Fix(R). Raises `ConnectionFailure`."""
     bits = 64 + round(3.33 * digits)
     context, few = working_context(bits), _FEW_BITS
-    p = mpf(guess, context)
+    p = context.mpf(_nearest(setting, float(guess), half))
     try:
         for _ in range(_NEWTON_STEPS):
             at = _nth(setting.crossings(p, 0, [(1, 0)], few), half)
@@ -254,6 +259,19 @@ def hyperbolic_orbit(setting: OnLevel, guess: Fraction, half: int, digits: int) 
     multiplier = half_trace + context.sqrt(square) * (1 if half_trace > 0 else -1)
     slope = (multiplier - a) / b
     return Hyperbolic(setting, half, fraction(p), fraction(multiplier), fraction(slope), back.time)
+
+
+def _nearest(setting: OnLevel, guess: float, half: int) -> float:
+    """About where the orbit nearest to a guess is: Newton's method alone goes far from a guess that is not close."""
+    p = guess + _ABOUT * max(1.0, abs(guess)) * np.linspace(-1, 1, 2 * _SAMPLES + 1)
+    heights = setting.crossings_of(setting.states(p, 0 * p), half, _TIME)[-1, setting.across]
+    # Where q jumps there is no orbit: its values on both sides are far from 0 there.
+    places = [i for i in _changes(heights) if min(abs(heights[i : i + 2])) < _CLOSE]
+    if not places:
+        return guess
+    place = min(places, key=lambda i: abs(p[i] + p[i + 1] - 2 * guess))
+    part = heights[place] / (heights[place] - heights[place + 1])
+    return float(p[place] + part * (p[place + 1] - p[place]))
 
 
 def homoclinic_orbits(orbit: Hyperbolic, side: int, arrivals: Collection[int] = ()) -> list[Homoclinic]:
