@@ -179,8 +179,8 @@ def written(certificate: Certificate, folder: Path, progress: Progress = lambda 
 
 def size_of(row: Path) -> str:
     """How many steps and crossings the files in a folder have."""
-    names = [path.name for path in sources_of(row)]
-    steps, crossings = (sum(name.startswith(word) for name in names) for word in ("Step", "Crossing"))
+    texts = [path.read_text("utf-8") for path in sources_of(row)]
+    steps, crossings = (sum(text.count(f"\nLemma {word}_") for text in texts) for word in ("step", "crossing"))
     return f"{steps} step{'s' * (steps > 1)}, {crossings} crossing{'s' * (crossings > 1)}"
 
 

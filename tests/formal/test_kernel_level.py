@@ -68,7 +68,7 @@ def coq(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Coq:
 
 @pytest.fixture(autouse=True)
 def rows_that_stand(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Levels before are passed, and each row has four empty files."""
+    """Levels before are passed, and each row has four files with little in them."""
     if request.node.get_closest_marker("slow"):
         return
 
@@ -79,8 +79,13 @@ def rows_that_stand(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPa
         entry, folder = arguments
         row = folder / files.name_of(entry.id)
         row.mkdir(exist_ok=True)
-        for name in ("Row", "Step1", "Crossing1", "Conclusion"):
-            (row / f"{name}.v").touch()
+        for name, text in {
+            "Row": "",
+            "Step1": "\nLemma step_1",
+            "Crossing1": "\nLemma crossing_1",
+            "Conclusion": "",
+        }.items():
+            (row / f"{name}.v").write_text(text)
         return True, "", checking._digest_of_files(row)
 
     monkeypatch.setattr(checking, "recheck_before", before)
