@@ -299,7 +299,8 @@ def export(certificate: Certificate, progress: Progress = lambda n, what: None) 
 
 
 def _own(certificate: Certificate) -> OwnBox:
-    claim = claim_of(certificate)
+    claim = certificate.candidate
+    assert isinstance(claim, Candidate)
     system = claim.system
     assert system.first_integral_program is not None
     bits = 64 + 2 * max(max(0, r.denominator.bit_length() - r.numerator.bit_length()) for r in claim.radii)

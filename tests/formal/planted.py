@@ -1,4 +1,4 @@
-"""Numbers of the files of a row, each changed by one unit, and whether Coq still accepts the file."""
+"""Numbers of the files of a row, each changed by one unit, and whether Coq still accepts what says something of them."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 NUMBER = re.compile(r"(?<![\w])(?:0x[0-9a-f]+|\d+)(?![\w])")
+BEGINNING = "From Bignums Require Import BigZ.\nFrom Orbitproof Require Import Rows.\nRequire Import Row.\n"
+"""Before the lemma on the beginning, which `Conclusion.v` has among all else."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +22,7 @@ class Planted:
 
     Attributes:
         file: its name without ending.
-        of: what the number belongs to, by the name of the definition, and which part of that.
+        of: what the number belongs to, by the name of the definition.
     """
 
     file: str
@@ -29,21 +31,41 @@ class Planted:
     end: int
 
     @property
-    def files(self) -> list[str]:
-        """What has to be compiled to see it: of `Row.v` also the step that goes there, or the crossing."""
-        if self.file != "Row":
-            return [self.file]
-        what, number = self.of.split("_")
-        return ["Row", f"Crossing{number}" if what == "image" else f"Step{max(1, int(number))}"]
+    def seen_by(self) -> str:
+        """The lemma that compares it: a position is where a step ends, or the beginning; an image that of a crossing."""
+        what, _, number = self.of.rpartition("_")
+        match what:
+            case "position":
+                return f"step_{number}" if int(number) else "beginning"
+            case "image":
+                return f"crossing_{number}"
+            case "the":
+                return self.file.replace("Crossing", "crossing_")
+            case _:
+                return f"step_{number}"
 
     def text(self, original: str, change: int) -> str:
-        """The file with this number changed."""
-        value = int(original[self.begin : self.end], 0) + change
+        """The file with this number changed; 0 becomes 1, which is a number everywhere."""
+        value = int(original[self.begin : self.end], 0)
+        value += change if value else abs(change)
         return f"{original[: self.begin]}{value}{original[self.end :]}"
 
 
+def choices(text: str) -> Iterator[tuple[int, int]]:
+    """Where the definition of steps has what may be any that holds.
+
+    These are tubes, and on the way onto the section the elapsed time of the last step: Coq bounds its error, and compares
+    the time with those of other crossings. No other number follows from it.
+    """
+    for tube in re.finditer(r"\n  \[\[[^\]]*\](?:;\s*\[[^\]]*\])*(\] \d+)", text):
+        yield tube.start(), tube.start(1)
+    if text.startswith("Definition the_steps "):
+        powers = text.rindex("\n  [[[")
+        yield text.rindex("];\n  [[", 0, powers), powers
+
+
 def numbers(file: Path) -> Iterator[Planted]:
-    """All numbers in the definitions of a file but those of a tube, which may be any that holds.
+    """All numbers in the definitions of a file but those that are a choice.
 
     Of `Row.v` those of where the orbits are: the rest is what is claimed.
     """
@@ -51,48 +73,67 @@ def numbers(file: Path) -> Iterator[Planted]:
     for found in re.finditer(r"^Definition (\w+)(.*?)\.$", text, re.MULTILINE | re.DOTALL):
         if file.stem == "Row" and not re.fullmatch(r"(position|image)_\d+", found[1]):
             continue
-        start = text.index(":=", found.start())
-        # The tube of a step is its last list, before the number of terms.
-        tube = text.rfind("\n  [[", start, found.end()) if "step" in found[1] else found.end()
-        after = text.rfind("]]", start, found.end())
-        for number in NUMBER.finditer(text, start, found.end()):
-            if tube < number.start() < after:
-                continue
-            yield Planted(file.stem, found[1], number.start(), number.end())
+        free = list(choices(found[0])) if file.stem != "Row" else []
+        for number in NUMBER.finditer(found[0], found[0].index(":=")):
+            if not any(begin < number.start() < end for begin, end in free):
+                begin, end = number.span()
+                yield Planted(file.stem, found[1], found.start() + begin, found.start() + end)
+
+
+def lemma(folder: Path, name: str) -> str:
+    """The file of a row with this lemma, without the other steps in it."""
+    if name == "beginning":
+        (found,) = re.findall(r"^Lemma beginning .*?Qed\.$", (folder / "Conclusion.v").read_text("utf-8"), re.M | re.S)
+        return BEGINNING + found
+    head = r"^(?=Definition the_step_\d)"
+    for path in folder.glob(f"{name.split('_')[0].capitalize()}*.v"):
+        first, *steps = re.split(head, path.read_text("utf-8"), flags=re.MULTILINE)
+        for text in [first + step for step in steps] or [first]:
+            if f"Lemma {name} " in text:
+                return text
+    raise ValueError(name)
+
+
+def accepted(folder: Path, planted: Planted, change: int, work: Path) -> bool:
+    """Whether Coq accepts the lemma about a number that is changed, of a row that is compiled."""
+    work.mkdir(exist_ok=True)
+    for path in work.iterdir():
+        path.unlink()
+    original = (folder / f"{planted.file}.v").read_text("utf-8")
+    changed = work / f"{planted.file}.v"
+    changed.write_text(planted.text(original, change), "utf-8")
+    files = ["Lemma"]
+    if planted.file == "Row":
+        files = ["Row", "Lemma"]
+        text = lemma(folder, planted.seen_by)
+    else:
+        shutil.copy(folder / "Row.vo", work)
+        text = lemma(work, planted.seen_by)
+        changed.unlink()
+    (work / "Lemma.v").write_text(text, "utf-8")
+    command = ["coqc", "-q", "-R", str(folder.parent / "theory"), "Orbitproof", "-Q", ".", ""]
+    done = [
+        subprocess.run([*command, f"{name}.v"], cwd=work, capture_output=True, check=False).returncode for name in files
+    ]
+    assert done[:-1] == [0] * (len(files) - 1), planted
+    return done[-1] == 0
 
 
 def drawn(folder: Path, names: list[str], how_many: int, seed: int) -> list[Planted]:
     """Numbers of some files, as many of each, drawn at random."""
     source = random.Random(seed)
-    return [
-        planted
-        for name in names
-        for planted in source.sample(list(numbers(folder / f"{name}.v")), -(-how_many // len(names)))
-    ][:how_many]
-
-
-def accepted(folder: Path, planted: Planted, change: int, work: Path) -> bool:
-    """Whether Coq accepts the files of a compiled row in which one number is changed."""
-    work.mkdir(exist_ok=True)
-    for path in work.iterdir():
-        path.unlink()
-    if planted.file != "Row":
-        shutil.copy(folder / "Row.vo", work)
-    for name in planted.files:
-        shutil.copy(folder / f"{name}.v", work)
-    original = (folder / f"{planted.file}.v").read_text("utf-8")
-    (work / f"{planted.file}.v").write_text(planted.text(original, change), "utf-8")
-    command = ["coqc", "-q", "-R", str(folder.parent / "theory"), "Orbitproof", "-Q", ".", ""]
-    return all(
-        subprocess.run([*command, f"{name}.v"], cwd=work, capture_output=True, check=False).returncode == 0
-        for name in planted.files
-    )
+    each = -(-how_many // len(names))
+    found = [source.sample(list(numbers(folder / f"{name}.v")), each) for name in names]
+    return [planted for together in zip(*found, strict=True) for planted in together][:how_many]
 
 
 if __name__ == "__main__":
     # python tests/formal/planted.py FOLDER/ROW 100: which of so many numbers of a compiled row Coq accepts changed.
     row, count = Path(sys.argv[1]).resolve(), int(sys.argv[2])
     names = sorted(path.stem for path in row.glob("*.v") if path.stem not in ("Conclusion", "Statement"))
-    planted = drawn(row, names, count, seed=51)
-    kept = [p for n, p in enumerate(planted) if accepted(row, p, (-1) ** n, row.parent / "planted")]
-    print(f"{row.name}: {len(planted) - len(kept)} of {len(planted)} refused", *kept, sep="\n  ")
+    kept = []
+    for n, planted in enumerate(drawn(row, names, count, seed=51), start=1):
+        if accepted(row, planted, (-1) ** n, row.parent / "planted"):
+            kept.append(planted)
+        print(f"{n} of {count}: {planted}, {n - len(kept)} refused", file=sys.stderr)
+    print(f"{row.name}: {count - len(kept)} of {count} refused", *kept, sep="\n  ")
