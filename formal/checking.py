@@ -1,7 +1,7 @@
 """The fourth level of checking certificates again: what the kernel of Coq says of them (formal/README.md).
 
 A certificate that stands at the levels before is written as files for Coq, and `check.sh` has these checked: its exit
-code decides.
+code decides, and then whether what Coq states is what the certificate claims.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from typing import Any
 from orbitproof.formal.arithmetic import NotShownError
 from orbitproof.formal.files import THEORY, digest_of, name_of, sources_of, write_row
 from orbitproof.formal.rows import Progress, export
+from orbitproof.formal.statements import difference
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.output import write_text
 from orbitproof.shared.processes import Failure
@@ -40,8 +41,8 @@ LEVEL = "4 kernel"
 MEANING = Meaning(
     "all arithmetic of the proof: steps, crossings, every inequality of the conclusion, the parameter at the point",
     "orbits followed once more and written down for Coq, whose kernel computes; assumed are primitive integers only",
-    "that kernel; the definitions of formal/theory; the lemmas on paper; that statement.txt says what the certificate "
-    "does, which nothing compares: read it",
+    "that kernel; the definitions of formal/theory; the lemmas on paper; that Coq's statement.txt says what the "
+    "certificate does, which formal/statements.py compares",
 )
 """What the level looks at, and what remains, beside `levels.MEANINGS`."""
 
@@ -269,6 +270,8 @@ class _Run:
             return KernelCheck(before, False, said, seconds)
         if of != self._digest(entry, _digest_of_files(row)):
             return KernelCheck(before, False, "its files were changed meanwhile", seconds)
+        if other := difference(entry, (row / "statement.txt").read_text("utf-8", "replace")):
+            return KernelCheck(before, False, other, seconds)
         self._record[entry.id] = {"of": of, "stated": _stated(row), "seconds": round(seconds, 1)}
         write_text(self._folder / _RECORD, json.dumps(self._record, indent=1))
         return KernelCheck(before, True, self._words(entry, before, row), seconds)
@@ -277,7 +280,7 @@ class _Run:
         """What was checked, by what, and where the reader sees of what."""
         words = f"{_checked_words(entry, before, row)}; by {self._coq}"
         read = f"read {row / 'statement.txt'}" if self._kept else "give a `folder` to read it"
-        return f"{words}; nothing compares what Coq states with the certificate: {read}"
+        return f"{words}; what Coq states is what the certificate claims: {read}"
 
     def _script(self, words: Sequence[str], progress: Callable[[], None] | None) -> tuple[int, str, float]:
         """Run `check.sh`: its exit code, the end of what it said, and processor time."""

@@ -293,7 +293,7 @@ def export(certificate: Certificate, progress: Progress = lambda n, what: None) 
         arrivals,
         integral,
         _own(certificate) if "level_form" in certificate.statement else None,
-        _stated(certificate),
+        stated_of(certificate),
         form.bits + form.top * form.grade_bits + _CONCLUSION_BITS,
     )
 
@@ -312,8 +312,8 @@ def _own(certificate: Certificate) -> OwnBox:
     return OwnBox(claim, starts, form, guesses)
 
 
-def _stated(certificate: Certificate) -> tuple[Fraction, Fraction]:
-    """Twice as far from the middle as the certificate says that the parameter is."""
+def stated_of(certificate: Certificate) -> tuple[Fraction, Fraction]:
+    """Ends of the parameter at the point, twice as far from the middle as those of the certificate."""
     from orbitproof.verify.evidence import bounds
 
     assert certificate.parameter is not None

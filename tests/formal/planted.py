@@ -1,4 +1,4 @@
-"""Numbers of the files of a row, each changed by one unit, and whether Coq still accepts what says something of them."""
+"""Numbers of the files of a row, each changed by one unit, and whether Coq still accepts the lemma about it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Planted:
 
     @property
     def seen_by(self) -> str:
-        """The lemma that compares it: a position is where a step ends, or the beginning; an image that of a crossing."""
+        """The lemma that compares it: a position is where a step ends, or the beginning; an image, of a crossing."""
         what, _, number = self.of.rpartition("_")
         match what:
             case "position":
@@ -54,8 +54,8 @@ class Planted:
 def choices(text: str) -> Iterator[tuple[int, int]]:
     """Where the definition of steps has what may be any that holds.
 
-    These are tubes, and on the way onto the section the elapsed time of the last step: Coq bounds its error, and compares
-    the time with those of other crossings. No other number follows from it.
+    These are tubes, and on the way onto the section the elapsed time of the last step: Coq bounds its error, and
+    compares the time with those of other crossings. No other number follows from it.
     """
     for tube in re.finditer(r"\n  \[\[[^\]]*\](?:;\s*\[[^\]]*\])*(\] \d+)", text):
         yield tube.start(), tube.start(1)

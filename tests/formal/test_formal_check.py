@@ -12,7 +12,7 @@ from fractions import Fraction as Q
 from pathlib import Path
 
 import pytest
-from planted import accepted, drawn
+from planted import accepted, drawn, numbers
 
 from orbitproof.__main__ import main as orbitproof
 from orbitproof.formal.arithmetic import Element, Format, recentred
@@ -233,8 +233,10 @@ def no_other_claim(folder: Path) -> None:
 
 
 def nothing_forged(folder: Path) -> None:
-    """No way onto the section; a size that is not that of its element; a format that leaves products out."""
+    """No way onto the section, or another time; a size that is not that of its element; a format without products."""
     crossing = (folder / "Crossing1.v").read_text("utf-8")
+    assert changed(folder, "Crossing1", (r"\[\[0; 1\];", "[[0; 1; 1];"))
+    assert not changed(folder, "Crossing1", (r"\[\[0; 1\];", f"[[0; 0x1{40 * '0'}];"))
     (source,) = re.findall(r"the_row (position_\d+) 1 the_steps", crossing)
     assert not changed(folder, "Crossing1", (r"the_steps 0 image_1", f"[] (-1) (here {source})"))
     row = (folder / "Row.v").read_text("utf-8")
@@ -283,10 +285,15 @@ def test_the_kernel_accepts_a_row_and_no_other_number_in_it(tmp_path: Path, monk
     assert first.endswith("assumptions: primitive integers, nothing else")
     assert second == f"{assumed.name}: NOT CHECKED: it rests on more than primitive integers:"
 
-    # Numbers of steps and crossings, and of where the orbits are, one after the other.
-    names = ["Row", *(path.stem for pattern in ("Step?.v", "Crossing?.v") for path in sorted(folder.glob(pattern)))]
-    for number, planted in enumerate(drawn(folder, names, 24, seed=51)):
-        assert not accepted(folder, planted, (-1) ** number, tmp_path / "work"), planted
+    # Numbers of steps and crossings, and of where the orbits are, one after the other; the last four of the beginning
+    # are what is counted there, of which the first step does not need all.
+    names = ["Row", *(path.stem for word in ("Step", "Crossing") for path in sorted(folder.glob(f"{word}?.v")))]
+    planted = drawn(folder, names, 20, seed=51)
+    planted += [each for each in numbers(folder / "Row.v") if each.of == "position_0"][-4:]
+    for lemma in {each.seen_by: each for each in planted}.values():
+        assert accepted(folder, lemma, 0, tmp_path / "work"), lemma
+    for number, each in enumerate(planted):
+        assert not accepted(folder, each, (-1) ** number, tmp_path / "work"), each
 
     no_other_claim(folder)
     nothing_forged(folder)

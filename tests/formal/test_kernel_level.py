@@ -18,7 +18,7 @@ from support.runs import is_running, wait_until
 
 from orbitproof import verify
 from orbitproof.__main__ import main as orbitproof
-from orbitproof.formal import checking, files
+from orbitproof.formal import checking, files, rows
 from orbitproof.shared import read_candidates
 from orbitproof.verify.certificate import Level, Recheck
 from orbitproof.verify.run import Display
@@ -90,6 +90,7 @@ def rows_that_stand(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(checking, "recheck_before", before)
     monkeypatch.setattr(checking, "apart", apart)
+    monkeypatch.setattr(checking, "difference", lambda _entry, _text: "")
 
 
 def certificates(*names: str) -> list[verify.Certificate]:
@@ -132,10 +133,7 @@ def test_what_is_checked_is_said_and_is_not_checked_again(
     )
     assert "4 kernel" in said
     assert "definitions of formal/theory" in said
-    assert (
-        f"by {tmp_path}/bin/coqc: 8.16; nothing compares what Coq states with the certificate: read {tmp_path}/out"
-        in said
-    )
+    assert f"by {tmp_path}/bin/coqc: 8.16; what Coq states is what the certificate claims: read {tmp_path}/out" in said
 
     # The next one takes no file; what was checked before is not handed to it.
     coq("*.v", "exit 1")
@@ -164,6 +162,16 @@ def test_what_coq_does_not_take_is_not_checked(coq: Coq, pattern: str, does: str
     assert not check.checked
     assert words in check.words
     assert not (tmp_path / "out" / "checked.json").exists()
+
+
+def test_a_row_of_which_coq_states_something_else_is_not_checked(
+    coq: Coq, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    coq("nothing", "true")
+    monkeypatch.setattr(checking, "difference", lambda entry, text: f"{entry.id} beside {text.split()[0]}")
+    for _ in range(2):
+        (check,) = checking.recheck(certificates(ROW), folder=tmp_path / "out", quiet=True)
+        assert (check.checked, check.words) == (False, f"{ROW} beside Axioms:")
 
 
 def test_what_does_not_stand_before_is_not_handed_to_coq(
@@ -301,14 +309,29 @@ def test_the_time_that_is_left_goes_by_steps_whatever_a_file_says_of_them() -> N
     assert checking._work(verify.Certificate.from_json(endless)) < 1e7
 
 
+def proof_of(name: str) -> verify.Certificate:
+    (claim,) = [each for each in read_candidates(DATA / "known-bifurcations.json") if each.id == name]
+    (proof,) = verify.certify(claim, quiet=True)
+    return proof
+
+
+def test_the_own_box_beside_a_level_form_is_that_of_the_certificate() -> None:
+    proof = proof_of(OTHER)
+    own, form = rows._own(proof), rows.claim_of(proof)
+    assert own.claim == proof.candidate != form
+    assert None in rows.starts_of(form)
+    assert None not in own.starts
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("coqc") is None, reason="Coq is not installed: apt install coq libcoq-bignums")
-def test_the_kernel_checks_a_certificate_of_falkner_skan(tmp_path: Path) -> None:
-    (claim,) = [each for each in read_candidates(DATA / "known-bifurcations.json") if each.id == ROW]
-    proof = verify.certify(claim, quiet=True)
+@pytest.mark.parametrize(("name", "size"), [(ROW, "15 steps, 2 crossings"), (OTHER, "6 steps, 1 crossing")])
+def test_the_kernel_checks_a_certificate(name: str, size: str, tmp_path: Path) -> None:
+    """Of maps with a parameter, and of a level form."""
+    proof = proof_of(name)
     (check,) = checking.recheck(proof, folder=tmp_path, quiet=True, jobs=2)
     assert (check.checked, check.earlier, check.before.level) == (True, False, Level.CONCLUSION)
-    assert check.words.startswith("15 steps, 2 crossings, all that is computed for symmetries")
-    assert "checked the_bifurcation" in (tmp_path / files.name_of(ROW) / "statement.txt").read_text()
+    assert check.words.startswith(f"{size}, all that is computed for symmetries")
+    assert "checked the_bifurcation" in (tmp_path / files.name_of(name) / "statement.txt").read_text()
     (again,) = checking.recheck(proof, folder=tmp_path, quiet=True)
     assert (again.checked, again.earlier) == (True, True)
