@@ -17,6 +17,7 @@ from typing import Any
 import mpmath
 
 from orbitproof.explore.numerics import mpf, working_context
+from orbitproof.explore.refinement.floats import FLOAT_BITS, FloatWalk
 from orbitproof.explore.refinement.jets import Jet, JetBasis, operations
 from orbitproof.explore.refinement.tape import Tape
 from orbitproof.explore.refinement.taylor import IntegrationFailure, JetStepper, Series, StepResult
@@ -36,8 +37,6 @@ MAXIMAL_STEPS = 500
 _SMALLEST_EXPONENT = -40
 
 _SAMPLES = 16
-
-_CHOICE_BITS = 100
 
 _REGULARISED_STEP = 3.5
 """A step in regularised coordinates was found to take so many times as long as one in the system's own."""
@@ -93,46 +92,90 @@ def section_crossings(
         constant = level_jet(system, parameters, start, None, context)
         jets = _evaluate_program(regularisation.embedding_program(branch), start, system, parameters, context)
         program, section = regularisation.program, regularisation.section_index
-    stepper = JetStepper(Tape(program, parameters), len(jets), basis, bits, order, tolerance_bits)
-    exponent, time, steps = -3, 0.0, 0
-    before = Fraction(0)
+    tape, walk = Tape(program, parameters), None
+    if bits <= FLOAT_BITS and order is None and tolerance_bits is None:
+        walk = FloatWalk(tape, len(jets), basis, context)
+    else:
+        walk = _IntegerWalk(JetStepper(tape, len(jets), basis, bits, order, tolerance_bits), context)
+    steps = 0
     for number in count(1):
-        state = [_to_fixed(jet, context) for jet in jets]
-        fixed_parameters = [] if constant is None else [_to_fixed(constant, context)]
-        side = 0
+        walk.load(jets, constant)
         for _ in range(maximal_steps):
-            result = stepper.step(state + fixed_parameters, exponent)
-            exponent = result.proposal
             steps += 1
-            if exponent < _SMALLEST_EXPONENT:
-                raise IntegrationFailure("the orbit runs into a singularity")
-            height = result.series[section][0]
-            if side == 0:
-                side = 1 if height[1] > 0 else -1
-                if abs(height[1]) >> (bits - 20) == 0:
-                    raise IntegrationFailure("the flow is tangent to the section at the start")
-            end = round(result.length * 2**_SAMPLES)
-            crossing = _first_crossing(height, side, Fraction(end, 2**_SAMPLES), bits)
-            if crossing is not None:
+            if walk.step(section):
                 break
-            state = _advance(result, end << (bits - _SAMPLES), bits)
-            before += Fraction(end, 2**_SAMPLES) * Fraction(2) ** result.exponent
-            time += end / 2**_SAMPLES * 2.0**result.exponent
             if progress is not None:
-                progress(time)
+                progress(float(walk.time))
         else:
-            raise IntegrationFailure(f"no return to the section within time {time:.3g}")
-        time += float(Fraction(crossing, 1 << bits)) * 2.0**result.exponent
-        before += Fraction(crossing, 1 << bits) * Fraction(2) ** result.exponent
-        jets, tau = _project(result, crossing, section, basis, context)
+            raise IntegrationFailure(f"no return to the section within time {float(walk.time):.3g}")
+        jets, tau = _project(walk.expansions(), section, basis, context)
         if number % every:
             continue
         if regularisation is None:
-            yield Crossing(tuple(jets), time, steps, tau * context.ldexp(1, result.exponent) + mpf(before, context))
+            yield Crossing(tuple(jets), float(walk.time), steps, walk.in_time(tau) + mpf(walk.time, context))
         else:
             image = _evaluate_program(regularisation.projection_program, jets, system, parameters, context)
             duration = jets[regularisation.time_index]
             yield Crossing(tuple(image), float(duration.coefficients[0]), steps, duration)
+
+
+class _IntegerWalk:
+    """An orbit with its jets in fixed-point numbers, step by step to the next crossing of a section.
+
+    Attributes:
+        time: elapsed, of the centre.
+    """
+
+    def __init__(self, stepper: JetStepper, context: mpmath.MPContext) -> None:
+        self.time = Fraction(0)
+        self._stepper, self._context, self._exponent, self._side, self._end = stepper, context, -3, 0, 0
+        self._state: list[list[int]] = []
+        self._fixed: list[list[int]] = []
+        self._result: StepResult | None = None
+
+    def load(self, jets: Sequence[Jet], constant: Jet | None) -> None:
+        """Begin at a crossing; `constant` is the jet of the parameter."""
+        self._state = [_to_fixed(jet, self._context) for jet in jets]
+        self._fixed = [] if constant is None else [_to_fixed(constant, self._context)]
+        self._side = 0
+
+    def step(self, section: int) -> bool:
+        """A step, or the part of it up to the section; whether that was reached."""
+        bits = self._context.prec
+        self._result = result = self._stepper.step(self._state + self._fixed, self._exponent)
+        self._exponent = result.proposal
+        if self._exponent < _SMALLEST_EXPONENT:
+            raise IntegrationFailure("the orbit runs into a singularity")
+        height = result.series[section][0]
+        if self._side == 0:
+            self._side = 1 if height[1] > 0 else -1
+            if abs(height[1]) >> (bits - 20) == 0:
+                raise IntegrationFailure("the flow is tangent to the section at the start")
+        end = round(result.length * 2**_SAMPLES)
+        crossing = _first_crossing(height, self._side, Fraction(end, 2**_SAMPLES), bits)
+        self._end = end << (bits - _SAMPLES) if crossing is None else crossing
+        self.time += Fraction(self._end, 1 << bits) * Fraction(2) ** result.exponent
+        if crossing is None:
+            self._state = _advance(result, self._end, bits)
+        return crossing is not None
+
+    def expansions(self) -> list[list[Jet]]:
+        """The jets at the end of the step, and their derivatives in scaled time over factorials, up to the degree."""
+        assert self._result is not None
+        series, context, basis = self._result.series, self._context, self._stepper.basis
+        length, bits = len(series[0][0]), context.prec
+        powers = _powers(self._end, length, bits)
+        found: list[list[Jet]] = []
+        for j in range(basis.degree + 1):
+            weights = [0] * j + [comb(n, j) * powers[n - j] for n in range(j, length)]
+            rows = ([context.ldexp(context.mpf(_dot(each, weights, bits)), -bits) for each in jets] for jets in series)
+            found.append([Jet(basis, row) for row in rows])
+        return found
+
+    def in_time(self, tau: Jet) -> Jet:
+        """A jet in scaled time as one in time."""
+        assert self._result is not None
+        return tau * self._context.ldexp(1, self._result.exponent)
 
 
 def shorter_coordinates(
@@ -146,7 +189,7 @@ def shorter_coordinates(
     regularisation = REGULARISATIONS.get(system.name)
     if regularisation is None or regularisation.system is not system:
         return None
-    context = working_context(_CHOICE_BITS)
+    context = working_context(FLOAT_BITS)
     basis = JetBasis.graded([1], 0)
     start = [basis.constant(context.mpf(0)) for _ in system.state]
     for index, value in zip(system.fixed_coordinates, point, strict=True):
@@ -340,20 +383,10 @@ def _polish(height: Series, floats: Sequence[float], low: float, high: float, bi
 
 
 def _project(
-    result: StepResult, theta: int, section: int, basis: JetBasis, context: mpmath.MPContext
+    expansions: list[list[Jet]], section: int, basis: JetBasis, context: mpmath.MPContext
 ) -> tuple[list[Jet], Jet]:
-    """The jets on the section, and the time jet: re-expand in time at `theta`, solve for that, substitute it."""
-    bits, degree = context.prec, basis.degree
-    length = len(result.series[0][0])
-    powers = _powers(theta, length, bits)
-    expansions: list[list[Jet]] = []  # [derivative order][state]
-    for j in range(degree + 1):
-        weights = [0] * j + [comb(n, j) * powers[n - j] for n in range(j, length)]
-        rows = []
-        for jets in result.series:
-            values = [context.ldexp(context.mpf(_dot(series, weights, bits)), -bits) for series in jets]
-            rows.append(Jet(basis, values))
-        expansions.append(rows)
+    """The jets on the section, and the time jet, from the jets there [derivative order][state]."""
+    degree = basis.degree
     heights = [rows[section] for rows in expansions]
     heights[0] = Jet(basis, [0, *heights[0].coefficients[1:]])
     tau = basis.constant(0)
@@ -361,7 +394,7 @@ def _project(
         slope = heights[1].coefficients[0]
         for _ in range(degree):
             tau = tau - _evaluate(heights, tau) / slope
-    projected = [_evaluate([rows[i] for rows in expansions], tau) for i in range(len(result.series))]
+    projected = [_evaluate([rows[i] for rows in expansions], tau) for i in range(len(expansions[0]))]
     projected[section] = basis.constant(context.mpf(0))
     return projected, tau
 

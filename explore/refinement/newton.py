@@ -1,8 +1,9 @@
 """Newton refinement of bifurcation points to high precision, up to the box for the verifier.
 
-The equations are those of `explore.refinement.resonance` (Appendix B of the paper). Only the last evaluation has full
-precision: the precision of the others is what the point is good for, and the derivative of g has half of it. Where half
-of the digits are known, jets give the box, and the box says how many digits the centre needs.
+The equations are those of `explore.refinement.resonance` (Appendix B of the paper). Floats find the derivative of g,
+and two evaluations with few bits what the orbit loses and the point to half of its digits. There jets in floats give
+the box, and the box says how many digits the centre needs: one more evaluation gives them. The derivative of g that it
+needs is that in the direction of the last step alone.
 """
 
 from __future__ import annotations
@@ -10,22 +11,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from math import ceil, isfinite, log2
+from math import ceil, floor, inf, isfinite, log2
 from typing import Any
 
 import numpy as np
 
-from orbitproof.explore.numerics import (
-    GrowingDigits,
-    Linearised,
-    Solution,
-    bits_of,
-    fraction,
-    newton_with_digits,
-    working_context,
-)
+from orbitproof.explore.numerics import bits_of, fraction, working_context
 from orbitproof.explore.refinement.crossing import shorter_coordinates
-from orbitproof.explore.refinement.frames import Directions, Parity, RefinementFailure, parity_of
+from orbitproof.explore.refinement.floats import FLOAT_BITS
+from orbitproof.explore.refinement.frames import Directions, Parity, RefinementFailure, dot, parity_of
 from orbitproof.explore.refinement.half_return import LinearIterates
 from orbitproof.explore.refinement.reduction import (
     BranchGeometry,
@@ -42,6 +36,7 @@ from orbitproof.explore.refinement.resonance import (
     newton_correction,
     newton_equations,
     resonance_slope,
+    solved_step,
 )
 from orbitproof.explore.refinement.taylor import IntegrationFailure
 from orbitproof.shared.formats import KINDS, LEADING_POWERS, ONCE, Candidate
@@ -62,23 +57,28 @@ NEIGHBOURHOOD = 1e-3
 SINGULAR = 1e-9
 """Margin (see `RefinedPoint`) below which an iterate P^i, i < k, counts as resonant itself."""
 
-FIRST_PRECISIONS = (80, 160, 320)
-"""Bits of working precision that are tried for the first step."""
+PRECISIONS = ((FLOAT_BITS, 88), (80, 128), (160, 208), (320, 368))
+"""Bits of the derivative of g and of the first step with it that are tried; the first are those of floats."""
+
+OWN_PRECISIONS = (80, 160, 320)
+"""Bits that are tried to learn what is lost in the system's own coordinates."""
 
 FINER_BITS = 48
-"""So many more has the evaluation that tells how many of them are lost."""
+"""So many more has the evaluation that tells how many of them are lost where the point is not known so well."""
 
-KNOWN_BITS = 90
-"""The box is made for a point that is known to so many bits or more."""
+CLOSE = 32
+"""Bits to which the guess is improved by steps with as few bits as the derivative of g."""
+
+FLOAT_BITS_LEFT = 10
+"""Bits that floats have to leave, by an estimate that was found to be twenty too low."""
 
 GEOMETRY_BITS = 60
-"""Accuracy of slopes and curvatures of the branches, which are needed as floats."""
+"""Accuracy of slopes and curvatures of the branches where floats leave too little."""
 
 ASSUMED_LOSS = 8
 """Bits that a step is thought to leave of the square of the last."""
 
-SLOPE_BITS = 8
-"""Bits of the derivative of g beyond half of those aimed at."""
+MOST_STEPS = 12
 
 TOO_MANY_LOST = "the orbit loses too many digits; it is too unstable or too close to a singularity"
 
@@ -181,29 +181,25 @@ def refine(
         regularisation = shorter_coordinates(system, parameters, guess, crossings)
         problem = Resonance(system, dict(parameters), k, LEADING_POWERS[kind] > 1, parity, regularisation, crossings)
         report("digits that the orbit loses", 0.0)
-        equations = _Equations(problem, guess)
-        half = bits_of(digits) // 2 + ASSUMED_LOSS
-        near = _solved(equations, equations.start, max(KNOWN_BITS, half), equations.first_bits, _part(report, 0.0))
-        point, at = equations.point(near.unknowns), near.last.found
-        frame = problem.frame(point, at.iterates, at.context, problem.tangential)
+        newton = _Newton(problem, guess)
+        newton.begin()
+        at = newton.at
+        frame = problem.frame(newton.point, at.iterates, at.context, problem.tangential)
         margins = _checked_iterates(problem, frame, at.iterates)
-        report("curvatures", 0.5)
-        geometry = _geometry(problem, point, frame, working_context(GEOMETRY_BITS + equations.guard_bits))
-        bits, length = near.iterations[-1]
-        known = min(-2 * log2(max(length, 2.0**-bits)) - ASSUMED_LOSS, bits - equations.guard_bits)
-        lost = equations.lost_in_own_coordinates(point, known)
+        report("curvatures", 0.3)
+        geometry = newton.geometry(frame)
+        lost = newton.lost_in_own_coordinates()
         width = half_width(geometry, digits, k, lost, system.family_parameter is None)
         digits_of_centre = max(digits, digits_for(width) - MARGIN_DIGITS // 2)
         goal = bits_of(digits_of_centre)
-        bits = min(ceil(2 * known), goal) + equations.guard_bits
-        found = _solved(equations, near.unknowns, goal, bits, _part(report, 0.5))
+        report(f"Newton's method with {goal + newton.guard_bits} bits", 0.5)
+        correction, error = newton.finish(goal)
     except IntegrationFailure as failure:
         raise RefinementFailure(str(failure)) from None
-    point, at = equations.point(found.unknowns), found.last.found
+    point, at = newton.point, newton.at
     frame = problem.frame(point, at.iterates, at.context, problem.tangential)
-    last = found.iterations[-1][1]
-    correction = at.context.lu_solve(frame.columns, at.context.matrix(newton_correction(problem, at, equations.slope)))
-    residual = max(max(float(abs(x)) for x in correction) * last * 2.0**ASSUMED_LOSS, 2.0**-goal)
+    correction = at.context.lu_solve(frame.columns, at.context.matrix(correction))
+    residual = max(max(float(abs(x)) for x in correction) * error, 2.0**-goal)
     accuracy = max(residual, 10.0 ** -(digits_of_centre + MARGIN_DIGITS))
     value = None
     if system.family_parameter is None:
@@ -221,7 +217,7 @@ def refine(
         radii=box_radii(geometry, width, accuracy, len(system.kernel_coordinates)),
         residual=residual,
         digits=digits,
-        iterations=near.iterations + found.iterations,
+        iterations=tuple(newton.iterations),
         half_period=at.half.time,
         first_integral=value,
         geometry=geometry,
@@ -248,14 +244,18 @@ def _checked(
     return parity_of(system, symmetry), symmetry
 
 
-class _Equations:
-    """What Newton's method solves, in the coordinates that it moves.
+class _Newton:
+    """Newton's method, in the coordinates that it moves.
 
     Attributes:
-        start: of these coordinates.
-        lost_bits: of working precision, which do not reach the correction at the guess.
-        first_bits: working precision of the evaluation there.
+        point: where it is.
+        at: the equations at the point before.
+        iterations: precision and length of each step.
+        lost_bits: of working precision, which do not reach the correction.
+        known_bits: of the point.
     """
+
+    at: LinearisedResonance
 
     def __init__(self, problem: Resonance, guess: Sequence[float]) -> None:
         self.problem, self._seed = problem, [Fraction(float(x)) for x in guess]
@@ -263,80 +263,143 @@ class _Equations:
             if abs(self._seed[problem.parity.odd[0]]) > NEIGHBOURHOOD:
                 raise RefinementFailure("the symmetry does not fix the guess")
             self._seed[problem.parity.odd[0]] = Fraction(0)
-        self.start = [self._seed[j] for j in problem.unknowns]
-        for bits in FIRST_PRECISIONS:
-            coarse, self._first = (linearise(problem, self._seed, b) for b in (bits, bits + FINER_BITS))
-            self.slope = resonance_slope(problem, self._seed, coarse, bits)
-            self.lost_bits = _lost_bits(self._corrections(coarse, self._first), self._seed, bits)
-            if self.lost_bits < bits / 2:
-                self.first_bits = bits + FINER_BITS
-                self._slope_place, self._slope_bits = self._seed, bits - self.guard_bits
-                return
-        raise RefinementFailure(TOO_MANY_LOST)
+        self.point, self.iterations = self._seed, list[tuple[int, float]]()
+        self.lost_bits, self.known_bits, self._slope_bits, self._slope = 0, 0, 0, list[Any]()
+        self._floats_do, self._bend = False, 2.0**ASSUMED_LOSS
 
     @property
     def guard_bits(self) -> int:
         """Working precision beyond the accuracy aimed at."""
         return GUARD_BITS + self.lost_bits
 
-    def point(self, unknowns: Sequence[Fraction]) -> list[Fraction]:
-        """All coordinates u."""
-        point = list(self._seed)
-        for j, value in zip(self.problem.unknowns, unknowns, strict=True):
-            point[j] = value
-        return point
+    def begin(self) -> None:
+        """To the point with half of its digits or so."""
+        for few, first in PRECISIONS:
+            self.point, self.iterations = self._seed, []
+            try:
+                if self._approached(few, first):
+                    self._floats_do = few == FLOAT_BITS
+                    return
+            except IntegrationFailure:
+                if (few, first) == PRECISIONS[-1]:
+                    raise
+        raise RefinementFailure(TOO_MANY_LOST)
 
-    def linearised(self, unknowns: Sequence[Fraction], context: Any) -> Linearised:
-        """The equations at a point; the derivative of g, with half the bits, is an old one from as near as that."""
-        problem, point = self.problem, self.point(unknowns)
-        at = self._first if point == self._seed and context.prec == self.first_bits else None
-        at = linearise(problem, point, context.prec) if at is None else at
-        needed = (context.prec - self.guard_bits) // 2
-        moved = max(abs(u - s) for u, s in zip(point, self._slope_place, strict=True))
-        if needed > self._slope_bits or moved > Fraction(1, 2 ** (needed - ASSUMED_LOSS)):
-            self._slope_place, self._slope_bits = point, needed + SLOPE_BITS
-            self.slope = resonance_slope(problem, point, at, self._slope_bits + self.guard_bits)
-        return Linearised(*newton_equations(problem, at, self.slope), 2.0**self.lost_bits, at)
+    def _approached(self, few: int, first: int) -> bool:
+        """Whether so many bits are enough: improve the guess, and then make two steps with one derivative of g."""
+        problem, before = self.problem, inf
+        while True:
+            self.at = linearise(problem, self.point, few)
+            self._slope = resonance_slope(problem, self.point, self.at, few)
+            coarse = newton_correction(problem, self.at, self._slope)
+            length = _relative_size(coarse, self.point)
+            if length < 2.0**-CLOSE:
+                break
+            if length > before / 4 or len(self.iterations) == MOST_STEPS:
+                return False
+            before = length
+            self._move(coarse)
+        at = linearise(problem, self.point, first)
+        fine = newton_correction(problem, at, self._slope)
+        lost = _lost_bits([a - b for a, b in zip(coarse, fine, strict=True)], self.point, few)
+        if lost >= few / 2:
+            return False
+        self.at, self._slope_bits = at, few - lost - ASSUMED_LOSS
+        self._move(fine)
+        # The next step tells how many bits the first one lost, and how the derivative of g, found anew, has changed.
+        bits = first + self._slope_bits + 2 * ASSUMED_LOSS
+        self.at = linearise(problem, self.point, bits)
+        stale = newton_correction(problem, self.at, self._slope)
+        self._slope = resonance_slope(problem, self.point, linearise(problem, self.point, few), few)
+        step = newton_correction(problem, self.at, self._slope)
+        self.lost_bits = _lost_bits(step, self.point, first)
+        if self.lost_bits >= first / 2:
+            return False
+        length = max(_size(step), 2.0**-bits)
+        self._bend = max(self._bend, _size([a - b for a, b in zip(stale, step, strict=True)]) / (length * _size(fine)))
+        self.known_bits = min(floor(self._slope_bits - log2(length)), bits - self.guard_bits)
+        self._move(step)
+        return True
 
-    def lost_in_own_coordinates(self, point: Sequence[Fraction], known: float) -> int:
+    def finish(self, goal: int) -> tuple[list[Any], float]:
+        """To the point with so many bits: the last correction, and which part of it is left as an error."""
+        problem, bits = self.problem, goal + self.guard_bits
+        for _ in range(MOST_STEPS):
+            self.at = linearise(problem, self.point, bits)
+            step = newton_correction(problem, self.at, self._slope)
+            length = max(_size(step), 2.0**-bits)
+            needed = max(ceil(goal + ASSUMED_LOSS + log2(length)), ASSUMED_LOSS)
+            change, left = self._exact_in_its_direction(step, needed)
+            step = [a + b for a, b in zip(step, change, strict=True)]
+            self._move(step)
+            error = left + self._bend * length + 2.0**-needed
+            if error * length < 2.0**-goal:
+                return step, error
+        raise RefinementFailure(f"Newton's method did not converge in {MOST_STEPS} steps")
+
+    def _exact_in_its_direction(self, step: Sequence[Any], bits: int) -> tuple[list[Any], float]:
+        """What the derivative of g in the direction of a step, with so many bits, changes about the step; the part of
+        the step that is left as an error.
+
+        The change is along the curve of symmetric orbits. The derivative there is that along the step, and the old one
+        for the part of the curve's tangent that is across it.
+        """
+        problem, moving = self.problem, self.problem.unknowns
+        residual, matrix = newton_equations(problem, self.at, self._slope)
+        size = max(abs(x) for x in step)
+        if not size:
+            return list(step), 0.0
+        along = [x / size for x in step]
+        (slope,) = resonance_slope(problem, self.point, self.at, bits + self.guard_bits, [along])
+        last = matrix.rows - 1
+        tangent = solved_step(problem, self.at, matrix, [0] * last + [-1])
+        part = dot(tangent, along) / dot(along, along)
+        across = [a - part * b for a, b in zip(tangent, along, strict=True)]
+        slope_of_tangent = part * slope + sum(each * across[j] for each, j in zip(self._slope, moving, strict=True))
+        change = [-(residual[last] + slope * size) / slope_of_tangent * x for x in tangent]
+        left = _size(change) / float(size)
+        return change, left * max(left, 2.0**-self._slope_bits) * _size(across) / _size(tangent)
+
+    def _move(self, correction: Sequence[Any]) -> None:
+        bits = self.at.context.prec
+        self.iterations.append((bits, _size(correction)))
+        self.point = [u + round_dyadic(fraction(c), bits) for u, c in zip(self.point, correction, strict=True)]
+        if any(
+            abs(u - g) > NEIGHBOURHOOD * max(1.0, abs(float(g))) for u, g in zip(self.point, self._seed, strict=True)
+        ):
+            raise RefinementFailure("Newton's method leaves the neighbourhood of the guess")
+
+    def geometry(self, frame: Directions) -> BranchGeometry:
+        """Slopes and curvatures at the point, in floats where they leave enough."""
+        growth = max(float(abs(value)) for value in self.at.iterates.matrices[-1])
+        left = self._slope_bits - log2(max(growth, 1.0))
+        floats = self._floats_do and left > FLOAT_BITS_LEFT
+        context = working_context(FLOAT_BITS if floats else GEOMETRY_BITS + self.guard_bits)
+        problem = self.problem
+        about = problem.system, problem.parameters, self.point, frame
+        if problem.is_fold:
+            return fold_geometry(*about, context, problem.regularisation, problem.crossings)
+        how = problem.k, problem.tangential, context, problem.regularisation, problem.crossings
+        return branch_geometry(*about, *how)
+
+    def lost_in_own_coordinates(self) -> int:
         """How the box has to shrink was found from the bits that are lost in the system's own coordinates."""
         if self.problem.regularisation is None:
             return self.lost_bits
         own = replace(self.problem, regularisation=None)
-        for bits in FIRST_PRECISIONS:
-            coarse = linearise(own, point, bits)
-            # Where the point is known to more bits its correction is the error.
-            fine = None if known > bits + 8 else linearise(own, point, bits + FINER_BITS)
-            lost = _lost_bits(self._corrections(coarse, fine), point, bits)
+        for bits in OWN_PRECISIONS:
+            error = newton_correction(own, linearise(own, self.point, bits), self._slope)
+            if self.known_bits < bits + ASSUMED_LOSS:
+                exact = newton_correction(own, linearise(own, self.point, bits + FINER_BITS), self._slope)
+                error = [a - b for a, b in zip(error, exact, strict=True)]
+            lost = _lost_bits(error, self.point, bits)
             if lost < bits / 2:
                 return lost
         raise RefinementFailure(TOO_MANY_LOST)
 
-    def _corrections(self, coarse: LinearisedResonance, fine: LinearisedResonance | None) -> list[Any]:
-        """The difference of Newton's corrections from two evaluations, or of one from none."""
-        first = newton_correction(self.problem, coarse, self.slope)
-        second = [0] * len(first) if fine is None else newton_correction(self.problem, fine, self.slope)
-        return [a - b for a, b in zip(first, second, strict=True)]
 
-
-def _solved(
-    equations: _Equations, start: Sequence[Fraction], goal: int, first_bits: int, report: Callable[[str, float], None]
-) -> Solution:
-    """The point to so many bits. A step is the last whose square is small enough."""
-    rule = GrowingDigits(RefinementFailure, NEIGHBOURHOOD, first_bits, GUARD_BITS)
-    return newton_with_digits(equations.linearised, start, goal, rule, report, enough=(goal + ASSUMED_LOSS) / 2)
-
-
-def _part(report: Callable[[str, float], None], done: float) -> Callable[[str, float], None]:
-    """The progress of half the work."""
-    return lambda message, fraction: report(message, done + fraction / 2)
-
-
-def _geometry(problem: Resonance, point: Sequence[Fraction], frame: Directions, context: Any) -> BranchGeometry:
-    about = problem.system, problem.parameters, point, frame
-    if problem.is_fold:
-        return fold_geometry(*about, context, problem.regularisation, problem.crossings)
-    return branch_geometry(*about, problem.k, problem.tangential, context, problem.regularisation, problem.crossings)
+def _size(vector: Sequence[Any]) -> float:
+    return max(float(abs(value)) for value in vector)
 
 
 def _lost_bits(error: Sequence[Any], point: Sequence[Fraction], bits: int) -> int:

@@ -169,17 +169,34 @@ def _schur_vectors(frame: Directions, matrix: Any, context: mpmath.MPContext) ->
     return list(left * frame.rows), list(columns * right)
 
 
-def resonance_slope(problem: Resonance, point: Sequence[Fraction], at: LinearisedResonance, bits: int) -> list[Any]:
-    """The derivative of g in the coordinates u, with `bits` of working precision."""
+def resonance_slope(
+    problem: Resonance,
+    point: Sequence[Fraction],
+    at: LinearisedResonance,
+    bits: int,
+    along: Sequence[Sequence[Any]] | None = None,
+) -> list[Any]:
+    """The derivative of g in the coordinates u that Newton's method moves, with `bits` of working precision.
+
+    `along`: directions, of 1 + n numbers each, in which it is wanted instead.
+    """
     n = len(problem.system.kernel_coordinates)
     context = working_context(bits)
     terms = product_rule(at.iterates, problem.k, at.left, at.right)
     coarse = [[context.mpf(x) for x in term.vector] for term in terms]
     chosen, combinations = _spanning(coarse, context)
-    unit = [[context.mpf(int(i == j)) for i in range(1 + 2 * n)] for j in problem.unknowns]
+    wanted = [[int(i == j) for i in range(1 + n)] for j in problem.unknowns] if along is None else along
+    directions = [[context.mpf(x) for x in [*direction, *[0] * n]] for direction in wanted]
     # Each chosen vector lies in Fix(R), where it is a combination of the unknowns' directions, or not.
     second = second_derivatives(
-        problem.system, problem.parameters, point, unit, chosen, context, problem.regularisation, problem.crossings
+        problem.system,
+        problem.parameters,
+        point,
+        directions,
+        chosen,
+        context,
+        problem.regularisation,
+        problem.crossings,
     )
     slope = []
     for values in second:
@@ -190,7 +207,7 @@ def resonance_slope(problem: Resonance, point: Sequence[Fraction], at: Linearise
         slope.append(total)
     if problem.is_fold:
         bend = problem.level_bend(point, [context.mpf(x) for x in at.right], context)
-        slope = [a + b for a, b in zip(slope, bend, strict=True)]
+        slope = [a + dot(bend, v[: n + 1]) for a, v in zip(slope, directions, strict=True)]
     return slope
 
 
@@ -225,13 +242,17 @@ def newton_equations(problem: Resonance, at: LinearisedResonance, slope: Sequenc
 
 def newton_correction(problem: Resonance, at: LinearisedResonance, slope: Sequence[Any]) -> list[Any]:
     """Newton's correction of u, from the equations at the point and the derivative of g."""
-    n = len(problem.system.kernel_coordinates)
     residual, matrix = newton_equations(problem, at, slope)
+    return solved_step(problem, at, matrix, residual)
+
+
+def solved_step(problem: Resonance, at: LinearisedResonance, matrix: Any, residual: Sequence[Any]) -> list[Any]:
+    """The change of u that makes a residual vanish to first order."""
     try:
-        step = at.context.lu_solve(matrix, residual)
+        step = at.context.lu_solve(matrix, at.context.matrix(residual))
     except ZeroDivisionError:
         raise RefinementFailure("Newton's matrix is singular: the resonance is degenerate") from None
-    correction = [at.context.mpf(0)] * (n + 1)
+    correction = [at.context.mpf(0)] * len(problem.system.centre_coordinates)
     for index, j in enumerate(problem.unknowns):
         correction[j] = -step[index]
     return correction

@@ -10,7 +10,7 @@ import mpmath
 import pytest
 from support.independent_flow import CONSTANTS, EARTH_MOON, crossings, extrapolated_crossings
 
-from orbitproof.explore.numerics import working_context
+from orbitproof.explore.numerics import mpf, working_context
 from orbitproof.explore.refinement import (
     Crossing,
     IntegrationFailure,
@@ -23,6 +23,7 @@ from orbitproof.explore.refinement import (
     start_jets,
 )
 from orbitproof.explore.refinement.crossing import shorter_coordinates
+from orbitproof.explore.refinement.floats import FLOAT_BITS
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, Regularisation, ReversibleSystem, record
 from orbitproof.shared.systems.regularised import KUSTAANHEIMO_STIEFEL
 
@@ -193,6 +194,46 @@ def test_regularised_coordinates_give_the_same_jets_of_two_returns(point: tuple[
         for left, right in zip(own.jets, other.jets, strict=True):
             scale = max(1, *(abs(c) for c in left.coefficients))
             assert max(abs(a - b) for a, b in zip(left.coefficients, right.coefficients, strict=True)) < 1e-20 * scale
+
+
+@pytest.mark.parametrize(
+    "system, point, regularisation",
+    [
+        (CR3BP, ("0.842", "0.16", "0.26"), None),
+        (CR3BP, ("0.9898", "-0.04075", "-0.7396"), KUSTAANHEIMO_STIEFEL),
+        (FALKNER_SKAN, ("340", "0.9398"), None),
+    ],
+    ids=["cr3bp", "regularised", "falkner-skan"],
+)
+def test_floats_give_the_jets_of_many_digits(
+    system: ReversibleSystem, point: tuple[str, ...], regularisation: Regularisation | None
+) -> None:
+    """At two returns, with the time that they take, in directions off Fix(R) too."""
+    basis, size = JetBasis.graded((2, 1), 3), 1 + 2 * len(system.kernel_coordinates)
+    directions = [[1, 0.5, -0.25, 0.5, 0][:size], [0, -1, 0.25, 1, -0.5][:size]]
+    found = []
+    for bits in (FLOAT_BITS, 120):
+        context = working_context(bits)
+        start, parameter = start_jets(system, [mpf(x, context) for x in point], directions, basis)
+        parameters = EARTH_MOON if system is CR3BP else {}
+        returns = section_crossings(system, parameters, start, parameter, context, regularisation=regularisation)
+        found.append([next(returns), next(returns)])
+    for rough, fine in zip(*found, strict=True):
+        assert rough.time == pytest.approx(fine.time, rel=1e-13)
+        for left, right in zip([*rough.jets, rough.duration], [*fine.jets, fine.duration], strict=True):
+            scale = max(1e-3, *(abs(float(c)) for c in right.coefficients))
+            differences = [float(abs(a - b)) for a, b in zip(left.coefficients, right.coefficients, strict=True)]
+            assert max(differences) < 1e-9 * scale
+
+
+@pytest.mark.parametrize(
+    "point, reason", [((1 - EARTH_MOON["mu"], 0, 1), "singularity"), ((0.84, 0.16, 0), "tangent")], ids=str
+)
+def test_floats_refuse_what_many_digits_refuse(point: tuple[Any, ...], reason: str) -> None:
+    for bits in (FLOAT_BITS, 90):
+        start, _ = start_jets(CR3BP, [mpf(x, working_context(bits)) for x in point], (), CONSTANTS)
+        with pytest.raises(IntegrationFailure, match=reason):
+            next(section_crossings(CR3BP, EARTH_MOON, start, None, working_context(bits)))
 
 
 def test_regularised_coordinates_are_chosen_close_to_the_smaller_primary_only() -> None:
