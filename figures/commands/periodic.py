@@ -22,6 +22,7 @@ examples:
   orbit-*         two projections of each orbit, with its points on the section; filled if certified
   bifurcation-*   the orbit at each bifurcation and, numerical, the new orbits or, of a torus, iterates on the section
   family-*        period and multipliers along each family, and where multipliers meet the unit circle; all numerical
+  homoclinic-*    homoclinic orbits with their periodic orbit, and the manifolds where they cross; filled if certified
   life-*          equilibria, the orbits that are born there, and their periods; filled where a certificate proves them
 
 Verdicts are copied.

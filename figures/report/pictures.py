@@ -153,9 +153,10 @@ def _of_connection(entry: Checked) -> tuple[Picture, ...]:
     except OrbitNotClosed:
         return ()
     caption = (
-        f"{shown(name)}: (a) the homoclinic orbit and its periodic orbit, integrated in double precision; (b) their "
-        "unstable and stable manifold in the section, numerical. The certificate encloses the filled point, far closer "
-        "than can be seen, and proves that the manifolds cross there"
+        f"{shown(name)}: (a) the homoclinic orbit and its periodic orbit, integrated in double precision; (b) the box "
+        "about the periodic orbit, with the cone that contains the unstable manifold, and the sliver that is followed; "
+        "(c) unstable and stable manifold in the section, numerical. The certificate encloses the filled point, far "
+        "closer than can be seen, and proves that the manifolds cross there"
     )
     return (_picture(f"homoclinic-{file_name(name)}", caption, figure),)
 

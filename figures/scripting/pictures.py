@@ -12,7 +12,14 @@ from typing import TYPE_CHECKING
 from orbitproof.explore.periodic import LIFE, PERIODIC_FAMILY
 from orbitproof.figures.files import Files, file_name, saved_as
 from orbitproof.figures.scripting.written import Names, Source, Told, Written, folder_of, optional, quietly
-from orbitproof.shared.claims import HOPF, PERIODIC_DOUBLING, PERIODIC_FOLD, PERIODIC_PITCHFORK, PERIODIC_TORUS
+from orbitproof.shared.claims import (
+    HOPF,
+    PERIODIC_DOUBLING,
+    PERIODIC_FOLD,
+    PERIODIC_PITCHFORK,
+    PERIODIC_TORUS,
+    HomoclinicOrbit,
+)
 from orbitproof.shared.formats import (
     ArgumentError,
     BoxClaim,
@@ -25,6 +32,7 @@ from orbitproof.shared.formats import (
     write_text,
 )
 from orbitproof.shared.wording import counted
+from orbitproof.verify.homoclinic import HomoclinicResults
 from orbitproof.verify.periodic import PeriodicResults
 from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults, TorusResults
 
@@ -273,7 +281,7 @@ class Drawn:
 def draw_periodic(
     sources: Sequence[Source], folder: Source, *, files: Files | None = None, told: Told = quietly
 ) -> Drawn:
-    """Periodic orbits without symmetry and their bifurcations, from candidates or certificates, families, whole lives.
+    """Periodic orbits without symmetry, their bifurcations, homoclinic orbits, families, whole lives.
 
     On a whole life what the certificates prove is filled, and they are not drawn by themselves.
 
@@ -284,6 +292,7 @@ def draw_periodic(
     from orbitproof.figures.files import save
     from orbitproof.figures.orbits import OrbitNotClosed
     from orbitproof.figures.pictures import (
+        draw_connection,
         draw_life,
         draw_periodic_bifurcation,
         draw_periodic_family,
@@ -306,7 +315,7 @@ def draw_periodic(
         else:
             found = _certified(path) if kind == "certificates" else _numerical(path)
             if not found:
-                what = "claims about single periodic orbits without symmetry or their bifurcations"
+                what = "claims about periodic orbits without symmetry, their bifurcations or homoclinic orbits"
                 raise InputError(f"{path}: holds no {what}; {remedy}")
             drawings += [(f"{_stem(each.claim)}-{file_name(each.claim.id)}", each) for each in found]
     target, names, written, not_drawn = folder_of(folder), Names(), Written(told), dict[str, str]()
@@ -317,6 +326,8 @@ def draw_periodic(
                     figure = draw_periodic_family(drawing)
                 elif isinstance(drawing, LifeRecord):
                     figure = draw_life(drawing, certified)
+                elif isinstance(drawing.claim, HomoclinicOrbit):
+                    figure = draw_connection(drawing.claim, certified=drawing.found is not None)
                 elif not drawing.claim.is_of_orbit:
                     drawn = draw_periodic_bifurcation(drawing.claim, drawing.found)
                     figure = drawn.figure
@@ -336,8 +347,8 @@ def draw_periodic(
 class _Claimed:
     """A claim, with what its certificate has found if it says "proved"."""
 
-    claim: InSection
-    found: PeriodicResults | PeriodicBifurcationResults | TorusResults | None = None
+    claim: InSection | HomoclinicOrbit
+    found: PeriodicResults | PeriodicBifurcationResults | TorusResults | HomoclinicResults | None = None
 
 
 _POINTS = {
@@ -365,13 +376,15 @@ def _points(path: Path) -> list[CertifiedPoint]:
 
 
 def _is_drawn(claim: BoxClaim) -> bool:
-    """Whether it is about a periodic orbit without symmetry, or a bifurcation of one."""
+    """Whether it is about a periodic orbit without symmetry, a bifurcation of one, or a homoclinic orbit."""
     from orbitproof.verify.certificate.kinds import kind_of
 
-    return kind_of(claim).picture in ("periodic orbit", "bifurcation")
+    return kind_of(claim).picture in ("periodic orbit", "bifurcation", "connection")
 
 
-def _stem(claim: InSection) -> str:
+def _stem(claim: InSection | HomoclinicOrbit) -> str:
+    if isinstance(claim, HomoclinicOrbit):
+        return "homoclinic"
     return "orbit" if claim.is_of_orbit else "bifurcation"
 
 
