@@ -36,6 +36,7 @@ CHAPTERS = {
     "equilibrium": ("verify.equilibrium.proved_equilibrium",),
     "hopf": ("verify.equilibrium.proved_hopf",),
     "homoclinic": ("verify.homoclinic.following", "verify.homoclinic.proved_homoclinic"),
+    "heteroclinic": ("verify.homoclinic.following", "verify.heteroclinic.proved_heteroclinic"),
     "periodic-bifurcation": (
         "verify.periodic_bifurcation.following",
         "verify.periodic.force",
@@ -73,6 +74,7 @@ OTHER_WORDS = {
     "equilibrium": ("one-equilibrium", "fixed-point"),
     "hopf": ("hopf-point", "hopf-bifurcation", "andronov-hopf"),
     "homoclinic": ("homoclinic-orbit", "horseshoe"),
+    "heteroclinic": ("heteroclinic-orbit", "connection"),
     "periodic-bifurcation": ("periodic-fold", "periodic-doubling", "periodic-pitchfork", "doubling", "pitchfork"),
     "torus": ("periodic-torus", "neimark-sacker"),
     "periodic-curve": ("periodic-atlas", "periodic-arc", "periodic-loop"),

@@ -1,5 +1,9 @@
+from .claims import heteroclinic_claim as heteroclinic_claim
 from .claims import homoclinic_claim as homoclinic_claim
 from .claims import is_claimed as is_claimed
+from .heteroclinic import Branch as Branch
+from .heteroclinic import Heteroclinic as Heteroclinic
+from .heteroclinic import heteroclinic_orbits as heteroclinic_orbits
 from .homoclinic import ConnectionFailure as ConnectionFailure
 from .homoclinic import Homoclinic as Homoclinic
 from .homoclinic import Hyperbolic as Hyperbolic

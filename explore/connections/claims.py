@@ -1,12 +1,14 @@
-"""Homoclinic orbits as claims for the verifier."""
+"""Homoclinic and heteroclinic orbits as claims for the verifier."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from math import ceil, log2
 
+from orbitproof.explore.connections.heteroclinic import Heteroclinic, closer_pair
 from orbitproof.explore.connections.homoclinic import Homoclinic, Hyperbolic, closer, slopes_at_arrival
-from orbitproof.shared.claims import HomoclinicOrbit
+from orbitproof.shared.claims import HeteroclinicOrbit, HomoclinicOrbit
 from orbitproof.shared.numbers import round_dyadic
 
 _BOX = Fraction(3, 2)
@@ -27,7 +29,33 @@ def homoclinic_claim(found: Homoclinic, name: str, near: float, digits: int) -> 
 
     Raises `ConnectionFailure`.
     """
-    at = closer(found, near, digits)
+    return _claimed(closer(found, near, digits), name, digits)
+
+
+def heteroclinic_claim(found: Heteroclinic, name: str, near: float, digits: int) -> HeteroclinicOrbit:
+    """The claim about a heteroclinic orbit between points at most at the distance `near` from the periodic orbits.
+
+    Raises `ConnectionFailure`.
+    """
+    pair = closer_pair(found, near, digits)
+    ends = [_claimed(end, name, digits) for end in pair.ends]
+    # What s changes at the arrivals, and how far both a move with that.
+    (p_1, q_1), (p_2, q_2) = map(slopes_at_arrival, pair.ends)
+    wide = [2 * float(end.cone * abs(end.centre[1])) for end in ends]
+    size = abs(p_1[0] * q_2[0] + p_2[0] * q_1[0])
+    p, q = (sum(abs(each[1]) * width for each, width in zip(pq, wide, strict=True)) for pq in ((p_1, p_2), (q_1, q_2)))
+    moved = [abs(q_2[0]) * p + abs(p_2[0]) * q, abs(q_1[0]) * p + abs(p_1[0]) * q]
+    first, second = (
+        replace(
+            end,
+            radii=(end.radii[0], _short(max(Fraction(_INTERVAL) * abs(end.centre[1]), Fraction(_AROUND * by / size)))),
+        )
+        for end, by in zip(ends, moved, strict=True)
+    )
+    return HeteroclinicOrbit.between(name, first, second)
+
+
+def _claimed(at: Homoclinic, name: str, digits: int) -> HomoclinicOrbit:
     orbit, setting = at.orbit, at.orbit.setting
     system = setting.system
     scale = ceil(-log2(abs(at.distance)))
@@ -35,7 +63,7 @@ def homoclinic_claim(found: Homoclinic, name: str, near: float, digits: int) -> 
     radius = _short(_BOX * abs(a))
     cone = _short(_WIDER * Fraction(_steepness(orbit, radius)))
     # What (a, s) with |s| <= 2 cone |a| changes at the arrival, as a part of what a changes there.
-    along, across = slopes_at_arrival(at)
+    along, across = slopes_at_arrival(at)[1]
     interval = max(_INTERVAL, _AROUND * 2 * float(cone) * abs(across / along))
     assert system.level_coordinate is not None
     return HomoclinicOrbit(

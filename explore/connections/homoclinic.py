@@ -42,7 +42,7 @@ _ABOUT = 0.03
 _TIME = 1e3
 """Half a period takes no longer."""
 _FEW_BITS = 64
-_LONGEST = 12
+LONGEST = 12
 """Orbits are followed for so many periods longer than the periodic orbit has as many crossings."""
 _REFINEMENTS = 3
 _CLOSE = 0.1
@@ -238,7 +238,7 @@ def hyperbolic_orbit(setting: OnLevel, guess: Fraction, half: int, digits: int) 
     p = context.mpf(_nearest(setting, float(guess), half))
     try:
         for _ in range(_NEWTON_STEPS):
-            at = _nth(setting.crossings(p, 0, [(1, 0)], few), half)
+            at = nth_place(setting.crossings(p, 0, [(1, 0)], few), half)
             step = at.q / at.slopes[1][0]
             p -= step
             size = abs(step) / (1 + abs(p))
@@ -248,7 +248,7 @@ def hyperbolic_orbit(setting: OnLevel, guess: Fraction, half: int, digits: int) 
             few = bits if size < context.ldexp(1, -bits // 4) else min(bits, max(few, _FEW_BITS - 2 * int(log2(size))))
         else:
             raise ConnectionFailure(f"no symmetric periodic orbit is found near {float(guess):.10g} on this level")
-        back = _nth(setting.crossings(p, 0, [(1, 0), (0, 1)], bits), 2 * half)
+        back = nth_place(setting.crossings(p, 0, [(1, 0), (0, 1)], bits), 2 * half)
     except (IntegrationFailure, ZeroDivisionError) as failure:
         raise ConnectionFailure(f"the periodic orbit is not found: {failure}") from None
     (a, b), (_, d) = back.slopes
@@ -315,11 +315,11 @@ def _heights(orbit: Hyperbolic, distances: Array, most: int) -> Array:
     """q at the next crossings, shape (most, N), NaN where an orbit has not so many."""
     setting = orbit.setting
     start = setting.states(float(orbit.p) + distances, float(orbit.slope) * distances)
-    time = orbit.period * (most / (2 * orbit.half) + _LONGEST)
+    time = orbit.period * (most / (2 * orbit.half) + LONGEST)
     return setting.crossings_of(start, most, time)[:, setting.across]
 
 
-def _from(orbit: Hyperbolic, distance: Any, bits: int, *signs: int) -> Iterator[Place]:
+def from_manifold(orbit: Hyperbolic, distance: Any, bits: int, *signs: int) -> Iterator[Place]:
     """The crossings from (1, slope) a, with derivatives in a, and in s for the sign -1."""
     context = working_context(bits)
     a, slope = mpf(distance, context), mpf(orbit.slope, context)
@@ -336,7 +336,7 @@ def refined(orbit: Hyperbolic, guess: Fraction, number: int, digits: int) -> Hom
     a = mpf(guess, context)
     try:
         for _ in range(_NEWTON_STEPS):
-            at = _nth(_from(orbit, fraction(a), few, 1), number)
+            at = nth_place(from_manifold(orbit, fraction(a), few, 1), number)
             step = at.q / at.slopes[1][0]
             a -= step
             few = bits if abs(step) < 1e-4 * abs(a) else few
@@ -355,11 +355,11 @@ def closer(found: Homoclinic, distance: float, digits: int) -> Homoclinic:
     return refined(orbit, a, number, digits)
 
 
-def slopes_at_arrival(found: Homoclinic) -> tuple[float, float]:
-    """The derivatives of q at Fix(R) in a and in s, the coordinates along the two directions of the periodic orbit."""
+def slopes_at_arrival(found: Homoclinic) -> list[tuple[float, float]]:
+    """Derivatives of p and q there in a and in s, the coordinates along the two directions of the periodic orbit."""
     bits = 64 - int(log2(abs(found.distance)))
-    along, across = _nth(_from(found.orbit, found.distance, bits, 1, -1), found.crossings).slopes[1]
-    return float(along), float(across)
+    slopes = nth_place(from_manifold(found.orbit, found.distance, bits, 1, -1), found.crossings).slopes
+    return [(float(along), float(across)) for along, across in slopes]
 
 
 def _power(base: Array, power: Fraction) -> Array:
@@ -370,7 +370,8 @@ def _number(value: Any, context: mpmath.MPContext) -> Any:
     return mpf(value, context) if isinstance(value, Fraction) else context.mpf(value)
 
 
-def _nth(places: Iterator[Place], number: int) -> Place:
+def nth_place(places: Iterator[Place], number: int) -> Place:
+    """The one of that number, counted from 1."""
     for _ in range(number - 1):
         next(places)
     return next(places)

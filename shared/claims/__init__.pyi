@@ -43,6 +43,8 @@ from .fields import CLAIMS as CLAIMS
 from .fields import EQUILIBRIUM_CURVES as EQUILIBRIUM_CURVES
 from .fields import PERIODIC_CURVES as PERIODIC_CURVES
 from .fields import SURFACE as SURFACE
+from .heteroclinic import HETEROCLINIC as HETEROCLINIC
+from .heteroclinic import HeteroclinicOrbit as HeteroclinicOrbit
 from .homoclinic import HOMOCLINIC as HOMOCLINIC
 from .homoclinic import HomoclinicOrbit as HomoclinicOrbit
 from .periodic import PERIODIC as PERIODIC

@@ -4,6 +4,7 @@ from typing import get_args
 
 from orbitproof.shared.claims.candidate import Candidate
 from orbitproof.shared.claims.equilibria import Equilibrium, HopfPoint
+from orbitproof.shared.claims.heteroclinic import HeteroclinicOrbit
 from orbitproof.shared.claims.homoclinic import HomoclinicOrbit
 from orbitproof.shared.claims.periodic import PeriodicOrbit
 from orbitproof.shared.claims.periodic_bifurcation import PeriodicBifurcation
@@ -12,7 +13,7 @@ from orbitproof.shared.codec import kinds_said
 InSection = PeriodicOrbit | PeriodicBifurcation
 """A claim of which no symmetry of a reversible system is used: its box lies in a section."""
 
-WithoutReversor = InSection | Equilibrium | HopfPoint | HomoclinicOrbit
+WithoutReversor = InSection | Equilibrium | HopfPoint | HomoclinicOrbit | HeteroclinicOrbit
 """A claim of which no symmetry of a reversible system is used."""
 
 KINDS_WITHOUT_REVERSOR: dict[str, type[WithoutReversor]] = {

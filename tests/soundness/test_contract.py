@@ -66,6 +66,7 @@ FREE = {
 
 
 LONG_ROWS = (
+    "heteroclinic",
     "tori",
     "krein",
     "periodic-functions-fold",

@@ -24,6 +24,7 @@ from orbitproof.verify.bifurcation import level_form
 from orbitproof.verify.certificate.kinds import kind_of
 from orbitproof.verify.equilibrium import Spectrum
 from orbitproof.verify.evidence import Reason
+from orbitproof.verify.heteroclinic import End
 from orbitproof.verify.orbit import STABLE, UNDECIDED, UNSTABLE, Extremum, Stability
 from orbitproof.verify.periodic import Multipliers
 from orbitproof.verify.tori import ToriTheorem
@@ -157,6 +158,14 @@ FOUND: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
                 ("above", "subcritical", -1),
             )
         )
+    },
+    "HeteroclinicResults": {
+        "": {
+            "ends": tuple(
+                End({"x": ball(k)}, *map(ball, range(k + 1, k + 5)), (ball(k + 5), ball(k + 6))) for k in (1, 11)
+            ),
+            "meeting": {"x": ball(21), "u": ball(22), "v": ball(23)},
+        },
     },
     "HomoclinicResults": {"": {"point": {"x": ball(1)}, "meeting": {"x": ball(2)}, "slopes": (ball(3), ball(4))}},
 }  # fmt: skip

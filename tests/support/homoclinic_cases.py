@@ -1,11 +1,11 @@
-"""Homoclinic orbits of a system of one's own and of the planar three-body problem (section 40)."""
+"""Homoclinic and heteroclinic orbits of one's own systems and of the planar three-body problem (sections 40, 41)."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction as Q
 
-from orbitproof.shared.claims import HomoclinicOrbit
+from orbitproof.shared.claims import HeteroclinicOrbit, HomoclinicOrbit
 from orbitproof.shared.formats import define_system
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import CR3BP_PLANAR
@@ -47,4 +47,24 @@ def beyond_jupiter() -> HomoclinicOrbit:
         jupiter(), id="L2", level_sign=-1, slope=parse_exact("0x12411bc3a411aeee1p-63"), cone=Q(3, 2**26),
         centre=tuple(map(parse_exact, ("0x8a7caa594823170d0f97e314e9377e2a02e3p-143", "0x1cb8b58b977372d15p-104"))),
         radii=(Q(11, 2**42), Q(15, 2**67)),
+    )  # fmt: skip
+
+
+HILLS = define_system({
+    "name": "hills", "state": "x y u v", "parameters": "w e d", "where": {"f": "w + e*(3*x - x**3)"},
+    "field": {"x": "u", "y": "v", "u": "(x**2 - 1)*(x + 3*d + 3*e*y**2/2)", "v": "-y*f"},
+    "first_integral": "(u**2 + v**2)/2 - (x**2 - 1)**2/4 + d*(3*x - x**3) + f*y**2/2", "first_integral_name": "energy",
+})  # fmt: skip
+"""A particle between two hills, at x = -1 and x = 1, on which it can swing in y: y = A sin(f^(1/2) t)."""
+
+
+def hills() -> HeteroclinicOrbit:
+    """From x = -1, where the square of the frequency is 15/4, to x = 1, where it is 17/4, at the energy 1/2."""
+    return HeteroclinicOrbit(
+        "hills", HILLS, {"w": Q(4), "e": Q(1, 8), "d": Q(-1, 128)}, reversing_symmetry=(1, -1, -1, 1), section="y",
+        level=Q(1, 2), level_coordinate="v", level_sign=(1, 1), returns=(2, 2), arrival=(6, 6),
+        slope=(parse_exact("0x5adacf0cf0c5d011p-62"), parse_exact("0x5a2600a281f6c5bbp-62")),
+        cone=(Q(9, 2**13), Q(3, 2**12)),
+        centre=(Q(-1), parse_exact("0x71248758f1a6919bp-81"), Q(1), parse_exact("-0x1a6750d2f8e8d4967p-83")),
+        radii=(Q(11, 2**21), Q(13, 2**39), Q(5, 2**20), Q(3, 2**37)),
     )  # fmt: skip

@@ -13,7 +13,7 @@ from fractions import Fraction
 from random import Random
 from typing import Any, TypeVar
 
-from orbitproof.shared.claims import Atlas, BirthAtlas, Candidate, Covers, HomoclinicOrbit, Piece
+from orbitproof.shared.claims import Atlas, BirthAtlas, Candidate, Covers, HeteroclinicOrbit, HomoclinicOrbit, Piece
 from orbitproof.shared.formats import (
     COORDINATE,
     HALF_PERIOD,
@@ -261,6 +261,8 @@ def changed_claim(claim: BoxClaim, change: Change) -> BoxClaim:
         return _candidate(claim, change)
     if isinstance(claim, HomoclinicOrbit):
         return _homoclinic(claim, change)
+    if isinstance(claim, HeteroclinicOrbit):
+        return HeteroclinicOrbit.between(claim.id, *(_homoclinic(end, change) for end in claim.ends))
     return _in_section(claim, change) if isinstance(claim, InSection) else _around_point(claim, change)
 
 

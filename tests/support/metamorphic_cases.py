@@ -193,6 +193,7 @@ ROWS: Mapping[str, Callable[[], BoxClaim]] = {
     "hopf": equilibrium_cases.hopf,
     "hopf-functions": equilibrium_cases.hopf_with_functions,
     "homoclinic": homoclinic_cases.wells,
+    "heteroclinic": homoclinic_cases.hills,
 }
 """By what is claimed."""
 

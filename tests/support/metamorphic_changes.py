@@ -138,5 +138,8 @@ def has_room(case: Case) -> bool:
     """Whether coordinates that play no part may stand beside."""
     if system_of(case).defined or (isinstance(case, Curve) and case.complete is not None):
         return False
-    kinds = ("stable_orbit", "invariant_tori", "krein_collision", "double_resonance", "periodic-torus", "homoclinic")
+    kinds = (
+        "stable_orbit", "invariant_tori", "krein_collision", "double_resonance", "periodic-torus", "homoclinic",
+        "heteroclinic",
+    )  # fmt: skip
     return getattr(case, "kind", "") not in kinds

@@ -84,10 +84,7 @@ def prove_homoclinic(
     """
 
     def check() -> HomoclinicResults:
-        found = _checked(checklist, claim, enclosures)
-        where = _check_fixed_point(checklist, claim, found.returned)
-        multiplier = _check_cone(checklist, claim, found.returned, where)
-        _check_sliver(checklist, claim, where)
+        found, where, multiplier = check_end(checklist, claim, enclosures)
         passage = _check_meeting(checklist, claim, found.arrived)
         slopes = _check_transversal(checklist, claim, found.arrived)
         a = passage - enclose(claim.centre[1])
@@ -103,6 +100,17 @@ def prove_homoclinic(
         )
 
     return concluded(HomoclinicTheorem(claim), checklist, check)
+
+
+def check_end(
+    checklist: Checklist, claim: HomoclinicOrbit, enclosures: HomoclinicEnclosures | None
+) -> tuple[HomoclinicEnclosures, list[arb], arb]:
+    """Periodic orbit and unstable manifold, to the sliver: the enclosures, (a, s) of the point, the multiplier."""
+    found = _checked(checklist, claim, enclosures)
+    where = _check_fixed_point(checklist, claim, found.returned)
+    multiplier = _check_cone(checklist, claim, found.returned, where)
+    _check_sliver(checklist, claim, where)
+    return found, where, multiplier
 
 
 def _checked(checklist: Checklist, claim: HomoclinicOrbit, found: HomoclinicEnclosures | None) -> HomoclinicEnclosures:
@@ -185,7 +193,7 @@ def _check_sliver(checklist: Checklist, claim: HomoclinicOrbit, where: list[arb]
         evidence.require(inside, "the manifold may leave the sliver", needs_precision=True)
 
 
-def _along(claim: HomoclinicOrbit, function: Linearised) -> arb:
+def along_manifold(claim: HomoclinicOrbit, function: Linearised) -> arb:
     """The derivative of a function along the unstable manifold, by a."""
     by_a, by_s = function.slopes
     return by_a + symmetric(claim.cone) * by_s
@@ -196,7 +204,7 @@ def _check_meeting(checklist: Checklist, claim: HomoclinicOrbit, found: Way) -> 
     statement = "interval Newton: along the unstable manifold q has exactly one zero at the arrival, in the interval"
     remedy = "move the interval to the homoclinic orbit, or choose a smaller one or a smaller cone"
     with checklist.hypothesis("homoclinic", "40.5", statement, remedy) as evidence:
-        rate = evidence.record("dq/da", _along(claim, found.second))
+        rate = evidence.record("dq/da", along_manifold(claim, found.second))
         evidence.require(excludes_zero(rate), "q may not be monotone", needs_precision=True)
         q = found.second.centre + found.second.slopes[1] * symmetric(width_of_sliver(claim))
         change = evidence.record("a, from the middle", -q / rate)
@@ -211,7 +219,7 @@ def _check_transversal(checklist: Checklist, claim: HomoclinicOrbit, found: Way)
     """At the arrival the unstable manifold is tangent neither to Fix(R) nor to what R negates."""
     statement = "along the unstable manifold neither q nor both p and w have the derivative 0 at the arrival"
     with checklist.hypothesis("transversal", "40.6", statement, "a smaller interval or a smaller cone") as evidence:
-        p, q, w = (_along(claim, each) for each in (found.first, found.second, found.w))
+        p, q, w = (along_manifold(claim, each) for each in (found.first, found.second, found.w))
         for name, ball in (("dp/da", p), ("dq/da", q), ("dw/da", w)):
             evidence.record(name, ball)
         evidence.require(excludes_zero(q), "q may not change", needs_precision=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from flint import arb
 
@@ -46,18 +46,49 @@ def homoclinic_in_words(theorem: HomoclinicTheorem) -> str:
 def homoclinic_found(claim: HomoclinicOrbit, found: HomoclinicResults) -> Iterator[str]:
     """Multiplier of the periodic orbit, and where the homoclinic one meets Fix(R), in short lines."""
     yield f"multiplier in {decimal_interval(found.multiplier, _SHORT)}"
-    yield f"the homoclinic orbit meets Fix(R) at {_place(claim, found.meeting, _SHORT)}"
+    yield f"the homoclinic orbit meets Fix(R) at {place_in_words(claim, found.meeting, _SHORT)}"
 
 
-def _place(claim: HomoclinicOrbit, values: Mapping[str, arb], digits: int) -> str:
+def place_in_words(claim: HomoclinicOrbit, values: Mapping[str, arb], digits: int) -> str:
+    """Coordinates of a point, each in its interval."""
     return ", ".join(located(name, ball, digits) for name, ball in keyed_in_words(claim.system, values).items())
 
 
 def homoclinic_in_full(claim: HomoclinicOrbit, theorem: str, found: HomoclinicResults) -> Iterator[str]:
     """System, box, theorem and what was found, in lines."""
-    system, names = claim.system, names_in_words(claim.system)
     a, s, c, slope, r, g = _letters(claim)
-    field, taken = field_in_lines(system, (*_TAKEN, a, s, c, slope, r, g))
+    *lines, section = setting_on_level(claim, (a, s, c, slope, r, g))
+    yield from lines
+    p, q, w = (names_in_words(claim.system).get(n, n) for n in (claim.along, claim.across, claim.level_coordinate))
+    word = "positive" if claim.level_sign > 0 else "negative"
+    yield f"{section} The box lies where {w} is {word}."
+    yield (
+        f"The box has the coordinates {a} and {s}: {p} = {c} + {a} + {s}, {q} = {slope} ({a} - {s}), |{a}| and |{s}| "
+        f"at most {r}, with {c} = {exact_text(claim.centre[0])}, {slope} = {exact_text(claim.slope)}, "
+        f"{r} = {exact_text(claim.radii[0])}. The interval of {a} has the middle {exact_text(claim.centre[1])} and the "
+        f"half-width {exact_text(claim.radii[1])}."
+    )
+    yield "Theorem."
+    yield theorem
+    passage, period, multiplier, time, *slopes = (
+        decimal_interval(ball, _DIGITS)
+        for ball in (found.passage, found.period, found.multiplier, found.time, *found.slopes)
+    )
+    yield (
+        f"The periodic orbit meets Fix(R) at {place_in_words(claim, found.point, _DIGITS)}. A period lies in {period}, "
+        f"its multiplier of absolute value above 1 in {multiplier}."
+    )
+    yield (
+        f"The homoclinic orbit has a point of the graph with {a} in {passage}, and meets Fix(R) at "
+        f"{place_in_words(claim, found.meeting, _DIGITS)}, a time in {time} later. The derivatives of {p} and {q} "
+        f"there by {a}, along the unstable manifold, lie in {' and '.join(slopes)}."
+    )
+
+
+def setting_on_level(claim: HomoclinicOrbit, letters: Sequence[str]) -> Iterator[str]:
+    """System and first integral, with none of these letters for parts of them; the last line is R with the section."""
+    system, names = claim.system, names_in_words(claim.system)
+    field, taken = field_in_lines(system, (*_TAKEN, *letters))
     yield from field
     for name, value in keyed_in_words(system, claim.parameters).items():
         yield f"  {name} = {exact_text(value)}"
@@ -75,30 +106,7 @@ def homoclinic_in_full(claim: HomoclinicOrbit, theorem: str, found: HomoclinicRe
 
     state = [said(name) for name in system.state]
     image = [name if sign > 0 else f"-{name}" for name, sign in zip(state, claim.reversing_symmetry, strict=True)]
-    p, q, w = map(said, (claim.along, claim.across, claim.level_coordinate))
-    word = "positive" if claim.level_sign > 0 else "negative"
     yield (
         f"R({', '.join(state)}) = ({', '.join(image)}) reverses the flow. The section is {said(claim.section)} = 0 on "
-        f"the level, for both signs of {w}, and is crossed in both directions. The box lies where {w} is {word}."
-    )
-    yield (
-        f"The box has the coordinates {a} and {s}: {p} = {c} + {a} + {s}, {q} = {slope} ({a} - {s}), |{a}| and |{s}| "
-        f"at most {r}, with {c} = {exact_text(claim.centre[0])}, {slope} = {exact_text(claim.slope)}, "
-        f"{r} = {exact_text(claim.radii[0])}. The interval of {a} has the middle {exact_text(claim.centre[1])} and the "
-        f"half-width {exact_text(claim.radii[1])}."
-    )
-    yield "Theorem."
-    yield theorem
-    passage, period, multiplier, time, *slopes = (
-        decimal_interval(ball, _DIGITS)
-        for ball in (found.passage, found.period, found.multiplier, found.time, *found.slopes)
-    )
-    yield (
-        f"The periodic orbit meets Fix(R) at {_place(claim, found.point, _DIGITS)}. A period lies in {period}, its "
-        f"multiplier of absolute value above 1 in {multiplier}."
-    )
-    yield (
-        f"The homoclinic orbit has a point of the graph with {a} in {passage}, and meets Fix(R) at "
-        f"{_place(claim, found.meeting, _DIGITS)}, a time in {time} later. The derivatives of {p} and {q} there by "
-        f"{a}, along the unstable manifold, lie in {' and '.join(slopes)}."
+        f"the level, for both signs of {said(claim.level_coordinate)}, and is crossed in both directions."
     )
