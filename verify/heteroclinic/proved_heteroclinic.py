@@ -164,12 +164,9 @@ def prove_heteroclinic(
 
     def check() -> HeteroclinicResults:
         found, wheres, multipliers = [], [], []
+        ways_of = [] if enclosures is None else list(zip(enclosures.returned, enclosures.arrived, strict=False))
         for number, end in enumerate(claim.ends):
-            given = (
-                None
-                if enclosures is None
-                else HomoclinicEnclosures(enclosures.returned[number], enclosures.arrived[number])
-            )
+            given = HomoclinicEnclosures(*ways_of[number]) if number < len(ways_of) else None
             way, where, multiplier = check_end(_OfEnd(checklist, number + 1), end, given)
             found.append(way)
             wheres.append(where)
