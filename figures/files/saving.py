@@ -70,6 +70,10 @@ def add_file_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+_PLAIN = 1e-3, 1e5
+"""Largest numbers at an axis between which none is written with a power of ten."""
+
+
 def files_of(options: argparse.Namespace) -> Files:
     """What these options say. Raises `InputError`."""
     return Files(tuple(dict.fromkeys(options.format)), options.dpi, options.width)
@@ -99,6 +103,7 @@ def save(figure: Any, stem: Path) -> list[Path]:
     if files.width is not None:
         size = figure.get_size_inches()
         figure.set_size_inches(np.asarray(size) * files.width / size[0])
+    _plain_numbers(figure)
     written = []
     for kind in files.formats:
         path = stem.with_name(f"{stem.name}.{kind}")
@@ -109,3 +114,14 @@ def save(figure: Any, stem: Path) -> list[Path]:
         written.append(path)
     pyplot.close(figure)
     return written
+
+
+def _plain_numbers(figure: Any) -> None:
+    """Numbers at axes that need no power of ten are plain text, which is sooner set; they look the same."""
+    from matplotlib.ticker import ScalarFormatter
+
+    for axes in figure.axes:
+        for axis in filter(None, (axes.xaxis, axes.yaxis, getattr(axes, "zaxis", None))):
+            largest, formatter = max(map(abs, axis.get_view_interval())), axis.get_major_formatter()
+            if type(formatter) is ScalarFormatter and _PLAIN[0] < largest < _PLAIN[1]:
+                formatter.set_useMathText(False)
