@@ -25,13 +25,15 @@ examples:
   orbitproof explore trajectory candidates.json --id earth-moon-L1-halo-k2-1 -o orbit.csv
   orbitproof explore trajectory certificates.json --id earth-moon-L2-halo-k3-1 --periods 2 -o orbit.csv
   orbitproof explore trajectory families.json --family earth-moon-L2-halo --orbit 100 -o orbit.csv
+  orbitproof explore trajectory homoclinic-certificates.json --id L1 -o connection.csv
   orbitproof explore trajectory branches.json --id earth-moon-L1-halo-k2-1 --orbit -10 -o orbit.csv
   orbitproof explore trajectory catalogue.json --orbit 700 --units km -o orbit.csv --oem orbit.oem
   orbitproof explore trajectory catalogue.json --orbit 700 --units km --frame inertial --origin moon --spk orbit.bsp
   orbitproof explore trajectory families.json --orbit 9 --units km --lunit 389703 --tunit 382981 --oem orbit.oem
 
-The first state lies on Fix(R), at its time 0. States are dense where the orbit is fast: as dense as their interpolation
-needs (Hermite, degree 7), whose error is stated and, of an OEM and an SPK file, found again by reading the file.
+The first state lies on Fix(R), at its time 0; a homoclinic orbit begins near its periodic orbit, comes to Fix(R) and
+goes back. States are dense where the orbit is fast: as dense as their interpolation needs (Hermite, degree 7), whose
+error is stated and, of an OEM and an SPK file, found again by reading the file.
 Everything is computed in double precision and nothing is proved; what a certificate says about an orbit is copied.
 Kilometres and seconds need the units of the system: those that a catalogue file names, or --lunit and --tunit.
 Ephemerides (CCSDS OEM, SPK) are in km, their dates are labels.
@@ -128,7 +130,10 @@ def run(options: argparse.Namespace) -> int:
 
     epoch = epoch_of(options.epoch)
     try:
-        source = find_orbit(options.file, Choice(options.id, options.family, options.orbit, options.accept))
+        chosen = Choice(options.id, options.family, options.orbit, options.accept, connections=True)
+        source = find_orbit(options.file, chosen)
+        if source.distance is not None and options.periods != 1:
+            raise InputError("--periods: a homoclinic orbit does not repeat itself; leave it out")
         if source.system not in THREE_BODY:
             for option, given in (("--units km", options.units == "km"), ("--error", options.error),
                                   ("--frame", options.frame != "rotating"),
@@ -177,7 +182,7 @@ def _as_json(samples: SampledOrbit, lines: list[str]) -> dict[str, Any]:
         "orbit": trajectory.source.title,
         "system": trajectory.source.system.name,
         "parameters": trajectory.source.parameters,
-        "period": trajectory.period,
+        "period": trajectory.period if trajectory.source.distance is None else None,
         "first_integral": trajectory.first_integral,
         "states": len(samples.times),
         "last_time": samples.times[-1],

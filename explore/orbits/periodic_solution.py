@@ -59,11 +59,13 @@ class PeriodicSolution:
         phase = np.mod(instants, self.period)
         if not self.mirrored:
             return self._along(phase)
+        # An orbit that does not close, a homoclinic one, ends at the image of its start.
+        phase[instants == self.period] = self.period
         assert isinstance(self.system, ReversibleSystem)
         later = phase > self.period / 2
         signs = np.array(self.system.reversing_symmetry, dtype=float)
         found = self._along(np.where(later, self.period - phase, phase))
-        return np.where(later[:, None], found * signs, found)
+        return np.where(later[:, None], found * signs + 0.0, found)
 
     @property
     def defect(self) -> float:

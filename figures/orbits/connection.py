@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from orbitproof.explore.connections import ConnectionFailure, OnLevel
+from orbitproof.explore.connections import ConnectionFailure, OnLevel, setting_of
 from orbitproof.figures.orbits.fixed_set import Array
 from orbitproof.figures.orbits.orbit import OrbitNotClosed
 from orbitproof.shared.claims import HomoclinicOrbit
-from orbitproof.verify.homoclinic.following import reversible
 
 _NEAR = 1e-7
 """So far from the periodic orbit, relative to its distance from 0, the multiplier is taken."""
@@ -54,9 +51,7 @@ class Connection:
 def connection_of(claim: HomoclinicOrbit) -> Connection:
     """The homoclinic orbit of a claim, in double precision. Raises `OrbitNotClosed` if it does not come to Fix(R)."""
     try:
-        assert claim.level is not None
-        parameters: Mapping[str, Fraction] = dict(claim.parameters)
-        setting = OnLevel(reversible(claim), parameters, claim.level, claim.level_sign)
+        setting = setting_of(claim)
     except ConnectionFailure as failure:
         raise OrbitNotClosed(str(failure)) from None
     c, slope = float(claim.centre[0]), float(claim.slope)

@@ -66,7 +66,15 @@ def about(trajectory: Trajectory) -> list[str]:
     lines += [
         f"{name} = {value:.17g}" for name, value in trajectory.parameters.items() if name not in source.parameters
     ]
-    lines.append(f"period: {trajectory.period:.15g} (nondimensional)")
+    if source.distance is None:
+        lines.append(f"period: {trajectory.period:.15g} (nondimensional)")
+    else:
+        lines += [
+            "not periodic: a homoclinic orbit, from near its periodic orbit on the unstable manifold to Fix(R), and, "
+            "mirrored by R, back to it on the stable one",
+            f"time between its ends: {trajectory.period:.15g} (nondimensional)",
+            f"a at its ends, where the periodic orbit has a = 0: {source.distance:.6g} (nondimensional)",
+        ]
     if trajectory.first_integral is not None:
         lines.append(f"{system.first_integral_name}: {trajectory.first_integral:.15g} (nondimensional)")
     if trajectory.multipliers is not None:
@@ -76,6 +84,8 @@ def about(trajectory: Trajectory) -> list[str]:
         ]
     mirrored = trajectory.solution.mirrored and isinstance(system, ReversibleSystem)
     what = "distance from Fix(R) after half a period" if mirrored else "gap after a period"
+    if source.distance is not None:
+        what = "distance from Fix(R) in the middle, and gaps on the way"
     lines.append(f"{what}: {trajectory.defect:.1e} (nondimensional)")
     if trajectory.drift is not None:
         lines.append(f"largest change of the {system.first_integral_name}: {trajectory.drift:.1e} (nondimensional)")

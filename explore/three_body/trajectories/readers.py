@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from orbitproof.explore.branches import NoBranch, branch_point, centre_of, numbered, read_branches
+from orbitproof.explore.connections import ConnectionFailure, half_of, setting_of
 from orbitproof.explore.flow import Vector
 from orbitproof.explore.names import Contradiction, NoOrbit, examined
 from orbitproof.explore.orbits import ShootingProblem, stability_index
@@ -32,6 +33,7 @@ from orbitproof.explore.three_body.trajectories.source import (
     some,
 )
 from orbitproof.explore.three_body.trajectories.units import Units, units_of
+from orbitproof.shared.claims import HomoclinicOrbit
 from orbitproof.shared.formats import (
     HALF_PERIOD,
     LEVEL,
@@ -86,6 +88,8 @@ def _candidate(path: Path, choice: Choice) -> SourceOrbit:
     claims = {claim.id: claim for claim in read_claims(path)}
     refuse_number(choice, f"{path} holds no families; choose with --id")
     claim = claims[chosen_id(path, choice, list(claims))]
+    if choice.connections and isinstance(claim, HomoclinicOrbit):
+        return _connection(claim, f"claim {claim.id}", "not proved: a claim, refined numerically")
     return _claimed(claim, f"candidate {claim.id}", "not proved: a candidate, refined numerically", None)
 
 
@@ -94,6 +98,9 @@ def _certificate(path: Path, choice: Choice) -> SourceOrbit:
     refuse_number(choice, f"{path} holds no families; choose with --id")
     entry = entries[chosen_id(path, choice, list(entries))]
     claim = claim_from_json(entry["statement"]["candidate"], f"{path}: certificate {entry['id']}")
+    if choice.connections and isinstance(claim, HomoclinicOrbit):
+        said = f'the certificate says "{entry["verdict"]}" of the homoclinic orbit; not checked again here'
+        return _connection(claim, f"certificate {claim.id}", said)
     what = "orbit" if claim.is_of_orbit else "bifurcation"
     said = f'the certificate says "{entry["verdict"]}" of the {what} at the first state, up to the radii of its box'
     return _claimed(claim, f"certificate {claim.id}", f"{said}; not checked again here", entry["results"])
@@ -133,6 +140,19 @@ def _claimed(claim: Any, title: str, verdict: str, results: Mapping[str, Any] | 
     else:
         unknowns = np.append(start.point, start.half_period)
     return SourceOrbit(claim.system, parameters, unknowns, title, verdict, said=said)
+
+
+def _connection(claim: HomoclinicOrbit, title: str, verdict: str) -> SourceOrbit:
+    """A homoclinic orbit from the box of its claim to Fix(R); of the CR3BP in the plane as one in space."""
+    try:
+        starts, durations = half_of(claim)
+        system = setting_of(claim).system
+    except ConnectionFailure as failure:
+        raise NoOrbit(f"{title}: {failure}") from None
+    if claim.system == CR3BP_PLANAR:
+        system, starts = CR3BP, np.insert(starts, [2, 4], 0.0, axis=1)
+    legs, distance = Legs(starts, durations, True), float(claim.centre[1])
+    return SourceOrbit(system, claim.parameters, None, title, verdict, legs=legs, distance=distance)
 
 
 def _said(claim: Candidate, results: Mapping[str, Any]) -> Said:

@@ -25,12 +25,14 @@ class Choice:
         number: of the orbit along a family or in a catalogue, or of the piece of an atlas, counted from 1; of an orbit
             of a branch, counted from its birth, negative on its other side; or `None`.
         accept: whether the orbit that is found is taken though the file says something else of it.
+        connections: whether a homoclinic orbit, which has no period, may be meant.
     """
 
     identifier: str | None = None
     family: str | None = None
     number: int | None = None
     accept: bool = False
+    connections: bool = False
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ class Said:
 
 @dataclass(frozen=True)
 class SourceOrbit:
-    """A periodic orbit that a file names.
+    """A periodic orbit that a file names, or a homoclinic one.
 
     Attributes:
         parameters: exact, by name; those of the unknowns need not be among them.
@@ -72,6 +74,8 @@ class SourceOrbit:
         legs: how the file knows the orbit, if in parts; needed without unknowns.
         stability: its stability parameters, if the file knows them better than one integration along the orbit.
         said: what the file says of the orbit besides.
+        distance: of a homoclinic orbit, which its legs follow to Fix(R), the coordinate a of its start, which tells how
+            far from the periodic orbit it is; `None` of a periodic orbit.
         accept: whether the orbit that is found is taken though it is not so.
     """
 
@@ -85,6 +89,7 @@ class SourceOrbit:
     legs: Legs | None = None
     stability: tuple[complex, ...] | None = None
     said: Said = Said()
+    distance: float | None = None
     accept: bool = False
 
 

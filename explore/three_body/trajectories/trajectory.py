@@ -44,7 +44,7 @@ _PLACES = 501
 
 @dataclass(frozen=True)
 class Trajectory:
-    """A periodic orbit, nondimensional units, in double precision.
+    """A periodic orbit, or a homoclinic one and back; nondimensional units, in double precision.
 
     Attributes:
         source: what it was made from.
@@ -62,7 +62,7 @@ class Trajectory:
 
     @property
     def period(self) -> float:
-        """In the system's time units."""
+        """In the system's time units; of a homoclinic orbit the time from its start to its end."""
         return self.solution.period
 
     @property
@@ -159,6 +159,8 @@ def trajectory_of(source: SourceOrbit) -> Trajectory:
         raise NoOrbit(f"{source.title}: {failure}") from None
     if not gap < CLOSED * (1 + float(np.abs(legs.starts).max())):
         what = "away from Fix(R) after half a period" if legs.mirrored else "between its end and its start"
+        if source.distance is not None:
+            raise NoOrbit(f"{source.title}: no homoclinic orbit: {gap:.1e} away from Fix(R)")
         raise NoOrbit(f"{source.title}: no periodic orbit: {gap:.1e} {what}")
     found = Trajectory(source, solution, ordered, stability, moved)
     if not source.accept:
