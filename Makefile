@@ -302,7 +302,7 @@ ROWS := falkner-skan-*-k2-*
 FORMAL_ROWS = $(foreach row,$(ROWS),'$(row)') --jobs $(JOBS)
 
 coq:
-	@command -v coqc >/dev/null || { echo "Coq is missing; on Debian and Ubuntu: apt install coq libcoq-bignums libcoq-coquelicot libcoq-interval" >&2; exit 2; }
+	@command -v coqc >/dev/null || { echo "Coq is missing; on Debian and Ubuntu: apt install coq libcoq-bignums libcoq-coquelicot" >&2; exit 2; }
 
 formal: coq $(VENV)/base.stamp
 	@$(BOUND) mkdir -p $(FORMAL); start=$$(date +%s); failed=0; step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \

@@ -268,6 +268,17 @@ Proof.
   - intros [->|Z]; [ring|]. apply H in Z; [rewrite Z; ring | assumption].
 Qed.
 
+Lemma over_the_branch b u : in_J b -> in_Y u ->
+  (b <= branch u -> reduced b u <= 0) /\ (branch u <= b -> 0 <= reduced b u) /\ (reduced b u < 0 -> b < branch u) /\ (0 < reduced b u -> branch u < b).
+Proof.
+  intros Hb Hu. pose proof (branch_in u Hu) as Jb. pose proof (branch_zero u Hu) as Z.
+  assert (Low : b <= branch u -> reduced b u <= 0).
+  { intros L. pose proof (reduced_rises b (branch u) u Hb Jb Hu L). assert (0 <= (c - A * B) * (branch u - b)) by (apply Rmult_le_pos; lra). lra. }
+  assert (High : branch u <= b -> 0 <= reduced b u).
+  { intros L. pose proof (reduced_rises (branch u) b u Jb Hb Hu L). assert (0 <= (c - A * B) * (b - branch u)) by (apply Rmult_le_pos; lra). lra. }
+  split; [exact Low|]. split; [exact High|]. split; intros N; apply Rnot_le_lt; intros L; [specialize (High L) | specialize (Low L)]; lra.
+Qed.
+
 (* They cross once. *)
 Lemma crossing : exists b0, bl < b0 < bh /\ branch (family b0) = b0 /\
   forall b, in_J b -> branch (family b) = b -> b = b0.
@@ -288,44 +299,63 @@ Proof.
 Qed.
 
 (* Over J and Y the zeros of F are the curve e = family b, those of G this curve and b = branch e; the two cross at one point. *)
-Theorem two_curves_cross : exists (over_b over_e : R -> R) (b0 e0 : R),
+Definition cross (over_b over_e : R -> R) (b0 e0 : R) : Prop :=
   (forall b, in_J b -> el < over_b b < eh) /\ (forall e, in_Y e -> bl < over_e e < bh) /\
   (forall b b', in_J b -> in_J b' -> Rabs (over_b b' - over_b b) <= A * Rabs (b' - b)) /\
   (forall e e', in_Y e -> in_Y e' -> Rabs (over_e e' - over_e e) <= B / (c - A * B) * Rabs (e' - e)) /\
   (forall b e, in_J b -> in_Y e -> (F b e = 0 <-> e = over_b b)) /\
   (forall b e, in_J b -> in_Y e -> (G b e = 0 <-> e = over_b b \/ b = over_e e)) /\
-  bl < b0 < bh /\ el < e0 < eh /\
-  (forall b e, in_J b -> in_Y e -> (e = over_b b /\ b = over_e e <-> b = b0 /\ e = e0)).
+  bl < b0 < bh /\ el < e0 < eh /\ over_b b0 = e0 /\ over_e e0 = b0 /\
+  (forall b e, in_J b -> in_Y e -> e = over_b b -> b = over_e e -> b = b0 /\ e = e0).
+Theorem two_curves_cross : exists b0, cross family branch b0 (family b0).
 Proof.
-  destruct crossing as [b0 [H0 [E0 U]]]. assert (J0 : in_J b0) by (unfold in_J; lra). exists family, branch, b0, (family b0).
+  destruct crossing as [b0 [H0 [E0 U]]]. assert (J0 : in_J b0) by (unfold in_J; lra). exists b0.
   split; [intros b Hb; apply (family_is b Hb)|]. split; [intros e He; apply (branch_is e He)|].
   split; [intros; apply family_lipschitz; assumption|]. split; [intros; apply branch_lipschitz; assumption|].
   split; [intros b e Hb; apply (family_is b Hb)|]. split; [exact zeros_are|]. split; [assumption|].
-  split; [apply (family_is b0 J0)|]. intros b e Hb He. split.
-  - intros [E1 E2]. assert (b = b0) as -> by (apply U; [assumption | rewrite <- E1; congruence]). auto.
-  - intros [-> ->]. auto.
+  split; [apply (family_is b0 J0)|]. split; [reflexivity|]. split; [exact E0|]. intros b e Hb He E1 E2.
+  assert (b = b0) as -> by (apply U; [assumption | rewrite <- E1; congruence]). auto.
 Qed.
 
-(* If G is moreover such that Ge is convex in e, and orbits of the second curve have partners, this curve turns at the crossing. *)
+(* Which way the parameter goes along the second curve: o is 1 or -1. *)
+Variable o : R.
+Hypothesis orientation : o = 1 \/ o = -1.
+
+(* If Gee has a sign it goes one way (9.1). *)
+Theorem touch_and_go : (forall b e, in_J b -> in_Y e -> o * Gee b e < 0) ->
+  forall e e', el <= e -> e < e' -> e' <= eh -> o * branch e < o * branch e'.
+Proof.
+  intros S e e' He Hee He'. assert (Ye : in_Y e) by (unfold in_Y; lra). assert (Ye' : in_Y e') by (unfold in_Y; lra). pose proof (branch_in e Ye) as Jb.
+  assert (D : o * reduced (branch e) e' < 0).
+  { pose proof (branch_zero e Ye) as Z. destruct (reduced_differs (branch e) e (branch e) e' Jb Ye Jb Ye') as [t [Ht E]]. rewrite Z, Rminus_0_r in E. rewrite E.
+    pose proof (on_the_way_in (branch e) e t Jb Ye ltac:(lra)) as W. pose proof (on_the_way_in (branch e) e' t Jb Ye' ltac:(lra)) as W'.
+    destruct (mean_value_around (Ge (branch e)) (Gee (branch e)) el eh (on_the_way (branch e) e t) (on_the_way (branch e) e' t)) as [u [Hu M]]; try assumption;
+      [intros; apply Ge_e; assumption|].
+    rewrite M. replace (on_the_way (branch e) e' t - on_the_way (branch e) e t) with (t * (e' - e)) by (unfold on_the_way; ring).
+    specialize (S (branch e) u Jb Hu). assert (0 < t * (e' - e)) by (apply Rmult_lt_0_compat; lra). nra. }
+  destruct (over_the_branch (branch e) e' Jb Ye') as [_ [_ [P1 P2]]]. destruct orientation as [-> | ->]; [specialize (P1 ltac:(lra)) | specialize (P2 ltac:(lra))]; lra.
+Qed.
+
+(* If o Ge is convex in e, and orbits of the second curve have partners, this curve turns at the crossing (9.2). *)
 Variable Geee : R -> R -> R.
 Hypothesis Gee_e : forall b e, in_J b -> in_Y e -> is_derive (fun e => Gee b e) e (Geee b e).
-Hypothesis Geee_positive : forall b e, in_J b -> in_Y e -> 0 < Geee b e.
+Hypothesis Geee_positive : forall b e, in_J b -> in_Y e -> 0 < o * Geee b e.
 
-Lemma Ge_convex b u w q : in_J b -> in_Y u -> in_Y w -> u < w -> 0 < q < 1 -> Ge b ((1 - q) * u + q * w) < (1 - q) * Ge b u + q * Ge b w.
+Lemma Ge_convex b u w q : in_J b -> in_Y u -> in_Y w -> u < w -> 0 < q < 1 -> o * Ge b ((1 - q) * u + q * w) < o * ((1 - q) * Ge b u + q * Ge b w).
 Proof.
   intros Hb Hu Hw Huw Hk. unfold in_Y in *. set (x := (1 - q) * u + q * w). assert (Hx : u < x < w) by (unfold x; nra).
   destruct (mean_value (Ge b) (Gee b) u x) as [y1 [Y1 E1]]; [lra | intros; apply Ge_e; unfold in_Y; (assumption || lra)|].
   destruct (mean_value (Ge b) (Gee b) x w) as [y2 [Y2 E2]]; [lra | intros; apply Ge_e; unfold in_Y; (assumption || lra)|].
   destruct (mean_value (Gee b) (Geee b) y1 y2) as [y [Y3 E3]]; [lra | intros; apply Gee_e; unfold in_Y; (assumption || lra)|].
-  assert (P : 0 < Geee b y) by (apply Geee_positive; unfold in_Y; (assumption || lra)).
-  assert (Q : 0 < Gee b y2 - Gee b y1) by (rewrite E3; apply Rmult_lt_0_compat; lra).
+  assert (P : 0 < o * Geee b y) by (apply Geee_positive; unfold in_Y; (assumption || lra)).
+  assert (Q : 0 < o * (Gee b y2 - Gee b y1)) by (rewrite E3, <- Rmult_assoc; apply Rmult_lt_0_compat; lra).
   replace (x - u) with (q * (w - u)) in E1 by (unfold x; ring). replace (w - x) with ((1 - q) * (w - u)) in E2 by (unfold x; ring).
-  assert (Z : 0 < q * (1 - q) * (w - u) * (Gee b y2 - Gee b y1)) by (repeat apply Rmult_lt_0_compat; lra).
-  replace (q * (1 - q) * (w - u) * (Gee b y2 - Gee b y1)) with (q * (Gee b y2 * ((1 - q) * (w - u))) - (1 - q) * (Gee b y1 * (q * (w - u)))) in Z by ring.
-  rewrite <- E1, <- E2 in Z. lra.
+  assert (Z : 0 < q * (1 - q) * (w - u) * (o * (Gee b y2 - Gee b y1))) by (apply Rmult_lt_0_compat; [repeat apply Rmult_lt_0_compat; lra | assumption]).
+  replace (q * (1 - q) * (w - u) * (o * (Gee b y2 - Gee b y1))) with (o * (q * (Gee b y2 * ((1 - q) * (w - u))) - (1 - q) * (Gee b y1 * (q * (w - u))))) in Z by ring.
+  rewrite <- E1, <- E2 in Z. destruct orientation as [-> | ->]; lra.
 Qed.
 Lemma reduced_convex b u w q : in_J b -> in_Y u -> in_Y w -> u < w -> 0 < q < 1 ->
-  reduced b ((1 - q) * u + q * w) < (1 - q) * reduced b u + q * reduced b w.
+  o * reduced b ((1 - q) * u + q * w) < o * ((1 - q) * reduced b u + q * reduced b w).
 Proof.
   intros Hb Hu Hw Huw Hk. set (x := (1 - q) * u + q * w). assert (Hx : in_Y x) by (unfold x, in_Y in *; nra).
   destruct (primitive_of b u Hb Hu) as [p1 [A1 [B1 D1]]]. destruct (primitive_of b x Hb Hx) as [p2 [A2 [B2 D2]]].
@@ -334,28 +364,29 @@ Proof.
     (fun t => (1 - q) * Ge b (on_the_way b u t) + q * Ge b (on_the_way b w t) - Ge b (on_the_way b x t)) 0 1) as [t [Ht E]]; [lra | |].
   - intros t Ht. apply (is_derive_minus (V := R_NormedModule) (fun t => (1 - q) * p1 t + q * p3 t)); [|auto].
     apply (is_derive_plus (V := R_NormedModule) (fun t => (1 - q) * p1 t)); [apply (is_derive_scal p1) | apply (is_derive_scal p3)]; auto.
-  - assert (C0 : Ge b (on_the_way b x t) < (1 - q) * Ge b (on_the_way b u t) + q * Ge b (on_the_way b w t)).
+  - assert (C0 : o * Ge b (on_the_way b x t) < o * ((1 - q) * Ge b (on_the_way b u t) + q * Ge b (on_the_way b w t))).
     { replace (on_the_way b x t) with ((1 - q) * on_the_way b u t + q * on_the_way b w t) by (unfold on_the_way, x; ring).
       apply Ge_convex; try assumption; try (apply on_the_way_in; (assumption || lra)). unfold on_the_way. nra. }
-    rewrite A1, A2, A3, B1, B2, B3 in E. lra.
+    rewrite A1, A2, A3, B1, B2, B3 in E. destruct orientation as [-> | ->]; lra.
 Qed.
-Lemma branch_peaks x y z b : el <= x -> x < y -> y < z -> z <= eh -> b <= branch x -> b <= branch z -> b < branch y.
+Lemma branch_peaks x y z b : el <= x -> x < y -> y < z -> z <= eh -> b <= o * branch x -> b <= o * branch z -> b < o * branch y.
 Proof.
   intros Hx Hxy Hyz Hz Bx Bz. assert (Yx : in_Y x) by (unfold in_Y; lra). assert (Yy : in_Y y) by (unfold in_Y; lra). assert (Yz : in_Y z) by (unfold in_Y; lra).
-  destruct (branch_is y Yy) as [By _]. destruct (branch_is x Yx) as [Ix _]. destruct (Rlt_le_dec b bl) as [|Hb]; [lra|].
-  assert (Jb : in_J b) by (unfold in_J; lra).
-  assert (N : forall u, in_Y u -> b <= branch u -> reduced b u <= 0).
-  { intros u Hu L. pose proof (reduced_rises b (branch u) u Jb (branch_in u Hu) Hu L) as Q. rewrite (branch_zero u Hu) in Q.
-    assert (0 <= (c - A * B) * (branch u - b)) by (apply Rmult_le_pos; lra). lra. }
-  pose proof (N x Yx Bx) as Nx. pose proof (N z Yz Bz) as Nz.
+  destruct (branch_is x Yx) as [Ix _]. destruct (branch_is y Yy) as [Iy _].
   assert (Hk : 0 < (y - x) / (z - x) < 1).
   { split; [apply Rdiv_lt_0_compat; lra|]. apply (Rmult_lt_reg_r (z - x)); [lra|]. unfold Rdiv. rewrite Rmult_assoc, Rinv_l by lra. lra. }
-  pose proof (reduced_convex b x z ((y - x) / (z - x)) Jb Yx Yz ltac:(lra) Hk) as Q.
-  replace ((1 - (y - x) / (z - x)) * x + (y - x) / (z - x) * z) with y in Q by (field; lra).
-  assert (Ny : reduced b y < 0) by nra.
-  destruct (Rlt_le_dec b (branch y)) as [|L]; [assumption|]. exfalso.
-  pose proof (reduced_rises (branch y) b y (branch_in y Yy) Jb Yy L) as Q2. rewrite (branch_zero y Yy) in Q2.
-  assert (0 <= (c - A * B) * (b - branch y)) by (apply Rmult_le_pos; lra). lra.
+  set (q := (y - x) / (z - x)) in *.
+  assert (Between : forall b', in_J b' -> o * reduced b' x <= 0 -> o * reduced b' z <= 0 -> o * reduced b' y < 0).
+  { intros b' Jb Nx Nz. pose proof (reduced_convex b' x z q Jb Yx Yz ltac:(lra) Hk) as Q.
+    replace ((1 - q) * x + q * z) with y in Q by (unfold q; field; lra).
+    assert (0 <= (1 - q) * - (o * reduced b' x)) by (apply Rmult_le_pos; lra). assert (0 <= q * - (o * reduced b' z)) by (apply Rmult_le_pos; lra). lra. }
+  destruct orientation as [-> | ->].
+  - destruct (Rlt_le_dec b bl) as [|Hb]; [lra|]. assert (Jb : in_J b) by (unfold in_J; lra).
+    destruct (over_the_branch b x Jb Yx) as [Nx _]. destruct (over_the_branch b z Jb Yz) as [Nz _]. destruct (over_the_branch b y Jb Yy) as [_ [_ [Ny _]]].
+    specialize (Nx ltac:(lra)). specialize (Nz ltac:(lra)). specialize (Between b Jb ltac:(lra) ltac:(lra)). specialize (Ny ltac:(lra)). lra.
+  - destruct (Rlt_le_dec bh (- b)) as [|Hb]; [lra|]. assert (Jb : in_J (- b)) by (unfold in_J; lra).
+    destruct (over_the_branch (- b) x Jb Yx) as [_ [Nx _]]. destruct (over_the_branch (- b) z Jb Yz) as [_ [Nz _]]. destruct (over_the_branch (- b) y Jb Yy) as [_ [_ [_ Ny]]].
+    specialize (Nx ltac:(lra)). specialize (Nz ltac:(lra)). specialize (Between (- b) Jb ltac:(lra) ltac:(lra)). specialize (Ny ltac:(lra)). lra.
 Qed.
 
 (* The partner of a point: the other one of its orbit. *)
@@ -367,15 +398,12 @@ Hypothesis partner_of_family : forall b e, in_J b -> in_Y e -> F b e = 0 -> part
 Hypothesis partner_of_branch : forall b e, in_J b -> in_Y e -> G b e = 0 -> F b e <> 0 -> in_Y (partner b e) ->
   partner b e <> e /\ F b (partner b e) <> 0 /\ G b (partner b e) = 0.
 
-Theorem branch_turns : exists b0 e0, bl < b0 < bh /\ el < e0 < eh /\ family b0 = e0 /\ branch e0 = b0 /\
-  (forall b e, in_J b -> in_Y e -> e = family b -> b = branch e -> b = b0 /\ e = e0) /\
-  (forall e e', el <= e -> e < e' -> e' <= e0 -> branch e < branch e') /\
-  (forall e e', e0 <= e -> e < e' -> e' <= eh -> branch e' < branch e).
+Theorem pitchfork b0 : cross family branch b0 (family b0) ->
+  (forall e e', el <= e -> e < e' -> e' <= family b0 -> o * branch e < o * branch e') /\
+  (forall e e', family b0 <= e -> e < e' -> e' <= eh -> o * branch e' < o * branch e).
 Proof.
-  destruct crossing as [b0 [H0 [E0 U]]]. assert (J0 : in_J b0) by (unfold in_J; lra). pose proof (family_in b0 J0) as Y0.
-  set (e0 := family b0) in *. assert (He0 : el < e0 < eh) by apply (family_is b0 J0). exists b0, e0.
-  assert (Only : forall b e, in_J b -> in_Y e -> e = family b -> b = branch e -> b = b0 /\ e = e0).
-  { intros b e Hb He E1 E2. assert (b = b0) as -> by (apply U; [assumption | rewrite <- E1; congruence]). auto. }
+  intros [_ [_ [_ [_ [_ [_ [H0 [He0 [_ [E0 Only]]]]]]]]]]. assert (J0 : in_J b0) by (unfold in_J; lra). pose proof (family_in b0 J0) as Y0.
+  set (e0 := family b0) in *.
   set (Kb := B / (c - A * B)). assert (HKb : 0 <= Kb) by (unfold Kb; apply Rdiv_le_0_compat; [apply B_nonneg | lra]).
   set (N := L * (Kb + 1)). assert (HN : 0 <= N) by (unfold N; apply Rmult_le_pos; lra).
   set (rho := Rmin (e0 - el) (eh - e0) / (N + 1)).
@@ -399,37 +427,25 @@ Proof.
     destruct (partner_of_branch (branch e) e Jb Ye Z NF Yw) as [P1 [P2 P3]]. exists (partner (branch e) e). split; [assumption|]. split; [assumption|].
     apply (zeros_are (branch e) _ Jb Yw) in P3. destruct P3 as [P3|P3]; [|symmetry; assumption].
     exfalso. apply P2. apply (family_is (branch e) Jb); assumption. }
-  assert (Left : forall e, el <= e < e0 -> branch e < branch e0).
-  { apply (peak_left branch el eh e0 N Kb rho); try assumption. exact branch_peaks. }
-  assert (Right : forall e, e0 < e <= eh -> branch e < branch e0).
+  assert (Flat' : forall e, el <= e <= eh -> Rabs (o * branch e - o * branch e0) <= Kb * Rabs (e - e0)).
+  { intros e He. rewrite <- Rmult_minus_distr_l, Rabs_mult. replace (Rabs o) with 1 by (destruct orientation as [-> | ->]; [rewrite Rabs_R1 | rewrite Rabs_m1]; reflexivity).
+    rewrite Rmult_1_l. apply Flat. exact He. }
+  assert (Part' : forall e, Rabs (e - e0) <= rho -> e <> e0 -> exists w, w <> e /\ Rabs (w - e0) <= N * Rabs (e - e0) /\ o * branch w = o * branch e).
+  { intros e He Ne. destruct (Part e He Ne) as [w [W1 [W2 W3]]]. exists w. rewrite W3. auto. }
+  assert (Left : forall e, el <= e < e0 -> o * branch e < o * branch e0).
+  { apply (peak_left (fun e => o * branch e) el eh e0 N Kb rho); try assumption. exact branch_peaks. }
+  assert (Right : forall e, e0 < e <= eh -> o * branch e < o * branch e0).
   { intros e He. rewrite <- (Ropp_involutive e), <- (Ropp_involutive e0).
-    apply (peak_left (fun x => branch (- x)) (- eh) (- el) (- e0) N Kb rho); try assumption; try lra.
+    apply (peak_left (fun x => o * branch (- x)) (- eh) (- el) (- e0) N Kb rho); try assumption; try lra.
     - intros x y z b Hx Hxy Hyz Hz Bx Bz. apply (branch_peaks (- z) (- y) (- x)); lra || assumption.
-    - intros x Hx. rewrite Ropp_involutive. replace (x - - e0) with (- (- x - e0)) by ring. rewrite Rabs_Ropp. apply Flat. unfold in_Y. lra.
+    - intros x Hx. rewrite Ropp_involutive. replace (x - - e0) with (- (- x - e0)) by ring. rewrite Rabs_Ropp. apply Flat'. lra.
     - intros x Hx Nx. replace (x - - e0) with (- (- x - e0)) in * by ring. rewrite Rabs_Ropp in *.
-      destruct (Part (- x)) as [w [W1 [W2 W3]]]; [assumption | lra|]. exists (- w). rewrite Ropp_involutive.
+      destruct (Part' (- x)) as [w [W1 [W2 W3]]]; [assumption | lra|]. exists (- w). rewrite Ropp_involutive.
       replace (- w - - e0) with (- (w - e0)) by ring. rewrite Rabs_Ropp. repeat split; [lra | assumption | assumption]. }
-  split; [assumption|]. split; [assumption|]. split; [reflexivity|]. split; [exact E0|]. split; [exact Only|]. split.
+  split.
   - intros e e' He Hee He'. destruct (Rle_lt_or_eq_dec e' e0 He') as [Q| ->]; [|apply Left; lra].
     apply (branch_peaks e e' e0); try lra. left. apply Left. lra.
   - intros e e' He Hee He'. destruct (Rle_lt_or_eq_dec e0 e He) as [Q|<-]; [|apply Right; lra].
     apply (branch_peaks e0 e e'); try lra. left. apply Right. lra.
-Qed.
-
-Theorem pitchfork : exists (over_b over_e : R -> R) (b0 e0 : R),
-  (forall b, in_J b -> el < over_b b < eh) /\ (forall e, in_Y e -> bl < over_e e < bh) /\
-  (forall b b', in_J b -> in_J b' -> Rabs (over_b b' - over_b b) <= A * Rabs (b' - b)) /\
-  (forall e e', in_Y e -> in_Y e' -> Rabs (over_e e' - over_e e) <= B / (c - A * B) * Rabs (e' - e)) /\
-  (forall b e, in_J b -> in_Y e -> (F b e = 0 <-> e = over_b b)) /\
-  (forall b e, in_J b -> in_Y e -> (G b e = 0 <-> e = over_b b \/ b = over_e e)) /\
-  bl < b0 < bh /\ el < e0 < eh /\ over_b b0 = e0 /\ over_e e0 = b0 /\
-  (forall b e, in_J b -> in_Y e -> e = over_b b -> b = over_e e -> b = b0 /\ e = e0) /\
-  (forall e e', el <= e -> e < e' -> e' <= e0 -> over_e e < over_e e') /\
-  (forall e e', e0 <= e -> e < e' -> e' <= eh -> over_e e' < over_e e).
-Proof.
-  destruct branch_turns as [b0 [e0 [H1 [H2 [H3 [H4 [HU [H5 H6]]]]]]]]. exists family, branch, b0, e0.
-  split; [intros b Hb; apply (family_is b Hb)|]. split; [intros e He; apply (branch_is e He)|].
-  split; [intros; apply family_lipschitz; assumption|]. split; [intros; apply branch_lipschitz; assumption|].
-  split; [intros b e Hb; apply (family_is b Hb)|]. split; [exact zeros_are|]. auto 10.
 Qed.
 End Curves.

@@ -3,27 +3,16 @@
 
 From Coq Require Import List ZArith Reals Lra Lia.
 From Coquelicot Require Import Coquelicot.
-From Solutions Require Import Comparison Flow Dependence Curves Variations.
+From Solutions Require Import Comparison Flow Dependence Curves Variations Formulas.
 Import ListNotations.
 Local Open Scope R_scope.
 Local Open Scope list_scope.
 
-Lemma der_mult (f g : R -> R) p df dg : is_derive f p df -> is_derive g p dg -> is_derive (fun q => f q * g q) p (df * g p + f p * dg).
-Proof. intros Hf Hg. apply (is_derive_mult f g p df dg Hf Hg). exact Rmult_comm. Qed.
-Lemma der_plus (f g : R -> R) p df dg : is_derive f p df -> is_derive g p dg -> is_derive (fun q => f q + g q) p (df + dg).
-Proof. apply (is_derive_plus (V := R_NormedModule) f g). Qed.
-Lemma der_minus (f g : R -> R) p df dg : is_derive f p df -> is_derive g p dg -> is_derive (fun q => f q - g q) p (df - dg).
-Proof. apply (is_derive_minus (V := R_NormedModule) f g). Qed.
-Lemma der_const (c p : R) : is_derive (fun _ => c) p 0.
-Proof. apply (is_derive_const (V := R_NormedModule)). Qed.
-Lemma der_id (p : R) : is_derive (fun q => q) p 1.
-Proof. apply (is_derive_id (K := R_AbsRing)). Qed.
-Lemma der_ratio (f g : R -> R) p df dg : is_derive f p df -> is_derive g p dg -> g p <> 0 ->
-  is_derive (fun q => - f q / g q) p (- (df * g p - f p * dg) / g p ^ 2).
-Proof.
-  intros Hf Hg H. replace (- (df * g p - f p * dg) / g p ^ 2) with ((- df * g p - - f p * dg) / g p ^ 2) by (field; assumption).
-  apply (is_derive_div (fun q => - f q) g p (- df) dg); try assumption. apply (is_derive_opp (V := R_NormedModule) f). assumption.
-Qed.
+(* Derivatives of formulas by the beginning and by the parameter: those of the coordinates, and of the time of the crossing. *)
+Definition d_by_e (i : nat) : formula := Plus (At (by_e i)) (Times (velocity i) (Over_speed (Minus (Whole 0) (At 5)))).
+Definition d_by_b (i : nat) : formula := Plus (At (by_b i)) (Times (velocity i) (Over_speed (Minus (Whole 0) (At 8)))).
+Definition De : formula -> formula := derived d_by_e (Whole 0) (speed_derived d_by_e (Whole 0)).
+Definition Db : formula -> formula := derived d_by_b (Whole 1) (speed_derived d_by_b (Whole 1)).
 
 Section Return.
 Variables (bc rb ec re T r : R).
@@ -138,133 +127,27 @@ Proof.
   exact (v_derive (fun q => q) (fun _ => e) b rho by_b (fun i => (i < 6)%nat) P H1 A1 A2 A3 i Hi).
 Qed.
 
-(* The first coordinate at the crossing, and its derivatives. *)
-Definition G (b e : R) : R := v 0 b e.
-Definition Ge (b e : R) : R := v 3 b e + v 1 b e * te b e.
-Definition Gb (b e : R) : R := v 6 b e + v 1 b e * tb b e.
-Definition zt_e (b e : R) : R := b * (d_e 1 b e * v 1 b e + v 1 b e * d_e 1 b e) - (d_e 0 b e * v 2 b e + v 0 b e * d_e 2 b e).
-Definition zt_b (b e : R) : R :=
-  (v 1 b e * v 1 b e - 1) + b * (d_b 1 b e * v 1 b e + v 1 b e * d_b 1 b e) - (d_b 0 b e * v 2 b e + v 0 b e * d_b 2 b e).
-Definition te_e (b e : R) : R := - (d_e 5 b e * zt b e - v 5 b e * zt_e b e) / zt b e ^ 2.
-Definition te_b (b e : R) : R := - (d_b 5 b e * zt b e - v 5 b e * zt_b b e) / zt b e ^ 2.
-Definition Gee (b e : R) : R := d_e 3 b e + (d_e 1 b e * te b e + v 1 b e * te_e b e).
-Definition Gbe (b e : R) : R := d_b 3 b e + (d_b 1 b e * te b e + v 1 b e * te_b b e).
-
-Lemma G_by_e b e : room b e -> is_derive (fun e => G b e) e (Ge b e).
-Proof. intros H. exact (v_by_e 0 b e H ltac:(cbn; tauto)). Qed.
-Lemma G_by_b b e : room b e -> is_derive (fun b => G b e) b (Gb b e).
-Proof. intros H. exact (v_by_b 0 b e H ltac:(lia)). Qed.
-Lemma zt_by_e b e : room b e -> is_derive (fun e => zt b e) e (zt_e b e).
+(* Formulas at the crossing have derivatives that are formulas. *)
+Definition ok_e (i : nat) : bool := existsb (Nat.eqb i) places_e.
+Definition ok_b (i : nat) : bool := (i <? 6)%nat.
+Lemma by_e_sound x b e : room b e -> places ok_e x = true -> is_derive (fun q => value b (vs b q) x) e (value b (vs b e) (De x)).
 Proof.
-  intros H. unfold zt, zt_e. cbn [fs vs].
-  apply (der_minus (fun e => b * (v 1 b e * v 1 b e - 1)) (fun e => v 0 b e * v 2 b e)).
-  - replace (b * (d_e 1 b e * v 1 b e + v 1 b e * d_e 1 b e)) with (0 * (v 1 b e * v 1 b e - 1) + b * ((d_e 1 b e * v 1 b e + v 1 b e * d_e 1 b e) - 0)) by ring.
-    apply (der_mult (fun _ => b) (fun e => v 1 b e * v 1 b e - 1)); [apply der_const|].
-    apply (der_minus (fun e => v 1 b e * v 1 b e) (fun _ => 1)); [|apply der_const].
-    apply (der_mult (fun e => v 1 b e) (fun e => v 1 b e)); apply (v_by_e 1 b e H); cbn; tauto.
-  - apply (der_mult (fun e => v 0 b e) (fun e => v 2 b e)); [apply (v_by_e 0 b e H) | apply (v_by_e 2 b e H)]; cbn; tauto.
+  intros Hr Hx. apply (derived_sound d_by_e (Whole 0) (fun _ => b) (fun q => vs b q) e ok_e).
+  - intros i Hi. apply existsb_exists in Hi. destruct Hi as [j [Hj E]]. apply Nat.eqb_eq in E. subst j.
+    eapply der_eq; [exact (v_by_e i b e Hr Hj)|]. unfold d_e, d_by_e, te, zt. cbn [value]. rewrite (velocity_is b (vs b e) i Hj). unfold vs, Rdiv. ring.
+  - exact (der_const b e).
+  - repeat split.
+  - exact (zt_nonzero b e (room_box b e Hr)).
+  - exact Hx.
 Qed.
-Lemma zt_by_b b e : room b e -> is_derive (fun b => zt b e) b (zt_b b e).
+Lemma by_b_sound x b e : room b e -> places ok_b x = true -> is_derive (fun q => value q (vs q e) x) b (value b (vs b e) (Db x)).
 Proof.
-  intros H. unfold zt, zt_b. cbn [fs vs].
-  apply (der_minus (fun b => b * (v 1 b e * v 1 b e - 1)) (fun b => v 0 b e * v 2 b e)).
-  - replace (v 1 b e * v 1 b e - 1 + b * (d_b 1 b e * v 1 b e + v 1 b e * d_b 1 b e))
-      with (1 * (v 1 b e * v 1 b e - 1) + b * ((d_b 1 b e * v 1 b e + v 1 b e * d_b 1 b e) - 0)) by ring.
-    apply (der_mult (fun b => b) (fun b => v 1 b e * v 1 b e - 1)); [apply der_id|].
-    apply (der_minus (fun b => v 1 b e * v 1 b e) (fun _ => 1)); [|apply der_const].
-    apply (der_mult (fun b => v 1 b e) (fun b => v 1 b e)); apply (v_by_b 1 b e H); lia.
-  - apply (der_mult (fun b => v 0 b e) (fun b => v 2 b e)); [apply (v_by_b 0 b e H) | apply (v_by_b 2 b e H)]; lia.
-Qed.
-Lemma te_by_e b e : room b e -> is_derive (fun e => te b e) e (te_e b e).
-Proof.
-  intros H. apply (der_ratio (fun e => v 5 b e) (fun e => zt b e)); [apply (v_by_e 5 b e H); cbn; tauto | apply zt_by_e; assumption |].
-  apply zt_nonzero, room_box. assumption.
-Qed.
-Lemma te_by_b b e : room b e -> is_derive (fun b => te b e) b (te_b b e).
-Proof.
-  intros H. apply (der_ratio (fun b => v 5 b e) (fun b => zt b e)); [apply (v_by_b 5 b e H); lia | apply zt_by_b; assumption |].
-  apply zt_nonzero, room_box. assumption.
-Qed.
-Lemma Ge_by_e b e : room b e -> is_derive (fun e => Ge b e) e (Gee b e).
-Proof.
-  intros H. apply (der_plus (fun e => v 3 b e) (fun e => v 1 b e * te b e)); [apply (v_by_e 3 b e H); cbn; tauto|].
-  apply (der_mult (fun e => v 1 b e) (fun e => te b e)); [apply (v_by_e 1 b e H); cbn; tauto | apply te_by_e; assumption].
-Qed.
-Lemma Ge_by_b b e : room b e -> is_derive (fun b => Ge b e) b (Gbe b e).
-Proof.
-  intros H. apply (der_plus (fun b => v 3 b e) (fun b => v 1 b e * te b e)); [apply (v_by_b 3 b e H); lia|].
-  apply (der_mult (fun b => v 1 b e) (fun b => te b e)); [apply (v_by_b 1 b e H); lia | apply te_by_b; assumption].
-Qed.
-
-(* Once more by the beginning. *)
-Lemma der_eq (f : R -> R) (p l l' : R) : is_derive f p l -> l = l' -> is_derive f p l'.
-Proof. intros H <-. exact H. Qed.
-Definition f5_e (b e : R) : R :=
-  2 * b * (d_e 1 b e * v 4 b e + v 1 b e * d_e 4 b e) - (d_e 3 b e * v 2 b e + v 3 b e * d_e 2 b e) - (d_e 0 b e * v 5 b e + v 0 b e * d_e 5 b e).
-Definition f_e (i : nat) (b e : R) : R :=
-  match i with 0%nat => d_e 1 b e | 1%nat => d_e 2 b e | 2%nat => zt_e b e | 3%nat => d_e 4 b e | 5%nat => f5_e b e | _ => 0 end.
-Definition d_ee (i : nat) (b e : R) : R := d_e (by_e i) b e + (f_e i b e * te b e + fs b (vs b e) i * te_e b e).
-Definition zt_ee (b e : R) : R :=
-  b * ((d_ee 1 b e * v 1 b e + d_e 1 b e * d_e 1 b e) + (d_e 1 b e * d_e 1 b e + v 1 b e * d_ee 1 b e))
-  - ((d_ee 0 b e * v 2 b e + d_e 0 b e * d_e 2 b e) + (d_e 0 b e * d_e 2 b e + v 0 b e * d_ee 2 b e)).
-Definition te_over (b e : R) : R := d_e 5 b e * zt b e - v 5 b e * zt_e b e.
-Definition te_over_e (b e : R) : R := (d_ee 5 b e * zt b e + d_e 5 b e * zt_e b e) - (d_e 5 b e * zt_e b e + v 5 b e * zt_ee b e).
-Definition te_ee (b e : R) : R := - (te_over_e b e * zt b e ^ 2 - te_over b e * (2 * zt b e * zt_e b e)) / (zt b e ^ 2) ^ 2.
-Definition Geee (b e : R) : R := d_ee 3 b e + ((d_ee 1 b e * te b e + d_e 1 b e * te_e b e) + (d_e 1 b e * te_e b e + v 1 b e * te_ee b e)).
-
-Lemma f_by_e i b e : room b e -> In i [0; 1; 2; 3; 5]%nat -> is_derive (fun e => fs b (vs b e) i) e (f_e i b e).
-Proof.
-  intros H Hi. assert (V : forall j, In j places_e -> is_derive (fun e => v j b e) e (d_e j b e)) by (intros; apply v_by_e; assumption).
-  cbn in Hi. destruct Hi as [<-|[<-|[<-|[<-|[<-|[]]]]]]; cbn [f_e].
-  - apply (V 1%nat). cbn. tauto.
-  - apply (V 2%nat). cbn. tauto.
-  - apply zt_by_e. assumption.
-  - apply (V 4%nat). cbn. tauto.
-  - cbn [fs]. unfold vs, f5_e.
-    apply (der_minus (fun e => 2 * b * v 1 b e * v 4 b e - v 3 b e * v 2 b e) (fun e => v 0 b e * v 5 b e)).
-    + apply (der_minus (fun e => 2 * b * v 1 b e * v 4 b e) (fun e => v 3 b e * v 2 b e)).
-      * apply (der_eq _ _ ((0 * v 1 b e + 2 * b * d_e 1 b e) * v 4 b e + 2 * b * v 1 b e * d_e 4 b e)); [|ring].
-        apply (der_mult (fun e => 2 * b * v 1 b e) (fun e => v 4 b e)); [|apply (V 4%nat); cbn; tauto].
-        apply (der_mult (fun _ => 2 * b) (fun e => v 1 b e)); [apply der_const | apply (V 1%nat); cbn; tauto].
-      * apply (der_mult (fun e => v 3 b e) (fun e => v 2 b e)); [apply (V 3%nat) | apply (V 2%nat)]; cbn; tauto.
-    + apply (der_mult (fun e => v 0 b e) (fun e => v 5 b e)); [apply (V 0%nat) | apply (V 5%nat)]; cbn; tauto.
-Qed.
-Lemma d_by_e i b e : room b e -> In i [0; 1; 2; 3; 5]%nat -> is_derive (fun e => d_e i b e) e (d_ee i b e).
-Proof.
-  intros H Hi. unfold d_ee. apply (der_plus (fun e => v (by_e i) b e) (fun e => fs b (vs b e) i * te b e)).
-  - apply v_by_e; [assumption|]. cbn in Hi. destruct Hi as [<-|[<-|[<-|[<-|[<-|[]]]]]]; cbn; tauto.
-  - apply (der_mult (fun e => fs b (vs b e) i) (fun e => te b e)); [apply f_by_e; assumption | apply te_by_e; assumption].
-Qed.
-Lemma zt_e_by_e b e : room b e -> is_derive (fun e => zt_e b e) e (zt_ee b e).
-Proof.
-  intros H. assert (V : forall j, In j places_e -> is_derive (fun e => v j b e) e (d_e j b e)) by (intros; apply v_by_e; assumption).
-  assert (D : forall j, In j [0; 1; 2; 3; 5]%nat -> is_derive (fun e => d_e j b e) e (d_ee j b e)) by (intros; apply d_by_e; assumption).
-  apply (der_minus (fun e => b * (d_e 1 b e * v 1 b e + v 1 b e * d_e 1 b e)) (fun e => d_e 0 b e * v 2 b e + v 0 b e * d_e 2 b e)).
-  - apply (is_derive_scal (fun e => d_e 1 b e * v 1 b e + v 1 b e * d_e 1 b e)).
-    apply (der_plus (fun e => d_e 1 b e * v 1 b e) (fun e => v 1 b e * d_e 1 b e)).
-    + apply (der_mult (fun e => d_e 1 b e) (fun e => v 1 b e)); [apply D | apply V]; cbn; tauto.
-    + apply (der_mult (fun e => v 1 b e) (fun e => d_e 1 b e)); [apply V | apply D]; cbn; tauto.
-  - apply (der_plus (fun e => d_e 0 b e * v 2 b e) (fun e => v 0 b e * d_e 2 b e)).
-    + apply (der_mult (fun e => d_e 0 b e) (fun e => v 2 b e)); [apply D | apply V]; cbn; tauto.
-    + apply (der_mult (fun e => v 0 b e) (fun e => d_e 2 b e)); [apply V | apply D]; cbn; tauto.
-Qed.
-Lemma te_e_by_e b e : room b e -> is_derive (fun e => te_e b e) e (te_ee b e).
-Proof.
-  intros H. pose proof (zt_nonzero b e (room_box b e H)) as Z.
-  apply (der_ratio (fun e => te_over b e) (fun e => zt b e ^ 2)).
-  - apply (der_minus (fun e => d_e 5 b e * zt b e) (fun e => v 5 b e * zt_e b e)).
-    + apply (der_mult (fun e => d_e 5 b e) (fun e => zt b e)); [apply d_by_e; [assumption | cbn; tauto] | apply zt_by_e; assumption].
-    + apply (der_mult (fun e => v 5 b e) (fun e => zt_e b e)); [apply v_by_e; [assumption | cbn; tauto] | apply zt_e_by_e; assumption].
-  - apply (der_eq _ _ (zt_e b e * (zt b e * 1) + zt b e * (zt_e b e * 1 + zt b e * 0))); [|ring].
-    apply (der_mult (fun e => zt b e) (fun e => zt b e * 1)); [apply zt_by_e; assumption|].
-    apply (der_mult (fun e => zt b e) (fun _ => 1)); [apply zt_by_e; assumption | apply der_const].
-  - apply pow_nonzero. assumption.
-Qed.
-Lemma Gee_by_e b e : room b e -> is_derive (fun e => Gee b e) e (Geee b e).
-Proof.
-  intros H. apply (der_plus (fun e => d_e 3 b e) (fun e => d_e 1 b e * te b e + v 1 b e * te_e b e)); [apply d_by_e; [assumption | cbn; tauto]|].
-  apply (der_plus (fun e => d_e 1 b e * te b e) (fun e => v 1 b e * te_e b e)).
-  - apply (der_mult (fun e => d_e 1 b e) (fun e => te b e)); [apply d_by_e; [assumption | cbn; tauto] | apply te_by_e; assumption].
-  - apply (der_mult (fun e => v 1 b e) (fun e => te_e b e)); [apply v_by_e; [assumption | cbn; tauto] | apply te_e_by_e; assumption].
+  intros Hr Hx. apply (derived_sound d_by_b (Whole 1) (fun q => q) (fun q => vs q e) b ok_b).
+  - intros i Hi. unfold ok_b in Hi. apply Nat.ltb_lt in Hi. assert (Hj : In i places_e) by (do 6 (destruct i as [|i]; [cbn; tauto|]); lia).
+    eapply der_eq; [exact (v_by_b i b e Hr Hi)|]. unfold d_b, d_by_b, tb, zt. cbn [value]. rewrite (velocity_is b (vs b e) i Hj). unfold vs, Rdiv. ring.
+  - exact (der_id b).
+  - repeat split.
+  - exact (zt_nonzero b e (room_box b e Hr)).
+  - exact Hx.
 Qed.
 End Return.

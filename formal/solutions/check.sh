@@ -1,6 +1,6 @@
 #!/bin/sh
 # Has the kernel of Coq check the theorems of this folder, and files of initial value problems: sh check.sh [FILE.v ...]
-# It needs coq, libcoq-bignums and libcoq-coquelicot; FalknerSkan.v, and files that name it, libcoq-interval besides.
+# It needs coq, libcoq-bignums and libcoq-coquelicot.
 # Exit codes: 0 all are checked, 1 one is not, 2 Coq is missing.
 
 unset CDPATH
@@ -9,14 +9,17 @@ for tool in cp grep mktemp sed sort tail tr; do
 done
 here=$(cd "$(dirname "$0")" && pwd) || exit 2
 if ! command -v coqc >/dev/null 2>&1; then
-  echo "coqc is missing; on Debian and Ubuntu: apt install coq libcoq-bignums libcoq-coquelicot libcoq-interval" >&2; exit 2
+  echo "coqc is missing; on Debian and Ubuntu: apt install coq libcoq-bignums libcoq-coquelicot" >&2; exit 2
 fi
-for name in Polynomials Elements Formats Programs Steps Crossings Sound; do
+theory="Polynomials Elements Formats Programs Steps Crossings Sound"; more=""
+if [ $# -eq 0 ] || grep -q FalknerSkan "$@"; then
+  theory="$theory Rows Intervals Jets SoundIntervals"
+  more="Dependence Boxes Curves Statements Variations Formulas Returns HalfOrbits FalknerSkan"
+fi
+for name in $theory; do
   echo "theory/$name.v" >&2
   (cd "$here/../theory" && coqc -q -w none -R . Orbitproof "$name.v") || { echo "theory/$name.v: NOT CHECKED"; exit 1; }
 done
-more="Dependence Boxes Curves Variations Returns FalknerSkan"
-[ $# -eq 0 ] || grep -q FalknerSkan "$@" || more=""
 for name in Comparison Existence Flow Exponential Norms Values Fields Bounds CheckedSteps CheckedFlow InitialValues $more; do
   echo "solutions/$name.v" >&2
   (cd "$here" && coqc -q -w none -R ../theory Orbitproof -R . Solutions "$name.v") || { echo "solutions/$name.v: NOT CHECKED"; exit 1; }
@@ -39,9 +42,10 @@ for file in "$@"; do
   cp "$file" "$work/Problem.v" || { echo "$file: NOT CHECKED: there is no such file"; exit 1; }
   said="Check Problem.solution."; claim="what $file.log states"
   if grep -q FalknerSkan "$file"; then
-    claim="period_doubling of FalknerSkan.v"
-    said="From Solutions Require FalknerSkan. Check (Problem.solution : FalknerSkan.period_doubling)."
-    for word in period_doubling once twice half_orbit J Y b_centre e_centre; do said="$said Print FalknerSkan.$word."; done
+    which=$(sed -n 's/^Theorem solution : \(period_[a-z]*\)\.$/\1/p' "$file" | tail -n 1)
+    claim="$which of Statements.v"
+    said="From Solutions Require Statements. Check (Problem.solution : Statements.$which)."
+    for word in $which bifurcation two_curves comes_back half_orbit J Y rises falls; do said="$said Print Statements.$word."; done
   fi
   cat >"$work/Statement.v" <<END
 From Coq Require Import Reals.
