@@ -40,7 +40,7 @@ help:
 	@echo "make faults     faults made on purpose, one line each, and which tests notice them (faults.json; hours, goes on where it stopped)"
 	@echo "make reading-list CHAPTER=curve   what has to be read to believe a theorem: files in order, lines"
 	@echo "make release-check   wheel and sdist, installed empty; commands of README and documents, each run once (hours)"
-	@echo "make formal     a certified bifurcation, an initial value problem and a theorem, checked by Coq's kernel (into $(FORMAL)/; ROWS: others)"
+	@echo "make formal     a certified bifurcation, an initial value problem and a theorem, checked by Coq's kernel (into $(FORMAL)/; ROWS, THEOREMS: others)"
 	@echo "make bench      benchmarks; each prints its numbers"
 	@echo "make clean      remove $(VENV), $(OUT), $(SITE) and caches"
 
@@ -296,9 +296,10 @@ bench: $(VENV)/dev.stamp
 	@for file in tests/benchmarks/bench_*.py; do echo "$$file"; $(BIN)/python $$file || exit 1; done
 
 # CANDIDATES: a file of candidates; ROWS: which of them, by id, with * and ?. What is proved and checked already is kept. Then
-# the initial value problem and the theorem of formal/README.md.
+# the initial value problem of formal/README.md, and THEOREMS: Doubling, Tripling, Quadrupling.
 CANDIDATES := tests/data/known-bifurcations.json
 ROWS := falkner-skan-*-k2-*
+THEOREMS := Doubling
 FORMAL_ROWS = $(foreach row,$(ROWS),'$(row)') --jobs $(JOBS)
 
 coq:
@@ -309,7 +310,7 @@ formal: coq $(VENV)/base.stamp
 	step $(BIN)/orbitproof verify $(CANDIDATES) -o $(FORMAL)/certificates.json --only $(FORMAL_ROWS); \
 	step $(BIN)/orbitproof verify --recheck --formal $(FORMAL)/certificates.json -o $(FORMAL) --only $(FORMAL_ROWS); \
 	(cd $(FORMAL) && sed -n '/^```python/,/^```/{/^```/!p;}' ../formal/README.md | $(abspath $(BIN))/python -) || exit; \
-	step sh formal/solutions/check.sh $(FORMAL)/Lorenz.v $(FORMAL)/Doubling.v; echo "time: $$(($$(date +%s) - start)) s"; exit $$failed
+	step sh formal/solutions/check.sh $(FORMAL)/Lorenz.v $(THEOREMS:%=$(FORMAL)/%.v); echo "time: $$(($$(date +%s) - start)) s"; exit $$failed
 
 clean:
 	rm -rf $(VENV) $(OUT) $(SITE) .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info

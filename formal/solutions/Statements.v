@@ -19,12 +19,12 @@ Section Statement.
 Variables bl bh el eh : R.
 Definition J (b : R) : Prop := bl <= b <= bh.
 Definition Y (e : R) : Prop := el <= e <= eh.
-(* Back on the line for the j-th time: after a time between j tl and j th. *)
+(* Back on the line x = z = 0 after a time between j tl and j th. *)
 Variables tl th : R.
 Definition comes_back (j : nat) (b e : R) : Prop := exists T, INR j * tl < T < INR j * th /\ half_orbit b e T.
 
-(* The points that come back for the first time are a curve over b, and so are those that come back for the j-th time, j < k. Those that
-   come back for the k-th time are this curve and another one over e. The two curves meet in one point, (b0, e0). *)
+(* The points that are back after a time between j tl and j th are a curve over b, the same for all j < k. For j = k they are this curve
+   and another one over e. The two curves meet in one point, (b0, e0). *)
 Definition two_curves (k : nat) (A D : R) (family branch : R -> R) (b0 e0 : R) : Prop :=
   (forall b, J b -> el < family b < eh) /\
   (forall e, Y e -> bl < branch e < bh) /\
@@ -41,15 +41,15 @@ Definition bifurcation (k : nat) (b e rb re tl th A D : R) (along : (R -> R) -> 
   exists (family branch : R -> R) (b0 e0 : R),
     two_curves (b - rb) (b + rb) (e - re) (e + re) tl th k A D family branch b0 e0 /\ along branch (e - re) e0 (e + re).
 
-(* The parameter has its only maximum at the crossing: two points of the second curve for every b a little below b0, none at or above it. *)
+(* The parameter rises along the second curve up to the crossing, and falls after it: it has its only maximum there. *)
 Definition period_doubling : Prop :=
   bifurcation 2 (34018753498914353231 / 100000000000000000) (939792756949623004649 / 1000000000000000000000) (1 / 1000000000) (1 / 10000000000000)
     (943 / 4096) (944 / 4096) (1 / 250000) 300 (fun branch el e0 eh => rises branch el e0 /\ falls branch e0 eh).
-(* It rises all along: one point of the second curve for every b near b0, on both sides (touch-and-go). *)
+(* It rises all along: touch-and-go. *)
 Definition period_tripling : Prop :=
   bifurcation 3 (45344258682138482263 / 100000000000000000) (939848585715971576541 / 1000000000000000000000) (1 / 1000000000) (1 / 10000000000000)
     (3267 / 16384) (3268 / 16384) (1 / 250000) 8000 (fun branch el _ eh => rises branch el eh).
-(* It has its only minimum there: two points for every b a little above b0, none at or below it. *)
+(* It falls up to the crossing, and rises after it: it has its only minimum there. *)
 Definition period_quadrupling : Prop :=
   bifurcation 4 (67995415507296894513 / 100000000000000000) (939904499164097608213 / 1000000000000000000000) (1 / 100000000000) (1 / 1000000000000000)
     (2667 / 16384) (2668 / 16384) (1 / 250000) 600 (fun branch el e0 eh => falls branch el e0 /\ rises branch e0 eh).
