@@ -1,6 +1,7 @@
 from .claims import heteroclinic_claim as heteroclinic_claim
 from .claims import homoclinic_claim as homoclinic_claim
 from .claims import is_claimed as is_claimed
+from .claims import is_pair_claimed as is_pair_claimed
 from .followed import half_of as half_of
 from .followed import setting_of as setting_of
 from .heteroclinic import Branch as Branch

@@ -8,7 +8,7 @@ from math import ceil, log2
 
 from orbitproof.explore.connections.heteroclinic import Heteroclinic, closer_pair
 from orbitproof.explore.connections.homoclinic import Homoclinic, Hyperbolic, closer, slopes_at_arrival
-from orbitproof.shared.claims import HeteroclinicOrbit, HomoclinicOrbit
+from orbitproof.shared.claims import BoxClaim, HeteroclinicOrbit, HomoclinicOrbit
 from orbitproof.shared.numbers import round_dyadic
 
 _BOX = Fraction(3, 2)
@@ -85,8 +85,17 @@ def _claimed(at: Homoclinic, name: str, digits: int) -> HomoclinicOrbit:
     )
 
 
-def is_claimed(found: Homoclinic, claim: HomoclinicOrbit) -> bool:
+def is_pair_claimed(found: Heteroclinic, claim: BoxClaim) -> bool:
+    """As `is_claimed`, of both ends."""
+    if not isinstance(claim, HeteroclinicOrbit):
+        return False
+    return all(is_claimed(each, end) for each, end in zip(found.ends, claim.ends, strict=True))
+
+
+def is_claimed(found: Homoclinic, claim: BoxClaim) -> bool:
     """Whether a claim is about this orbit, from some point of the unstable manifold, as far as its rounded a tells."""
+    if not isinstance(claim, HomoclinicOrbit):
+        return False
     orbit, setting = found.orbit, found.orbit.setting
     given = setting.system.name, setting.parameters, setting.level, setting.sign, 2 * orbit.half
     if given != (claim.system.name, claim.parameters, claim.level, claim.level_sign, claim.crossings):

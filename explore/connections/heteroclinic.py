@@ -7,7 +7,7 @@ the second. Not rigorous.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import log
@@ -15,7 +15,6 @@ from math import log
 import numpy as np
 
 from orbitproof.explore.connections.homoclinic import (
-    LONGEST,
     ConnectionFailure,
     Homoclinic,
     Hyperbolic,
@@ -26,12 +25,19 @@ from orbitproof.explore.connections.swarm import Array
 from orbitproof.explore.numerics import fraction, mpf, working_context
 from orbitproof.explore.refinement import IntegrationFailure
 
-_SAMPLES = 600
+_SAMPLES = 400
+_LONGEST = 4
+"""Orbits are followed for so many periods longer than the periodic orbit has as many crossings."""
+_AT_ONCE = 2
+"""Crossings that are computed in advance."""
+_LONGEST_SEGMENT = 0.2
 _NEWTON_STEPS = 40
-_DOUBLE_STEPS = 8
-_PART = 1e-6
-_CLOSE = 1e-9
-_SAME = 1e-6
+_DOUBLE_STEPS = 5
+_PART = 1e-5
+_CLOSE = 1e-5
+_FARTHEST = 0.1
+"""So far from a guess, relative to it, a point of another intersection may be."""
+_SAME = 1e-4
 """Orbits whose a differ by a smaller part of it are one."""
 
 
@@ -58,7 +64,7 @@ class Branch:
         """Shape (most, 4, N): the states at the crossings from points at these distances; NaN where there is none."""
         orbit, setting = self.orbit, self.orbit.setting
         start = setting.states(float(orbit.p) + distances, float(orbit.slope) * distances)
-        time = orbit.period * (most / (2 * orbit.half) + LONGEST)
+        time = orbit.period * (most / (2 * orbit.half) + _LONGEST)
         return setting.crossings_of(start, most, time)[:, :4]
 
     def distances(self) -> Array:
@@ -67,35 +73,40 @@ class Branch:
         return self.side * self.orbit.first * np.exp(length * np.linspace(0, 1, _SAMPLES + 1))
 
 
-def heteroclinic_orbits(first: Branch, second: Branch, numbers: Sequence[int]) -> list[Heteroclinic]:
-    """Orbits from one branch to the mirror image of another one, with so many crossings between both in all."""
-    most = (max(numbers) + 1) // 2
-    ways = [(branch, branch.distances()) for branch in (first, second)]
-    states = [branch.crossings(distances, most) for branch, distances in ways]
+def heteroclinic_orbits(first: Branch, second: Branch, numbers: Collection[int] = ()) -> list[Heteroclinic]:
+    """Orbits from one branch to the mirror image of another one.
+
+    Arguments:
+        numbers: of crossings from the fundamental interval of the one to that of the other; by default the first at
+            which there are such orbits.
+    """
+    within = sorted(numbers) or range(2, first.orbit.crossings + second.orbit.crossings + 1)
+    branches = first, second
+    distances = [branch.distances() for branch in branches]
+    states: list[Array] = []
     found: list[Heteroclinic] = []
-    for number in sorted(numbers):
+    for number in within:
         counts = (number + 1) // 2, number // 2
-        if not counts[1]:
+        if (found and not numbers) or not counts[1]:
             continue
+        if not states or len(states[0]) < counts[0]:
+            most = counts[0] + _AT_ONCE
+            states = [branch.crossings(each, most) for branch, each in zip(branches, distances, strict=True)]
         curves = [state[count - 1] for state, count in zip(states, counts, strict=True)]
-        for places in _meetings(first, *curves):
-            guess = [
-                distances[place] + part * (distances[place + 1] - distances[place])
-                for (_, distances), (place, part) in zip(ways, places, strict=True)
-            ]
-            near = _nearer(first, second, np.array(guess), counts)
-            if near is not None and not any(_is_same(near, counts, each) for each in found):
+        guesses = np.array(list(_meetings(first, distances, curves))).reshape(-1, 2)
+        for near in _nearer(branches, guesses, counts):
+            if not any(_is_same(near, counts, each) for each in found):
                 ends = [
                     Homoclinic(branch.orbit, Fraction(float(a)), count)
-                    for branch, a, count in zip((first, second), near, counts, strict=True)
+                    for branch, a, count in zip(branches, near, counts, strict=True)
                 ]
                 found.append(Heteroclinic((ends[0], ends[1])))
     return found
 
 
-def _meetings(branch: Branch, first: Array, second: Array) -> Iterator[tuple[tuple[int, float], tuple[int, float]]]:
-    """Where polylines (p, q) and (p, -q) with w of one sign intersect: the segments and the parts of them."""
-    setting = branch.orbit.setting
+def _meetings(branch: Branch, distances: Sequence[Array], curves: Sequence[Array]) -> Iterator[list[float]]:
+    """Where polylines (p, q) and (p, -q) with w of one sign intersect: both a."""
+    setting, (first, second) = branch.orbit.setting, curves
     height = setting.system.state.index(str(setting.system.level_coordinate))
     here, there = first[[setting.along, setting.across]], second[[setting.along, setting.across]] * [[1], [-1]]
     u, v = np.diff(here), np.diff(there)
@@ -105,32 +116,39 @@ def _meetings(branch: Branch, first: Array, second: Array) -> Iterator[tuple[tup
         s = (between[0] * v[1] - between[1] * v[0]) / size
         t = (between[0] * u[1][:, None] - between[1] * u[0][:, None]) / size
         alike = first[height, :-1, None] * second[height, :-1] > 0
-        hits = alike & (s >= 0) & (s < 1) & (t >= 0) & (t < 1)
-    for i, j in np.argwhere(hits):
-        yield (int(i), float(s[i, j])), (int(j), float(t[i, j]))
+        # A long segment is a jump.
+        short = np.all(abs(u) < _LONGEST_SEGMENT, axis=0)[:, None] & np.all(abs(v) < _LONGEST_SEGMENT, axis=0)
+        hits = alike & short & (s >= 0) & (s < 1) & (t >= 0) & (t < 1)
+    for place in np.argwhere(hits):
+        parts = s[tuple(place)], t[tuple(place)]
+        yield [
+            float(each[i] + part * (each[i + 1] - each[i]))
+            for each, i, part in zip(distances, place, parts, strict=True)
+        ]
 
 
-def _nearer(first: Branch, second: Branch, a: Array, counts: tuple[int, int]) -> Array | None:
-    """Newton's method in double precision; `None` where it leads elsewhere."""
-    begun = a.copy()
-    setting = first.orbit.setting
-    wanted = [setting.along, setting.across]
+def _nearer(branches: Sequence[Branch], guesses: Array, counts: Sequence[int]) -> Iterator[Array]:
+    """Newton's method in double precision from all guesses at once; without those that lead elsewhere."""
+    if not len(guesses):
+        return
+    setting, a, size = branches[0].orbit.setting, guesses.copy(), np.full(len(guesses), np.inf)
+    mirror, moves = np.array([[1], [-1]]), np.array([1, 1 + _PART, 1 - _PART])
     for _ in range(_DOUBLE_STEPS):
         values, slopes = [], []
-        for branch, distance, count in zip((first, second), a, counts, strict=True):
-            at = branch.crossings(distance * np.array([1, 1 + _PART, 1 - _PART]), count)[count - 1][wanted]
-            values.append(at[:, 0])
-            slopes.append((at[:, 1] - at[:, 2]) / (2 * _PART * distance))
-        mirror = np.array([1, -1])
-        gap = values[0] - mirror * values[1]
-        matrix = np.array([slopes[0], -mirror * slopes[1]]).T
-        if not (np.all(np.isfinite(matrix)) and np.linalg.det(matrix)):
-            return None
-        step = np.linalg.solve(matrix, gap)
-        a = a - step
-        if np.max(abs(step / a)) < _CLOSE:
-            return a if np.max(abs(a / begun - 1)) < 0.2 else None
-    return None
+        for branch, distances, count in zip(branches, a.T, counts, strict=True):
+            at = branch.crossings((moves[:, None] * distances).ravel(), count)[count - 1]
+            found = at[[setting.along, setting.across]].reshape(2, 3, -1)
+            values.append(found[:, 0])
+            slopes.append((found[:, 1] - found[:, 2]) / (2 * _PART * distances))
+        (p, q), (p_1, q_1), (p_2, q_2) = values[0] - mirror * values[1], slopes[0], slopes[1]
+        with np.errstate(all="ignore"):
+            step = np.array([q_2 * p + p_2 * q, p_1 * q - q_1 * p]).T / (p_1 * q_2 + p_2 * q_1)[:, None]
+            size = np.max(abs(step / a), axis=1)
+            a = a - step
+        if not np.any(size > _CLOSE):
+            break
+    near = np.max(abs(a / guesses - 1), axis=1) < _FARTHEST
+    yield from a[(size < _CLOSE) & near]
 
 
 def _is_same(a: Array, counts: tuple[int, int], found: Heteroclinic) -> bool:

@@ -42,7 +42,7 @@ _ABOUT = 0.03
 _TIME = 1e3
 """Half a period takes no longer."""
 _FEW_BITS = 64
-LONGEST = 12
+_LONGEST = 12
 """Orbits are followed for so many periods longer than the periodic orbit has as many crossings."""
 _REFINEMENTS = 3
 _CLOSE = 0.1
@@ -315,7 +315,7 @@ def _heights(orbit: Hyperbolic, distances: Array, most: int) -> Array:
     """q at the next crossings, shape (most, N), NaN where an orbit has not so many."""
     setting = orbit.setting
     start = setting.states(float(orbit.p) + distances, float(orbit.slope) * distances)
-    time = orbit.period * (most / (2 * orbit.half) + LONGEST)
+    time = orbit.period * (most / (2 * orbit.half) + _LONGEST)
     return setting.crossings_of(start, most, time)[:, setting.across]
 
 

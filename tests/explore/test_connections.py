@@ -21,7 +21,7 @@ from orbitproof.explore.connections import (
     homoclinic_orbits,
     hyperbolic_orbit,
 )
-from orbitproof.shared.claims import HomoclinicOrbit
+from orbitproof.shared.claims import HeteroclinicOrbit, HomoclinicOrbit
 from orbitproof.shared.formats import define_system, read_claims
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import ReversibleSystem
@@ -113,3 +113,28 @@ def test_what_the_command_finds_is_proved(tmp_path: Path) -> None:
     (claim,) = read_claims(claims)
     found = certify(claim, Limits(digits=10))
     assert found.proved, found.reason
+
+
+@pytest.mark.slow
+def test_orbits_from_one_periodic_orbit_to_another_one_are_found_and_proved(tmp_path: Path) -> None:
+    described = {
+        **cases.HILLS_DESCRIBED, "R": {"y": -1, "u": -1}, "section": "y", "level_coordinate": "v",
+    }  # fmt: skip
+    system, claims = tmp_path / "hills.json", tmp_path / "claims.json"
+    system.write_text(json.dumps({"format": "orbitproof-system", "version": 1, **described}))
+    words = (
+        f"connections --system {system} --parameter w=4 e=1/8 d=-1/128 --level 1/2 --start x=-1.01 --side 1 "
+        "--to x=1.01 --to-side -1 --near 5e-6 --quiet"
+    )
+    assert main([*words.split(), "-o", str(claims)]) == 0
+    claim = read_claims(claims)[0]
+    assert isinstance(claim, HeteroclinicOrbit)
+    assert float(claim.centre[0]) == -float(claim.centre[2]) == pytest.approx(-1)
+    found = certify(claim, Limits(digits=10))
+    assert found.proved, found.reason
+    # The same command with --append has nothing left to do.
+    before = claims.read_bytes()
+    assert main([*words.split(), "--append", "-o", str(claims)]) == 0
+    assert claims.read_bytes() == before
+    # On the other side nothing leads there within so few crossings.
+    assert main([*words.replace("--side 1 --to x", "--side -1 --to x").split(), "--arrivals", "3"]) == 1

@@ -50,11 +50,12 @@ def beyond_jupiter() -> HomoclinicOrbit:
     )  # fmt: skip
 
 
-HILLS = define_system({
+HILLS_DESCRIBED = {
     "name": "hills", "state": "x y u v", "parameters": "w e d", "where": {"f": "w + e*(3*x - x**3)"},
     "field": {"x": "u", "y": "v", "u": "(x**2 - 1)*(x + 3*d + 3*e*y**2/2)", "v": "-y*f"},
     "first_integral": "(u**2 + v**2)/2 - (x**2 - 1)**2/4 + d*(3*x - x**3) + f*y**2/2", "first_integral_name": "energy",
-})  # fmt: skip
+}  # fmt: skip
+HILLS = define_system(HILLS_DESCRIBED)
 """A particle between two hills, at x = -1 and x = 1, on which it can swing in y: y = A sin(f^(1/2) t)."""
 
 
