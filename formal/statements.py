@@ -32,7 +32,7 @@ _SIDES = {"above": 1, "below": -1, "both": 0}
 
 @dataclass(frozen=True)
 class Applied:
-    """A name of Coq, without its module, and what it is applied to."""
+    """A name with its module, as Coq prints it, and what it is applied to: a file can define a `None` of its own."""
 
     head: str
     to: tuple[Any, ...] = ()
@@ -102,7 +102,7 @@ class _Reader:
             return int(word)
         if not re.match(r"[A-Za-z_]", word):
             raise ValueError(word)
-        return Applied(word.rpartition(".")[2])
+        return Applied(word)
 
     def _until(self, end: str, between: str, read: Callable[[], Any]) -> list[Any]:
         parts = [read()]
@@ -131,20 +131,22 @@ def _record(fields: list[tuple[str, Any]]) -> Any:
 
 
 def _node(node: Node) -> Applied:
-    places, value = node.places, node.value
+    places, value, name = node.places, node.value, f"Programs.{node.operation.capitalize()}"
     match node.operation:
         case "const" | "scale":
-            return Applied(node.operation.capitalize(), (*places, value.numerator, value.denominator))
+            return Applied(name, (*places, value.numerator, value.denominator))
         case "power":
-            return Applied("Power", (*places, -value.numerator, value.denominator))
+            return Applied(name, (*places, -value.numerator, value.denominator))
         case _:
-            return Applied(node.operation.capitalize(), places)
+            return Applied(name, places)
 
 
 def _program(program: Program) -> dict[str, Any]:
     return {
-        "inputs": program.inputs, "nodes": list(map(_node, program.nodes)), "outputs": list(program.outputs),
-    }  # fmt: skip
+        "Programs.inputs": program.inputs,
+        "Programs.nodes": list(map(_node, program.nodes)),
+        "Programs.outputs": list(program.outputs),
+    }
 
 
 def _affine(start: Affine | None) -> Applied:
@@ -198,7 +200,9 @@ def _claimed(entry: Certificate) -> list[tuple[str, Any]]:
 def _printed(text: str) -> list[Any]:
     """The same parts, as Coq has printed them. Raises `ValueError` for another text."""
     term, sign, rest = text.partition("\n     : ")
-    if not term.startswith(_BEGIN) or not " ".join((sign + rest).split()).startswith(" ".join(_END.split())):
+    ends_so = " ".join((sign + rest).split()).startswith(" ".join(_END.split()))
+    # The second value is that of the last line of the script.
+    if not (term.startswith(_BEGIN) and ends_so and len(re.findall(f"(?m)^{_BEGIN}", text)) == 2):
         raise ValueError("another statement")
     field, dimension, section, box, level, (r, s, q, crossings), integral, claim, own = _Reader(
         term.removeprefix(_BEGIN)

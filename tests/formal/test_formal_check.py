@@ -103,6 +103,20 @@ def test_all_theories_are_written_and_compiled() -> None:
     assert set(line.removeprefix("theory=").strip('"').split()) == {path.stem for path in THEORY.glob("*.v")}
 
 
+def test_each_part_of_a_bifurcation_is_stated_or_is_a_choice() -> None:
+    """By the records of the theory: what Coq prints of one, and what may be any that holds."""
+    theory = "".join((THEORY / f"{name}.v").read_text("utf-8") for name in ("Rows", "Theorems"))
+    parts: set[str] = set()
+    for name in ("box", "level", "row", "own", "bifurcation"):
+        (fields,) = re.findall(rf"Record {name} := \w+ {{(.*?)}}\.", theory, re.DOTALL)
+        parts |= set(re.findall(r"(\w+) :", re.sub(r"\(\*.*?\*\)", "", fields, flags=re.DOTALL)))
+    script = (THEORY.parent / "check.sh").read_text("utf-8")
+    (printed,) = re.findall(r"Eval vm_compute in\n(.*?)\.\n", script, re.DOTALL)
+    choices = {"weights", "level_guesses", "row_format", "onto_degree", "clock_bits", "precision", "own_format"}
+    assert parts - set(re.findall(r"\w+", printed)) == choices | {"own_guesses"}
+    assert "checked Conclusion.the_bifurcation := Conclusion.all_checked.\n" in script
+
+
 def test_the_script_takes_no_other_files_and_no_other_assumptions(tmp_path: Path) -> None:
     """With a stand-in for Coq that accepts all and names what a row rests on."""
     (tmp_path / "bin").mkdir()
@@ -132,7 +146,12 @@ def test_the_script_takes_no_other_files_and_no_other_assumptions(tmp_path: Path
 
     good = ("PrimInt63.add", "  : PrimInt63.int -> PrimInt63.int", "PrimInt63.int : Set")
     row = row_of("row")
+    stale = [tmp_path / "theory" / "Rows.vio", tmp_path / "theory" / "Rows.vo", tmp_path / row / "statement.txt"]
+    for path in stale:
+        path.write_text("stale")
     assert answer(*good, row=row) == (0, True)
+    assert [path.exists() for path in stale] == [False, False, True]
+    assert "stale" not in stale[2].read_text()
     for name in (
         "cheat : False",
         "PrimInt63.cheat : False",

@@ -20,6 +20,7 @@ from orbitproof import verify
 from orbitproof.__main__ import main as orbitproof
 from orbitproof.formal import checking, files, rows
 from orbitproof.shared import read_candidates
+from orbitproof.shared.processes import Failure
 from orbitproof.verify.certificate import Level, Recheck
 from orbitproof.verify.run import Display
 
@@ -133,7 +134,8 @@ def test_what_is_checked_is_said_and_is_not_checked_again(
     )
     assert "4 kernel" in said
     assert "definitions of formal/theory" in said
-    assert f"by {tmp_path}/bin/coqc: 8.16; what Coq states is what the certificate claims: read {tmp_path}/out" in said
+    assert f"by {tmp_path}/bin/coqc: 8.16; what Coq states is the claim of the certificate, of its results the" in said
+    assert f"parameter only: read {tmp_path}/out" in said
 
     # The next one takes no file; what was checked before is not handed to it.
     coq("*.v", "exit 1")
@@ -141,7 +143,7 @@ def test_what_is_checked_is_said_and_is_not_checked_again(
     assert (first.checked, first.earlier, second.checked, second.earlier) == (True, True, True, True)
     assert first.words.endswith("checked.json says so, `fresh` checks it again")
     (tmp_path / "out" / files.name_of(OTHER) / "statement.txt").write_text("another claim")
-    (tmp_path / "out" / files.name_of(ROW) / "Step1.v").write_text("(* changed *)")
+    (tmp_path / "out" / files.name_of(ROW) / "Step1.v").write_text("\nLemma step_2")
     first, second = checking.recheck(certificates(ROW, OTHER), folder=tmp_path / "out", quiet=True)
     assert (first.checked, second.checked) == (False, False)
     assert not checking.recheck(certificates(OTHER), folder=tmp_path / "out", quiet=True, fresh=True)[0].checked
@@ -172,6 +174,18 @@ def test_a_row_of_which_coq_states_something_else_is_not_checked(
     for _ in range(2):
         (check,) = checking.recheck(certificates(ROW), folder=tmp_path / "out", quiet=True)
         assert (check.checked, check.words) == (False, f"{ROW} beside Axioms:")
+
+
+@pytest.mark.parametrize("answer", [(False, "no way", ""), Failure("process", "no way")])
+def test_a_row_whose_files_are_not_written_is_not_checked(
+    coq: Coq, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, answer: object
+) -> None:
+    coq("nothing", "true")
+    checking.recheck(certificates(ROW), folder=tmp_path / "out", quiet=True)
+    (tmp_path / "out" / "checked.json").unlink()
+    monkeypatch.setattr(checking, "apart", lambda *_: answer)
+    (check,) = checking.recheck(certificates(ROW), folder=tmp_path / "out", quiet=True)
+    assert (check.checked, check.words) == (False, "its files are not written: no way")
 
 
 def test_what_does_not_stand_before_is_not_handed_to_coq(
@@ -241,8 +255,25 @@ def test_files_that_were_not_written_for_a_certificate_are_not_checked_for_it(
     tool.write_text(tool.read_text().replace("8.16", "8.17"))
     (check,) = checking.recheck(certificates(ROW), folder=tmp_path / "out", quiet=True)
     assert (check.checked, check.earlier) == (True, False)
+
+    # Another program, exporter, theory, script or certificate: what was checked with the ones before is not known.
     monkeypatch.setattr(checking, "software", lambda: {"program": "another"})
     assert not checking.recheck(certificates(ROW), folder=tmp_path / "out", quiet=True)[0].earlier
+    monkeypatch.setattr(checking, "source_digests", lambda *_: ["another"])
+    assert not checking.recheck(certificates(ROW), folder=tmp_path / "out", quiet=True)[0].earlier
+    shutil.copytree(files.THEORY, tmp_path / "formal" / "theory")
+    shutil.copy(files.THEORY.parent / "check.sh", tmp_path / "formal")
+    monkeypatch.setattr(checking, "THEORY", tmp_path / "formal" / "theory")
+    for name in ("theory/Rows.v", "check.sh"):
+        with (tmp_path / "formal" / name).open("a") as file:
+            file.write("\n")
+        assert not checking.recheck(certificates(ROW), folder=tmp_path / "out", quiet=True)[0].earlier, name
+        assert (tmp_path / "out" / name).read_text() == (tmp_path / "formal" / name).read_text()
+    other = certificates(ROW)[0].to_json()
+    other["statement"]["theorem"] = "another"
+    assert checking.recheck(certificates(ROW), folder=tmp_path / "out", quiet=True)[0].earlier
+    (check,) = checking.recheck(verify.Certificate.from_json(other), folder=tmp_path / "out", quiet=True)
+    assert not check.earlier
 
 
 def test_a_folder_in_which_another_run_is_at_work_is_refused(coq: Coq, tmp_path: Path) -> None:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from orbitproof import verify
-from orbitproof.formal.statements import difference
+from orbitproof.formal.statements import _printed, difference
 
 DATA = Path(__file__).parents[1] / "data"
 PRINTED = json.loads((DATA / "formal-statements.json").read_text("utf-8"))
@@ -48,6 +50,14 @@ OTHERS = [
     ("level", r"under := 72057594037927936", "under := 72057594037927935", "own box"),
     ("level", r"Some\s*\{\|\s*weights.*\|\}\)\n     : ", "None)\n     : ", "own box"),
     ("map", r", None\)\n     : ", ", Some {| weights := []; radii := []; starts := [] |})\n     : ", "own box"),
+    ("level", r"weights := \[", "more := 1; weights := [", "own box"),
+    # Names that a file may have given to something else.
+    ("map", r"Programs\.Sub 4 5", "Row.Programs.Sub 4 5", "field"),
+    ("map", r"Programs\.inputs", "Row.inputs", "field"),
+    ("level", r"OfLevel", "Row.OfLevel", "box"),
+    ("level", r"Some(?= \[1; 1)", "Row.Some", "signs of S"),
+    ("map", r"None(?=, \[\[)", "Row.None", "signs of S"),
+    ("map", r"tangential := true", "tangential := Conclusion.true", "kind"),
 ]  # fmt: skip
 
 UNREADABLE = [
@@ -55,9 +65,13 @@ UNREADABLE = [
     ("map", r"multiplicity := 2", "multiplicity := 2; more := 2"),
     ("map", r"tangential := true;", ""),
     ("map", r"under := 17840596\d+", "under := 0"),
+    ("map", r"over := 1; under := 1784", "over := -1; under := -1784"),
     ("map", r"over := 16604700741", "over := ?"),
+    ("map", r"Programs\.Mul 1 1", "(Programs.Mul 0 0) 1 1"),
+    ("map", r"None\)\n     : ", "None)]\n     : "),
     ("map", r"3%nat, 2%nat,", "3%nat 2%nat,"),
     ("map", r"\A     = ", "Warning\n     = "),
+    ("map", r"\A     = ", "     "),
     ("map", r"checked Conclusion\.the_bifurcation", "checked other"),
     ("map", r"Axioms:", ""),
     ("map", r"statement\n     : checked", "other\n     : checked"),
@@ -98,3 +112,44 @@ def test_what_is_not_understood_is_not_the_claim(entries: dict[str, verify.Certi
     for name, pattern, replacement in UNREADABLE:
         text = changed(PRINTED[name], pattern, replacement)
         assert difference(entries[name], text) == NOT_UNDERSTOOD, (pattern, replacement)
+    for more in (PRINTED["map"], PRINTED["level"], "     = 1\n     : nat\n"):
+        for text in (PRINTED["map"] + more, more + PRINTED["map"]):
+            assert difference(entries["map"], text) == NOT_UNDERSTOOD
+
+
+def test_the_programs_that_coq_prints_are_field_and_first_integral(entries: dict[str, verify.Certificate]) -> None:
+    """By what `theory/Programs.v` says of operations, beside what they are at a point."""
+    for name, entry in entries.items():
+        system = entry.candidate.system
+        point = [0.3 + 0.2 * i for i in range(len(system.state))]
+        given = [0.1 + 0.05 * i for i in range(len(system.parameters))]
+        printed = _printed(PRINTED[name])
+        (field, level, integral), found = (printed[i] for i in (0, 4, 9)), {}
+        found[system.vector_field] = field
+        for each in (level, integral):
+            if each.to:
+                found[system.first_integral] = each.to[0][0] if each is level else each.to[0]
+        assert len(found) == 1 + (name != "map")
+        for function, program in found.items():
+            wanted = np.atleast_1d(function(point, given))
+            assert evaluated(program, [*point, *given]) == pytest.approx(list(wanted), rel=1e-12), name
+
+
+def evaluated(program: dict[str, Any], values: list[float]) -> list[float]:
+    assert program["Programs.inputs"] == len(values)
+    for node in program["Programs.nodes"]:
+        at = [values[i] for i in node.to[:2] if i < len(values)]
+        match node.head.removeprefix("Programs."), node.to:
+            case "Add", _:
+                values.append(at[0] + at[1])
+            case "Sub", _:
+                values.append(at[0] - at[1])
+            case "Mul", _:
+                values.append(at[0] * at[1])
+            case "Const", (a, b):
+                values.append(a / b)
+            case "Scale", (_, a, b):
+                values.append(at[0] * a / b)
+            case "Power", (_, a, b):
+                values.append(at[0] ** (-a / b))
+    return [values[i] for i in program["Programs.outputs"]]
