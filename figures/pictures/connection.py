@@ -18,6 +18,10 @@ from orbitproof.shared.claims import HomoclinicOrbit
 _SIZE = (7.2, 3.1)
 _STABLE = "#b2182b"
 _CONE = "#c6d7e6"
+_INSET = (0.32, 0.4)
+_PLACES = ((0.67, 0.6), (0.02, 0.6), (0.34, 0.55), (0.34, 0.05), (0.34, 0.3))
+"""Where the inset may be, in parts of the picture; it is where it hides least."""
+_AXIS = 50
 _SMALL = 0.25
 """A periodic orbit that is smaller, as a part of the homoclinic one, is drawn once more, magnified."""
 
@@ -69,7 +73,12 @@ def draw_connection(claim: HomoclinicOrbit, certified: bool = False) -> Figure:
 
 def _magnified(axes: Axes, found: Connection, first: int, second: int) -> None:
     """The periodic orbit once more, inside the picture."""
-    inset = axes.inset_axes((0.3, 0.25, 0.36, 0.5), aspect="equal")
+    low, high = found.orbit[:, :2].min(axis=0), found.orbit[:, :2].max(axis=0)
+    # The primaries are on the axis: what hides its middle counts as well.
+    parts = np.vstack([(found.orbit[:, :2] - low) / (high - low), np.tile([0.6, 0.5], (_AXIS, 1))])
+    size = np.array(_INSET)
+    place = min(_PLACES, key=lambda at: int(np.all((parts > at) & (parts < at + size), axis=1).sum()))
+    inset = axes.inset_axes((*place, *_INSET), aspect="equal")
     inset.plot(found.orbit[:, first], found.orbit[:, second], color=CURVE, linewidth=0.7)
     inset.plot(found.periodic[:, first], found.periodic[:, second], color=INK, linewidth=1.2)
     low, high = found.periodic[:, [first, second]].min(axis=0), found.periodic[:, [first, second]].max(axis=0)
