@@ -14,24 +14,31 @@ from support.metamorphic_cases import ROWS
 
 from orbitproof.shared.claims import HeteroclinicOrbit
 from orbitproof.shared.errors import InputError
+from orbitproof.shared.formats import define_system
 from orbitproof.verify.certificate import Limits, certify
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Proved, enclose, guarded
 from orbitproof.verify.heteroclinic import (
+    End,
     HeteroclinicEnclosures,
+    HeteroclinicResults,
+    HeteroclinicTheorem,
     check_heteroclinic_exactly,
     prove_heteroclinic,
 )
 from orbitproof.verify.homoclinic import Way, width_of_sliver
 from orbitproof.verify.periodic import Linearised
+from orbitproof.verify.words.heteroclinic import heteroclinic_in_full, heteroclinic_in_words
 
 BITS = 192
 LIMITS = Limits(digits=10, max_precision=256)
 CLAIM = replace(
-    cases.hills(), cone=(Q(1, 1024), Q(1, 512)), centre=(Q(-1), Q(1, 4096), Q(1), Q(-1, 8192)),
+    cases.hills(), cone=(Q(1, 1024), Q(1, 512)), centre=(Q(-1), Q(1, 4096), Q(1), Q(-3, 8192)),
     radii=(Q(1, 2048), Q(1, 2**30), Q(1, 2048), Q(1, 2**29)),
 )  # fmt: skip
 RHO = CLAIM.radii[1], CLAIM.radii[3]
 DELTA = tuple(map(width_of_sliver, CLAIM.ends))
+UNLIKE = replace(CLAIM, level_sign=(1, -1), returns=(2, 4), arrival=(6, 5), slope=(Q(1, 2), Q(-3, 4)))
+"""All that there is two of differs."""
 
 
 def linear(centre: Any, by_a: Any, by_s: Any) -> Linearised:
@@ -52,6 +59,11 @@ ARRIVED = (
     {"first": linear(2, -15, 0), "second": linear(1, 7, 0), "w": linear(-1, 17, 3), "time": linear(9, 5, 7)},
     {"first": linear(2, 11, 0), "second": linear(-1, 13, 0), "w": linear(-1, 19, 5), "time": linear(8, 6, 4)},
 )
+
+
+def fixed(a: Q, s: Q, **changes: Any) -> Mapping[str, Linearised]:
+    """A return whose fixed point is (a, s)."""
+    return {"first": linear(-19 * a, 20, 0), "second": linear(Q("0.95") * s, 0, "0.05"), **changes}
 
 
 def outcome(back: Any = ({}, {}), arrivals: Any = ({}, {}), **changes: Any) -> Any:
@@ -95,7 +107,8 @@ def test_results_are_those_of_the_points_that_are_found() -> None:
         {"first": linear(2 + 15 * first, -15, 0), "second": linear(1 - 7 * first, 7, 0)},
         {"first": linear(2 - 11 * second, 11, 0), "second": linear(-1 - 13 * second, 13, 0)},
     )
-    found = outcome(({}, {"time": linear(4, 1, 2)}), arrivals)
+    a, s = Q(1, 2**14), Q(1, 2**24)
+    found = outcome((fixed(a, s), {"time": linear(4, 1, 2)}), arrivals)
     assert isinstance(found, Proved)
     results = found.results
     for end, passage, time, slopes in zip(
@@ -105,7 +118,9 @@ def test_results_are_those_of_the_points_that_are_found() -> None:
         assert end.passage.contains(enclose(passage))
         assert end.time.contains(enclose(time))
         assert all(ball.contains(slope) for ball, slope in zip(end.slopes, slopes, strict=True))
-    assert [end.period.contains(period) for end, period in zip(results.ends, (3, 4), strict=True)] == [True, True]
+    for end, point, period in zip(results.ends, (-1 + a + s, 1), (3 + a + 2 * s, 4), strict=True):
+        assert end.point["x"].contains(enclose(Q(point)))
+        assert end.period.contains(enclose(Q(period)))
     assert [end.multiplier.contains(value) for end, value in zip(results.ends, (20, -30), strict=True)] == [True, True]
     assert results.meeting["x"].contains(2)
     assert results.meeting["u"].contains(1)
@@ -144,6 +159,28 @@ def test_one_periodic_orbit_is_not_taken_for_two() -> None:
     assert isinstance(outcome(({}, {"time": linear(6, 1, 2)}), returns=(4, 2), centre=one.centre), Proved)
 
 
+def test_orbits_are_compared_at_their_points_and_not_at_the_middles_of_the_boxes() -> None:
+    a, s = Q(1, 2**14), Q(1, 2**24)
+    # The same time, at points that might be two of four; and one point, in two boxes.
+    assert reason((fixed(a, s), {"time": linear(3 + a + 2 * s, 1, 2)}), returns=(4, 4)) == "distinct"
+    here = (fixed(a, s, time=linear(3, 0, 0)), {"time": linear(3, 0, 0)})
+    assert reason(here, centre=(Q(1), CLAIM.centre[1], 1 + a + s, CLAIM.centre[3])) == "distinct"
+    # The direction in which the section is crossed at x = -1 and x = 1, where v is 1, and more at the second point.
+    for rate, apart in (("(x + 1/2)*v", 0), ("v*(v - 1 - 1/256)", 1)):
+        system = define_system({
+            "name": "turning", "state": "x y u v", "field": {"x": "u", "y": rate, "u": "x", "v": "0"},
+            "first_integral": "v**2",
+        })  # fmt: skip
+        claim = replace(CLAIM, system=system, parameters={})
+        back = [{**each, "time": linear(3, 0, 0)} for each in RETURNED]
+        back[1] |= fixed(apart * Q(1, 2**12), Q(0), w=linear(1, 1024, 0))
+        ways = tuple(Way(**each) for each in back), tuple(Way(**each) for each in ARRIVED)
+        with guarded(BITS):
+            found = prove_heteroclinic(claim, Checklist(), HeteroclinicEnclosures(*ways))
+        assert isinstance(found, NotProved)
+        assert found.reason.condition == "distinct"
+
+
 def test_w_has_one_sign_at_both_arrivals() -> None:
     assert reason(({}, {}), ({}, {"w": linear(1, 0, 0)})) == "sheet"
     assert reason(({}, {}), ({"w": linear(0, 0, 0)}, {})) == "sheet"
@@ -163,15 +200,19 @@ def test_the_zero_is_in_both_intervals_for_all_slopes_of_both_manifolds() -> Non
             wide = {name: linear(centre, by_a, 40 * max(RHO) / DELTA[end])}
             arrivals = tuple(wide if number == end else {} for number in (0, 1))
             assert reason(({}, {}), arrivals) == "heteroclinic"
+    # The other sliver is narrower.
+    assert DELTA[0] < DELTA[1] / 2
+    assert reason(({}, {}), ({}, {"first": linear(2, 11, 18 * RHO[0] / DELTA[1])})) == "heteroclinic"
 
 
 def test_manifolds_that_may_be_tangent_are_refused() -> None:
     """u_1 = (-15, 7) and u_2 = (p_2', -q_2') are parallel."""
     assert reason(({}, {}), ({}, {"first": linear(2, 15, 0), "second": linear(-1, 7, 0)})) == "heteroclinic"
     # And where some slope of the manifold in its cone makes them so.
-    near = 7 + 4 * CLAIM.cone[1]
-    found = ({}, {"first": linear(2, 15, 0), "second": linear(-1, near, -8)})
-    assert reason(({}, {}), found) == "heteroclinic"
+    near = 7 + 6 * CLAIM.cone[1]
+    found = outcome(({}, {}), ({}, {"first": linear(2, 15, 0), "second": linear(-1, near, -8)}))
+    assert isinstance(found, NotProved)
+    assert "the manifolds may be tangent" in found.reason.message
 
 
 def test_what_is_missing_proves_nothing() -> None:
@@ -198,8 +239,46 @@ def test_claims_that_cannot_be_are_refused_with_their_field() -> None:
         for value in values:
             with pytest.raises(InputError, match=f"^{name}"):
                 replace(claim, **{name: value})
-    first, second = claim.ends
-    assert HeteroclinicOrbit.between("hills", first, second) == claim
+    # Each end has its own part of the claim, and both are the whole.
+    assert HeteroclinicOrbit.between("hills", *UNLIKE.ends) == UNLIKE
+    for number, end in enumerate(UNLIKE.ends):
+        own = end.level_sign, end.crossings, end.arrival, end.slope, end.cone
+        whole = UNLIKE.level_sign, UNLIKE.returns, UNLIKE.arrival, UNLIKE.slope, UNLIKE.cone
+        assert own == tuple(pair[number] for pair in whole)
+        assert (end.centre, end.radii) == tuple(four[2 * number :][:2] for four in (UNLIKE.centre, UNLIKE.radii))
+
+
+def test_the_words_say_of_each_end_what_is_claimed_of_it() -> None:
+    theorem = heteroclinic_in_words(HeteroclinicTheorem(UNLIKE))
+    for words in (
+        "box 1 contains exactly one point to which its orbit comes back at crossing 2 of",
+        "box 2 exactly one to which its orbit comes back at crossing 4,",
+        "|g'| at most 0.0009765625 in box 1 and 0.001953125 in box 2",
+        "crossing 6 of the orbit of the first is the image under R of crossing 5 of the orbit of the second",
+    ):
+        assert words in theorem
+    one = arb(1)
+    ends = [End({"x": one}, one, one, one, one, (one, one))] * 2
+    found = HeteroclinicResults((ends[0], ends[1]), dict.fromkeys("xuv", one))
+    lines = list(heteroclinic_in_full(UNLIKE, theorem, found))
+    for number, sign, slope, a in (
+        (1, "positive", "0.5", "0.000244140625"),
+        (2, "negative", "-0.75", "-0.0003662109375"),
+    ):
+        (line,) = (each for each in lines if each.startswith(f"Box {number} "))
+        assert f"lies where v is {sign}" in line
+        assert f"u = {slope} (a - s)" in line
+        assert f"has the middle {a} and" in line
+    assert "half-width 1.862645149230957e-09" in line
+    own = define_system({
+        "name": "own", "state": "a s g N", "parameters": "n", "field": {"a": "g", "s": "N", "g": "n*a", "N": "0"},
+        "first_integral": "N**2",
+    })  # fmt: skip
+    claim = replace(UNLIKE, system=own, parameters={"n": Q(1)}, section="s", level_coordinate="N")
+    theorem = heteroclinic_in_words(HeteroclinicTheorem(claim))
+    assert "as a graph s0 = g0(a0), |g0'|" in theorem
+    assert "for each integer n0," in theorem
+    assert "n0 N0 " in theorem
 
 
 @pytest.mark.slow

@@ -108,6 +108,7 @@ def test_the_interval_is_in_the_box_and_the_manifold_in_the_sliver() -> None:
     assert reason(centre=(Q(1), RHO / 2 - R)) == "arrival"
     assert reason(fixed(A_0 - RHO / 2, Q(0))) == "arrival"
     assert reason(fixed(Q(0), DELTA * Q(9, 10))) == "arrival"
+    assert reason(fixed(A_0 / 2, DELTA * Q(3, 8))) == "arrival"
     assert isinstance(outcome(fixed(Q(0), DELTA * Q(2, 5))), Proved)
 
 
