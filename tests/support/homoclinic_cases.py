@@ -69,3 +69,20 @@ def hills() -> HeteroclinicOrbit:
         centre=(Q(-1), parse_exact("0x71248758f1a6919bp-81"), Q(1), parse_exact("-0x1a6750d2f8e8d4967p-83")),
         radii=(Q(11, 2**21), Q(13, 2**39), Q(5, 2**20), Q(3, 2**37)),
     )  # fmt: skip
+
+
+def oterma() -> HeteroclinicOrbit:
+    """From the Lyapunov orbit about L1 to that about L2 on the level of `jupiter`."""
+    centre = (
+        "0xebb9c71143e4f092585d293c8148e687p-128", "0x10e0c5d5d774d02fdp-97", "0x453e552ca4118b8687cbf18a749bbf15p-126",
+        "-0x7c5bed2c4ff21761p-95",
+    )  # fmt: skip
+    slope = parse_exact("0x14961ef31f6d8da25p-63"), parse_exact("0x12411bc3a411aeee1p-63")
+    first, second = (
+        replace(jupiter(), level_sign=sign, arrival=arrival, slope=each, cone=Q(cone, 2**22))
+        for sign, arrival, each, cone in zip((1, -1), (6, 5), slope, (15, 26), strict=True)
+    )
+    return replace(
+        HeteroclinicOrbit.between("oterma", first, second), centre=tuple(map(parse_exact, centre)),
+        radii=(Q(13, 2**36), Q(9, 2**76), Q(3, 2**33), Q(1, 2**72)),
+    )  # fmt: skip

@@ -305,3 +305,16 @@ def test_false_claims_are_refused() -> None:
     found = certify(HeteroclinicOrbit.between("one", first, first), LIMITS)
     assert found.reason is not None
     assert found.reason.condition == "distinct"
+
+
+@pytest.mark.slow
+def test_an_orbit_from_one_libration_point_to_the_other_one_is_proved() -> None:
+    """Wilczak and Zgliczynski 2003: mu = 0.0009537, C = 3.03 (theirs is larger by mu (1 - mu)), from L1 to L2."""
+    found = certify(cases.oterma(), Limits(digits=10, max_precision=256))
+    assert found.proved, found.reason
+    for end, x, multiplier in zip(
+        found.results.ends, ("0.920803491320743", "1.08192948684179"), (1391.778, 1147.248), strict=True
+    ):
+        assert abs(float(end.point["x"]) - float(x)) < 1e-9
+        assert abs(float(end.multiplier) - multiplier) < 0.02
+    assert abs(float(found.results.meeting["x"]) - 1.0398192025) < 1e-8
