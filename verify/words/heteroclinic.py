@@ -41,9 +41,10 @@ def heteroclinic_in_words(theorem: HeteroclinicTheorem) -> str:
         "manifold of 1 and the stable manifold of 2 intersect transversally in the level. R maps it to an orbit "
         "that leads from 2 to 1 in the same way. Therefore, for every two neighbourhoods of the periodic orbits 1 and "
         f"2 there is a number {most} such that for every two-sided sequence of the symbols 1 and 2 there is an orbit "
-        f"on the level with this property: for each integer {n}, its crossing number {n} {most} lies in the "
-        f"neighbourhood of the periodic orbit that symbol number {n} names. The level has infinitely many periodic "
-        "orbits, and a compact invariant set on which the flow has positive topological entropy."
+        "on the level with this property: if its crossings are numbered in their order from a suitable one, which is "
+        f"number 0, then crossing number {n} {most} lies, for each integer {n}, in the neighbourhood of the periodic "
+        f"orbit that symbol number {n} names. The level has infinitely many periodic orbits, and a compact invariant "
+        "set on which the flow has positive topological entropy."
     )
 
 
