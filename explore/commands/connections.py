@@ -19,7 +19,7 @@ examples:
   orbitproof explore connections --system cr3bp-planar --parameter mu=0.0009537 --start x=0.9208 --sign 1 \\
       --level "3.03 - 0.0009537*(1 - 0.0009537)" --side -1 --arrivals 3 -o claims.json
       orbits from the Lyapunov orbit about the first libration point and back to it, on its level
-  orbitproof explore connections --system cr3bp-planar --parameter mu=0.0009537 --start x=0.92 --side 1 \
+  orbitproof explore connections --system cr3bp-planar --parameter mu=0.0009537 --start x=0.92 --side 1 \\
       --to x=1.08 --to-sign -1 --to-side -1 --level "3.03 - 0.0009537*(1 - 0.0009537)" -o claims.json
       from there to the orbit about the second one
   orbitproof verify claims.json -o certificates.json
