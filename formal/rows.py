@@ -16,6 +16,7 @@ from orbitproof.verify.bifurcation import level_form
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.claim import quadratic_coefficient
 from orbitproof.verify.poincare import box_of
+from orbitproof.verify.poincare.settings import PHYSICAL
 
 Progress = Callable[[int, str], None]
 _CONCLUSION_BITS = 160
@@ -313,12 +314,17 @@ def _own(certificate: Certificate) -> OwnBox:
 
 
 def stated_of(certificate: Certificate) -> tuple[Fraction, Fraction]:
-    """Ends of the parameter at the point, twice as far from the middle as those of the certificate."""
+    """Ends of the parameter at the point, further from the middle than those of the certificate.
+
+    Twice as far; sixteen times where it was proved in other coordinates, in which bounds are narrower.
+    """
     from orbitproof.verify.evidence import bounds
 
     assert certificate.parameter is not None
     low, high = bounds(certificate.parameter)
-    return low - (high - low) / 2, high + (high - low) / 2
+    times = 2 if certificate.computation.coordinates in (None, PHYSICAL) else 16
+    wider = (times - 1) * (high - low) / 2
+    return low - wider, high + wider
 
 
 def _check(

@@ -54,14 +54,16 @@ class Planted:
 def choices(text: str) -> Iterator[tuple[int, int]]:
     """Where the definition of steps has what may be any that holds.
 
-    These are tubes, and on the way onto the section the elapsed time of the last step: Coq bounds its error, and
-    compares the time with those of other crossings. No other number follows from it.
+    These are tubes, and on the way onto the section guesses for powers, which count only times the distance to it, and
+    the elapsed time of the last step, which is compared with the times of other crossings: Coq bounds all their errors.
     """
     for tube in re.finditer(r"\n  \[\[[^\]]*\](?:;\s*\[[^\]]*\])*(\] \d+)", text):
         yield tube.start(), tube.start(1)
-    if text.startswith("Definition the_steps "):
-        powers = text.rindex("\n  [[[")
-        yield text.rindex("];\n  [[", 0, powers), powers
+        if text.startswith("Definition the_steps "):
+            powers = text.rindex("\n  [[[", 0, tube.start())
+            yield powers, tube.start()
+            if text.find("Step ", tube.start()) < 0:
+                yield text.rindex("];\n  [[", 0, powers), powers
 
 
 def numbers(file: Path) -> Iterator[Planted]:
