@@ -27,7 +27,7 @@ from orbitproof.verify.heteroclinic import (
 )
 from orbitproof.verify.homoclinic import Way, width_of_sliver
 from orbitproof.verify.periodic import Linearised
-from orbitproof.verify.words.heteroclinic import heteroclinic_in_full, heteroclinic_in_words
+from orbitproof.verify.words.heteroclinic import heteroclinic_found, heteroclinic_in_full, heteroclinic_in_words
 
 BITS = 192
 LIMITS = Limits(digits=10, max_precision=256)
@@ -185,7 +185,8 @@ def test_w_has_one_sign_at_both_arrivals() -> None:
     assert reason(({}, {}), ({}, {"w": linear(1, 0, 0)})) == "sheet"
     assert reason(({}, {}), ({"w": linear(0, 0, 0)}, {})) == "sheet"
     assert reason(({}, {}), ({"w": linear(-1, 0, 2 / DELTA[0])}, {})) == "sheet"
-    assert reason(({}, {}), ({}, {"w": linear(-1, 2 / RHO[1], 0)})) == "sheet"
+    assert reason(({}, {}), ({}, {"w": linear(-1, Q(3, 2) / RHO[1], 0)})) == "sheet"
+    assert reason(({}, {}), ({}, {"w": linear(-1, 0, 2 / DELTA[1])})) == "sheet"
     assert isinstance(outcome(({}, {}), tuple({"w": linear(1, 0, 0)} for _ in range(2))), Proved)
 
 
@@ -257,9 +258,14 @@ def test_the_words_say_of_each_end_what_is_claimed_of_it() -> None:
         "crossing 6 of the orbit of the first is the image under R of crossing 5 of the orbit of the second",
     ):
         assert words in theorem
-    one = arb(1)
-    ends = [End({"x": one}, one, one, one, one, (one, one))] * 2
-    found = HeteroclinicResults((ends[0], ends[1]), dict.fromkeys("xuv", one))
+    ends = [End({"x": arb(k)}, *map(arb, range(k + 1, k + 5)), (arb(k + 5), arb(k + 6))) for k in (1, 11)]
+    found = HeteroclinicResults((ends[0], ends[1]), dict.fromkeys("xuv", arb(30)))
+    assert list(heteroclinic_found(UNLIKE, found)) == [
+        "periodic orbit 1: x in [1.000000000, 1.000000000], multiplier in [3.000000000, 3.000000000]",
+        "periodic orbit 2: x in [11.00000000, 11.00000000], multiplier in [13.00000000, 13.00000000]",
+        "the heteroclinic orbit crosses the section at "
+        + ", ".join(f"{w} in [30.00000000, 30.00000000]" for w in "xuv"),
+    ]
     lines = list(heteroclinic_in_full(UNLIKE, theorem, found))
     for number, sign, slope, a in (
         (1, "positive", "0.5", "0.000244140625"),
