@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from orbitproof import verify
+from orbitproof.formal import files
+from orbitproof.formal.rows import claim_of, stated_of
 from orbitproof.formal.statements import _printed, difference
 
 DATA = Path(__file__).parents[1] / "data"
@@ -101,6 +104,19 @@ def test_what_coq_states_is_the_claim_of_the_certificate_and_of_no_other(
 
 
 @pytest.mark.parametrize("name", FILES)
+def test_what_is_written_of_a_claim_is_what_coq_prints(name: str, entries: dict[str, verify.Certificate]) -> None:
+    entry, text = entries[name], " ".join(PRINTED[name].replace("-1", "(-1)").split())
+    row = SimpleNamespace(
+        claim=claim_of(entry), certificate=entry, stated=stated_of(entry), integral=None, own=None, precision=5
+    )
+    written = " ".join(" ".join(files._claim(row)).split())
+    ((k, kind, side),) = re.findall(r"multiplicity := (\d); tangential := (\w+); claimed_side := (\S+);", text)
+    ((r, s),) = re.findall(r"\((\[[^\]{]*\]), (None|Some \[[^\]]*\]),", text)
+    assert f"Claim {k} {kind} {side} (" in written
+    assert f"Bifurcation the_row {r} {s if s == 'None' else f'({s})'} [[" in written
+
+
+@pytest.mark.parametrize("name", FILES)
 def test_each_part_that_differs_is_named(name: str, entries: dict[str, verify.Certificate]) -> None:
     for of, pattern, replacement, part in OTHERS:
         if of == name:
@@ -113,7 +129,7 @@ def test_what_is_not_understood_is_not_the_claim(entries: dict[str, verify.Certi
         text = changed(PRINTED[name], pattern, replacement)
         assert difference(entries[name], text) == NOT_UNDERSTOOD, (pattern, replacement)
     for more in (PRINTED["map"], PRINTED["level"], "     = 1\n     : nat\n"):
-        for text in (PRINTED["map"] + more, more + PRINTED["map"]):
+        for text in (PRINTED["map"] + more, more + PRINTED["map"], PRINTED["map"].removeprefix("     = ") + more):
             assert difference(entries["map"], text) == NOT_UNDERSTOOD
 
 
