@@ -280,7 +280,8 @@ class _Run:
         """What was checked, by what, and where the reader sees of what."""
         words = f"{_checked_words(entry, before, row)}; by {self._coq}"
         read = f"read {row / 'statement.txt'}" if self._kept else "give a `folder` to read it"
-        return f"{words}; what Coq states is the claim of the certificate, of its results the parameter only: {read}"
+        said = "what Coq states is the claim of the certificate, of its results the parameter only, between wider ends"
+        return f"{words}; {said}: {read}"
 
     def _script(self, words: Sequence[str], progress: Callable[[], None] | None) -> tuple[int, str, float]:
         """Run `check.sh`: its exit code, the end of what it said, and processor time."""

@@ -135,7 +135,7 @@ def test_what_is_checked_is_said_and_is_not_checked_again(
     assert "4 kernel" in said
     assert "definitions of formal/theory" in said
     assert f"by {tmp_path}/bin/coqc: 8.16; what Coq states is the claim of the certificate, of its results the" in said
-    assert f"parameter only: read {tmp_path}/out" in said
+    assert f"parameter only, between wider ends: read {tmp_path}/out" in said
 
     # The next one takes no file; what was checked before is not handed to it.
     coq("*.v", "exit 1")
