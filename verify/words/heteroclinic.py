@@ -77,7 +77,7 @@ def heteroclinic_in_full(claim: HeteroclinicOrbit, theorem: str, found: Heterocl
         period, multiplier = (decimal_interval(ball, _DIGITS) for ball in (at.period, at.multiplier))
         yield (
             f"Periodic orbit {number} meets Fix(R) at {place_in_words(own, at.point, _DIGITS)}. A period lies in "
-            f"{period}, its multiplier of absolute value above 1 in {multiplier}."
+            f"{period}, its multiplier beyond the unit circle in {multiplier}."
         )
     for number, at in enumerate(found.ends, start=1):
         passage, time, *slopes = (decimal_interval(ball, _DIGITS) for ball in (at.passage, at.time, *at.slopes))

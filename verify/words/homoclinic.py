@@ -76,7 +76,7 @@ def homoclinic_in_full(claim: HomoclinicOrbit, theorem: str, found: HomoclinicRe
     )
     yield (
         f"The periodic orbit meets Fix(R) at {place_in_words(claim, found.point, _DIGITS)}. A period lies in {period}, "
-        f"its multiplier of absolute value above 1 in {multiplier}."
+        f"its multiplier beyond the unit circle in {multiplier}."
     )
     yield (
         f"The homoclinic orbit has a point of the graph with {a} in {passage}, and meets Fix(R) at "
