@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
+from math import ceil, log2
 
 from flint import fmpz_poly
 
@@ -12,15 +14,21 @@ from orbitproof.formal.arithmetic import Format, Node, Poly, Program
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.systems import Program as SharedProgram
 from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, prepare
-from orbitproof.verify.evidence import guarded
+from orbitproof.verify.bifurcation import check_exactly, prove
+from orbitproof.verify.certificate import Certificate
+from orbitproof.verify.evidence import Checklist, IntegrationFailure, Proved, bounds, guarded
 from orbitproof.verify.flow import Expansion
 from orbitproof.verify.flow.field_along import FieldAlong
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.poincare import Coordinates, IntegratorSettings
+from orbitproof.verify.poincare import Coordinates, IntegratorSettings, enclose_iterates
 from orbitproof.verify.poincare.iterates import Integration
 from orbitproof.verify.poincare.settings import PHYSICAL
 
 _EPS_BITS = 100
+_MORE_BITS = 48
+_SPARE_BITS = 3
+_BITS_FOR_A_BIT = 6 / 5
+"""The first grade of a series is known to 5/6 of its bits, and the parameter follows from it."""
 
 
 def integers(polynomials: Sequence[fmpz_poly]) -> list[Poly]:
@@ -128,6 +136,30 @@ class _Recorder:
     ) -> int:
         """See `poincare.Oracle`."""
         return 0
+
+
+def precision_for(certificate: Certificate, claim: Candidate) -> int:
+    """Bits with which the parameter is known as well in the system's own coordinates as the certificate knows it.
+
+    In regularised coordinates fewer are lost on the way. A guess that is wrong costs a check.
+    """
+    precision = certificate.computation.precision
+    if certificate.computation.coordinates in (None, PHYSICAL):
+        return precision
+    assert certificate.parameter is not None
+    low, high = bounds(certificate.parameter)
+    for tried in range(precision, precision + 5 * _MORE_BITS, _MORE_BITS):
+        with guarded(tried), suppress(IntegrationFailure):
+            checklist = Checklist()
+            check_exactly(checklist, claim)
+            found = enclose_iterates(claim, IntegratorSettings(tried, coordinates=PHYSICAL), ORACLE)
+            integral = None if claim.is_family_of_maps else found.first_integral
+            outcome = prove(claim, checklist, found.iterates, integral, found.return_times)
+            if isinstance(outcome, Proved):
+                own_low, own_high = bounds(outcome.results.parameter)
+                missing = max(0.0, log2((own_high - own_low) / (high - low)) + _SPARE_BITS)
+                return tried + 8 * ceil(missing * _BITS_FOR_A_BIT / 8)
+    return precision
 
 
 def record(

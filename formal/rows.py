@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from orbitproof.formal.arithmetic import Element, Format, NotShownError, Poly, Program, first_of, run, values_at
 from orbitproof.formal.crossings import Counter, Part, cover, onto_section, range_of, section_field
-from orbitproof.formal.recording import Approximation, Leg, format_of, record, recorded
+from orbitproof.formal.recording import Approximation, Leg, format_of, precision_for, record, recorded
 from orbitproof.formal.steps import Step, check_step
 from orbitproof.shared.formats import BoxClaim, Candidate, InputError
 from orbitproof.verify.algebra import fraction_above
@@ -16,7 +16,6 @@ from orbitproof.verify.bifurcation import level_form
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.claim import quadratic_coefficient
 from orbitproof.verify.poincare import box_of
-from orbitproof.verify.poincare.settings import PHYSICAL
 
 Progress = Callable[[int, str], None]
 _CONCLUSION_BITS = 160
@@ -246,7 +245,7 @@ def export(certificate: Certificate, progress: Progress = lambda n, what: None) 
         begin.extend(given)
         return replaced
 
-    form, legs = record(claim, certificate.computation.precision, initial)
+    form, legs = record(claim, precision_for(certificate, claim), initial)
     size, field = len(system.state), recorded(system.program)
     state, parameters = begin[:size], begin[size:]
     clock_bits = 16 + max(a.length.denominator.bit_length() for leg in legs for a in leg.steps)
@@ -314,17 +313,12 @@ def _own(certificate: Certificate) -> OwnBox:
 
 
 def stated_of(certificate: Certificate) -> tuple[Fraction, Fraction]:
-    """Ends of the parameter at the point, further from the middle than those of the certificate.
-
-    Twice as far; sixteen times where it was proved in other coordinates, in which bounds are narrower.
-    """
+    """Ends of the parameter at the point, twice as far from the middle as those of the certificate."""
     from orbitproof.verify.evidence import bounds
 
     assert certificate.parameter is not None
     low, high = bounds(certificate.parameter)
-    times = 2 if certificate.computation.coordinates in (None, PHYSICAL) else 16
-    wider = (times - 1) * (high - low) / 2
-    return low - wider, high + wider
+    return low - (high - low) / 2, high + (high - low) / 2
 
 
 def _check(

@@ -17,7 +17,10 @@ from planted import accepted, drawn, numbers
 from orbitproof.__main__ import main as orbitproof
 from orbitproof.formal.arithmetic import Element, Format, recentred
 from orbitproof.formal.files import THEORY
+from orbitproof.formal.recording import precision_for
+from orbitproof.formal.rows import claim_of
 from orbitproof.formal.writing import poly, z
+from orbitproof.verify.certificate import Certificate
 
 CERTIFICATES = Path(__file__).parents[1] / "data" / "figures-certificates.json"
 ROW = "falkner-skan-odd-k2-1"
@@ -81,6 +84,21 @@ def test_what_is_not_covered_is_named_and_nothing_is_written_of_it(
     (answer,) = json.loads(capsys.readouterr().out)["results"]
     assert (answer["written"], "not proved" in answer["line"]) == (False, True)
     assert {path.name for path in tmp_path.iterdir()} == {"theory", "check.sh"}
+
+
+def test_orbits_are_followed_with_as_many_bits_as_the_parameter_needs_in_these_coordinates() -> None:
+    stored = json.loads(CERTIFICATES.read_text("utf-8"))
+    (entry,) = [entry for entry in stored["certificates"] if entry["id"] == ROW]
+
+    def bits(precision: int, **coordinates: str) -> int:
+        computation = {**entry["computation"], "precision": precision, **coordinates}
+        certificate = Certificate({**entry, "computation": computation})
+        return precision_for(certificate, claim_of(certificate))
+
+    enough = bits(120, coordinates="Kustaanheimo-Stiefel")
+    assert enough > 168
+    assert bits(enough, coordinates="Kustaanheimo-Stiefel") == enough
+    assert bits(120) == 120
 
 
 def test_rows_that_would_share_a_folder_are_refused(
