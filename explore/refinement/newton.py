@@ -306,20 +306,24 @@ class _Newton:
             return False
         self.at, self._slope_bits = at, few - lost - ASSUMED_LOSS
         self._move(fine)
-        # The next step tells how many bits the first one lost, and how the derivative of g, found anew, has changed.
+        # The next step tells how many bits the one before lost, and how the derivative of g, found anew, has changed.
+        # Where the square of a step is longer than what can be lost, it is one more step on the way.
         bits = first + self._slope_bits + 2 * ASSUMED_LOSS
-        self.at = linearise(problem, self.point, bits)
-        stale = newton_correction(problem, self.at, self._slope)
-        self._slope = resonance_slope(problem, self.point, linearise(problem, self.point, few), few)
-        step = newton_correction(problem, self.at, self._slope)
-        self.lost_bits = _lost_bits(step, self.point, first)
-        if self.lost_bits >= first / 2:
-            return False
-        length = max(_size(step), 2.0**-bits)
-        self._bend = max(self._bend, _size([a - b for a, b in zip(stale, step, strict=True)]) / (length * _size(fine)))
-        self.known_bits = min(floor(self._slope_bits - log2(length)), bits - self.guard_bits)
-        self._move(step)
-        return True
+        while True:
+            self.at = linearise(problem, self.point, bits)
+            stale = newton_correction(problem, self.at, self._slope)
+            self._slope = resonance_slope(problem, self.point, linearise(problem, self.point, few), few)
+            step = newton_correction(problem, self.at, self._slope)
+            self.lost_bits = _lost_bits(step, self.point, first)
+            length, before = max(_size(step), 2.0**-bits), _size(fine)
+            self._bend = max(self._bend, _size([a - b for a, b in zip(stale, step, strict=True)]) / (length * before))
+            self.known_bits = min(floor(self._slope_bits - log2(length)), bits - self.guard_bits)
+            self._move(step)
+            if self.lost_bits < first / 2:
+                return True
+            if length > before / 4:
+                return False
+            fine, first = step, bits
 
     def finish(self, goal: int) -> tuple[list[Any], float]:
         """To the point with so many bits: the last correction, and which part of it is left as an error."""
