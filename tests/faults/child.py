@@ -35,7 +35,9 @@ class QuickFirst:
         """Quick tests keep their order, so that what they share is made once."""
         order, single = {}, tuple(name for name in self.first if "::" in name)
         for item in items:
-            name, of_others = item.nodeid, (item.get_closest_marker("slow") is None) == self.slow
+            # Those of the list of long tests (`tests/heavy.txt`) are no slow ones.
+            mark = item.get_closest_marker("slow")
+            name, of_others = item.nodeid, (mark is None or bool(mark.args)) == self.slow
             if not of_others or name.startswith(single):
                 order[item] = of_others, not name.startswith(self.first), max(_QUICK, self.before.get(name, 0.0))
         items[:] = sorted(order, key=order.__getitem__)

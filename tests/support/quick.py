@@ -47,7 +47,7 @@ def choose(items: Sequence[pytest.Item], with_heavy: bool = False) -> None:
             continue
         test = item.nodeid.partition("[")[0]
         if not with_heavy and not heavy().isdisjoint((test, item.nodeid)):
-            item.add_marker(pytest.mark.slow)
+            item.add_marker(pytest.mark.slow("long"))
         elif (spec := getattr(item, "callspec", None)) is not None:
             values = set()
             for names in _together(item, spec.params):
