@@ -37,6 +37,7 @@ CHAPTERS = {
     "hopf": ("verify.equilibrium.proved_hopf",),
     "homoclinic": ("verify.homoclinic.following", "verify.homoclinic.proved_homoclinic"),
     "heteroclinic": ("verify.homoclinic.following", "verify.heteroclinic.proved_heteroclinic"),
+    "homoclinic-curve": ("verify.homoclinic_curve.following", "verify.homoclinic_curve.proved_homoclinic_curve"),
     "periodic-bifurcation": (
         "verify.periodic_bifurcation.following",
         "verify.periodic.force",
@@ -75,6 +76,7 @@ OTHER_WORDS = {
     "hopf": ("hopf-point", "hopf-bifurcation", "andronov-hopf"),
     "homoclinic": ("homoclinic-orbit", "horseshoe"),
     "heteroclinic": ("heteroclinic-orbit", "connection"),
+    "homoclinic-curve": ("homoclinic-levels",),
     "periodic-bifurcation": ("periodic-fold", "periodic-doubling", "periodic-pitchfork", "doubling", "pitchfork"),
     "torus": ("periodic-torus", "neimark-sacker"),
     "periodic-curve": ("periodic-atlas", "periodic-arc", "periodic-loop"),

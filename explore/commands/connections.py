@@ -10,7 +10,8 @@ from typing import Any
 from orbitproof.explore.commands import common
 from orbitproof.explore.commands.periodic_claims import ClaimStore, kept_claims
 from orbitproof.explore.names import exact_number, exact_parameters, system_named, values_by_name
-from orbitproof.shared.formats import InputError, check_writable
+from orbitproof.shared.claims import HomoclinicCurve
+from orbitproof.shared.formats import BoxClaim, InputError, check_writable
 from orbitproof.shared.help_text import add_command
 from orbitproof.shared.interrupts import INTERRUPTED
 
@@ -62,6 +63,8 @@ def add_parser(commands: Any) -> None:
         "(default: a millionth, divided by the multiplier)"
     )
     parser.add_argument("--near", type=common.positive, metavar="R", help=words)
+    words = "claim each orbit for all levels at most so far from that of --level"
+    parser.add_argument("--level-radius", metavar="NUMBER", help=words)
     common.add_claim_output(parser, "what is found is printed")
     parser.set_defaults(run=run, digits=30)
 
@@ -78,6 +81,11 @@ def run(options: argparse.Namespace) -> int:
     wanted = [("--start", options.start, options.sign, options.half)]
     if options.to is not None:
         wanted += [("--to", options.to, options.to_sign or options.sign, options.to_half or options.half)]
+    reach = None if options.level_radius is None else exact_number("--level-radius", options.level_radius)
+    if reach is not None and not reach > 0:
+        raise InputError("--level-radius: not positive")
+    if reach is not None and options.to is not None:
+        raise InputError("--level-radius: not with --to; orbits between two periodic orbits are claimed on one level")
     kept = kept_claims(options)
 
     # Only now: JAX takes a moment to load.
@@ -88,6 +96,7 @@ def run(options: argparse.Namespace) -> int:
         heteroclinic_claim,
         heteroclinic_orbits,
         homoclinic_claim,
+        homoclinic_curve_claim,
         homoclinic_orbits,
         hyperbolic_orbit,
         is_claimed,
@@ -119,6 +128,9 @@ def run(options: argparse.Namespace) -> int:
         report.stage("unstable manifold")
         if options.to is None:
             of_claim, is_old, kind = homoclinic_claim, is_claimed, "homoclinic"
+            if reach is not None:
+                of_claim = partial(homoclinic_curve_claim, level_radius=reach)
+                is_old = _is_for_levels(reach, is_claimed)
             for side in sides:
                 found += homoclinic_orbits(orbit, side, arrivals)
             print(f"{'a':>16}  crossings to Fix(R)")
@@ -156,3 +168,14 @@ def run(options: argparse.Namespace) -> int:
         finally:
             store.close()
     return code if store.complete else 1
+
+
+def _is_for_levels(reach: Fraction, is_claimed: Callable[[Any, BoxClaim], bool]) -> Callable[[Any, BoxClaim], bool]:
+    """Whether a claim is about an orbit and for so many levels."""
+
+    def is_old(found: Any, claim: BoxClaim) -> bool:
+        if not isinstance(claim, HomoclinicCurve) or claim.level_radius != reach:
+            return False
+        return is_claimed(found, claim.middle)
+
+    return is_old

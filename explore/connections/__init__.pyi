@@ -14,3 +14,4 @@ from .homoclinic import OnLevel as OnLevel
 from .homoclinic import closer as closer
 from .homoclinic import homoclinic_orbits as homoclinic_orbits
 from .homoclinic import hyperbolic_orbit as hyperbolic_orbit
+from .levels import homoclinic_curve_claim as homoclinic_curve_claim

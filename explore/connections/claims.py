@@ -48,7 +48,10 @@ def heteroclinic_claim(found: Heteroclinic, name: str, near: float, digits: int)
     first, second = (
         replace(
             end,
-            radii=(end.radii[0], _short(max(Fraction(_INTERVAL) * abs(end.centre[1]), Fraction(_AROUND * by / size)))),
+            radii=(
+                end.radii[0],
+                short_above(max(Fraction(_INTERVAL) * abs(end.centre[1]), Fraction(_AROUND * by / size))),
+            ),
         )
         for end, by in zip(ends, moved, strict=True)
     )
@@ -60,8 +63,8 @@ def _claimed(at: Homoclinic, name: str, digits: int) -> HomoclinicOrbit:
     system = setting.system
     scale = ceil(-log2(abs(at.distance)))
     a = round_dyadic(at.distance, _BITS)
-    radius = _short(_BOX * abs(a))
-    cone = _short(_WIDER * Fraction(_steepness(orbit, radius)))
+    radius = short_above(_BOX * abs(a))
+    cone = short_above(_WIDER * Fraction(_steepness(orbit, radius)))
     # What (a, s) with |s| <= 2 cone |a| changes at the arrival, as a part of what a changes there.
     along, across = slopes_at_arrival(at)[1]
     interval = max(_INTERVAL, _AROUND * 2 * float(cone) * abs(across / along))
@@ -80,7 +83,7 @@ def _claimed(at: Homoclinic, name: str, digits: int) -> HomoclinicOrbit:
         slope=round_dyadic(orbit.slope, _BITS),
         cone=cone,
         centre=(round_dyadic(orbit.p, 2 * scale + _BITS), a),
-        radii=(radius, _short(Fraction(interval) * abs(a))),
+        radii=(radius, short_above(Fraction(interval) * abs(a))),
         provenance={"digits": digits},
     )
 
@@ -106,8 +109,8 @@ def is_claimed(found: Homoclinic, claim: BoxClaim) -> bool:
     return rest == 0 and max(map(abs, same)) < _SAME * abs(a)
 
 
-def _short(value: Fraction) -> Fraction:
-    """A positive number with few digits, up to an eighth larger."""
+def short_above(value: Fraction) -> Fraction:
+    """A positive number with few digits, up to an eighth larger than a given one."""
     exponent = ceil(-log2(value)) + 3
     return Fraction(ceil(value * Fraction(2) ** exponent)) / Fraction(2) ** exponent
 

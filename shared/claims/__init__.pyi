@@ -47,6 +47,8 @@ from .heteroclinic import HETEROCLINIC as HETEROCLINIC
 from .heteroclinic import HeteroclinicOrbit as HeteroclinicOrbit
 from .homoclinic import HOMOCLINIC as HOMOCLINIC
 from .homoclinic import HomoclinicOrbit as HomoclinicOrbit
+from .homoclinic_curve import HOMOCLINIC_CURVE as HOMOCLINIC_CURVE
+from .homoclinic_curve import HomoclinicCurve as HomoclinicCurve
 from .periodic import PERIODIC as PERIODIC
 from .periodic import PeriodicOrbit as PeriodicOrbit
 from .periodic_bifurcation import PERIODIC_BIFURCATIONS as PERIODIC_BIFURCATIONS

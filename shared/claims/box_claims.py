@@ -6,6 +6,7 @@ from orbitproof.shared.claims.candidate import Candidate
 from orbitproof.shared.claims.equilibria import Equilibrium, HopfPoint
 from orbitproof.shared.claims.heteroclinic import HeteroclinicOrbit
 from orbitproof.shared.claims.homoclinic import HomoclinicOrbit
+from orbitproof.shared.claims.homoclinic_curve import HomoclinicCurve
 from orbitproof.shared.claims.periodic import PeriodicOrbit
 from orbitproof.shared.claims.periodic_bifurcation import PeriodicBifurcation
 from orbitproof.shared.codec import kinds_said
@@ -13,7 +14,7 @@ from orbitproof.shared.codec import kinds_said
 InSection = PeriodicOrbit | PeriodicBifurcation
 """A claim of which no symmetry of a reversible system is used: its box lies in a section."""
 
-WithoutReversor = InSection | Equilibrium | HopfPoint | HomoclinicOrbit | HeteroclinicOrbit
+WithoutReversor = InSection | Equilibrium | HopfPoint | HomoclinicOrbit | HeteroclinicOrbit | HomoclinicCurve
 """A claim of which no symmetry of a reversible system is used."""
 
 KINDS_WITHOUT_REVERSOR: dict[str, type[WithoutReversor]] = {

@@ -168,6 +168,7 @@ FOUND: Mapping[str, Mapping[str, Mapping[str, Any]]] = {
         },
     },
     "HomoclinicResults": {"": {"point": {"x": ball(1)}, "meeting": {"x": ball(2)}, "slopes": (ball(3), ball(4))}},
+    "HomoclinicCurveResults": {"": {"point": {"x": ball(1)}, "meeting": {"x": ball(2)}, "slopes": (ball(3), ball(4))}},
 }  # fmt: skip
 """By the kind of results, what may be found; the first as all others that are not named."""
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import fields, replace
 from fractions import Fraction as Q
 
-from orbitproof.shared.claims import HeteroclinicOrbit, HomoclinicOrbit
+from orbitproof.shared.claims import HeteroclinicOrbit, HomoclinicCurve, HomoclinicOrbit
 from orbitproof.shared.formats import define_system
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import CR3BP_PLANAR
@@ -30,6 +31,21 @@ def wells() -> HomoclinicOrbit:
     )  # fmt: skip
 
 
+def wells_on_levels() -> HomoclinicCurve:
+    """Of x = 1 at the energies from 0.499 to 0.501."""
+    rows = (Q(1), Q(0)), (Q("3.3422434542e-4"), Q("1.7788e-7"), Q("5e-11")), (Q("0.9743336"), Q("-5.271e-5"))
+    return _on_levels(wells(), Q("0.001"), rows, Q("4e-4"), (Q("5e-4"), Q("2.5e-9")))
+
+
+def _on_levels(
+    one: HomoclinicOrbit, reach: Q, rows: Sequence[Sequence[Q]], cone: Q, radii: tuple[Q, Q]
+) -> HomoclinicCurve:
+    (c, *_), (a, *_), (slope, *_) = rows
+    middle = replace(one, centre=(c, a), slope=slope, cone=cone, radii=radii)
+    given = {each.name: getattr(middle, each.name) for each in fields(middle)}
+    return HomoclinicCurve(level_radius=reach, powers=tuple(tuple(row[1:]) for row in rows), **given)
+
+
 def jupiter() -> HomoclinicOrbit:
     """Of the Lyapunov orbit about L1 with C = 3.03 in the units of Wilczak and Zgliczynski."""
     mu = Q("0.0009537")
@@ -39,6 +55,15 @@ def jupiter() -> HomoclinicOrbit:
         centre=(Q("0.920803491320743247190172918050642056"), Q("-2.107686028449205278722206960e-12")),
         radii=(Q("3e-12"), Q("1e-19")),
     )  # fmt: skip
+
+
+def jupiter_on_levels() -> HomoclinicCurve:
+    """For all C within 0.0001 of 3.03."""
+    c = (9208034913207432471902, 495778207379520901, 1135186762567977, 12015804067991, 58679618576, 476291523, 3575718)
+    a = (-2107686028, 29308128, -288764, 1727, -12)
+    slope = (257330121936, 229839481, 484654, 2689, 20)
+    rows = [[Q(n, 10**digits) for n in row] for row, digits in ((c, 22), (a, 21), (slope, 11))]
+    return _on_levels(jupiter(), Q("0.0001"), rows, Q("4e-7"), (Q("3.25e-12"), Q("3e-17")))
 
 
 def beyond_jupiter() -> HomoclinicOrbit:

@@ -13,7 +13,16 @@ from fractions import Fraction
 from random import Random
 from typing import Any, TypeVar
 
-from orbitproof.shared.claims import Atlas, BirthAtlas, Candidate, Covers, HeteroclinicOrbit, HomoclinicOrbit, Piece
+from orbitproof.shared.claims import (
+    Atlas,
+    BirthAtlas,
+    Candidate,
+    Covers,
+    HeteroclinicOrbit,
+    HomoclinicCurve,
+    HomoclinicOrbit,
+    Piece,
+)
 from orbitproof.shared.formats import (
     COORDINATE,
     HALF_PERIOD,
@@ -259,7 +268,7 @@ def changed_claim(claim: BoxClaim, change: Change) -> BoxClaim:
     """The claim told otherwise."""
     if isinstance(claim, Candidate):
         return _candidate(claim, change)
-    if isinstance(claim, HomoclinicOrbit):
+    if isinstance(claim, HomoclinicOrbit | HomoclinicCurve):
         return _homoclinic(claim, change)
     if isinstance(claim, HeteroclinicOrbit):
         return HeteroclinicOrbit.between(claim.id, *(_homoclinic(end, change) for end in claim.ends))
@@ -331,19 +340,26 @@ def _around_point(claim: Any, change: Change) -> Any:
     return replace(claim, **known)
 
 
-def _homoclinic(claim: HomoclinicOrbit, change: Change) -> HomoclinicOrbit:
+def _homoclinic(claim: HomoclinicOrbit | HomoclinicCurve, change: Change) -> HomoclinicOrbit | HomoclinicCurve:
     """a and s have the unit of p; q is `slope` times a difference of them."""
     assert claim.level is not None
+    one = claim.middle if isinstance(claim, HomoclinicCurve) else claim
     signs = dict(zip(claim.system.state, claim.reversing_symmetry, strict=True))
-    unit, is_turned = change.factor(claim.along), change.factor(claim.level_coordinate) < 0
+    unit, is_turned = change.factor(one.along), change.factor(claim.level_coordinate) < 0
+    more: dict[str, Any] = {}
+    slope = change.factor(one.across) / unit
+    if isinstance(claim, HomoclinicCurve):
+        units = (unit, unit, slope)
+        powers = tuple(tuple(value * by for value in row) for row, by in zip(claim.powers, units, strict=True))
+        more = {"level_radius": claim.level_radius * change.level, "powers": powers}
     return replace(
         claim, system=changed_system(claim.system, change), parameters=_numbers(claim.parameters, change),
         reversing_symmetry=tuple(signs[name] for name in order_of(claim.system, change)),
         section=change.name(claim.section), level=claim.level * change.level,
         level_coordinate=change.name(claim.level_coordinate),
         level_sign=-claim.level_sign if is_turned else claim.level_sign,
-        slope=claim.slope * change.factor(claim.across) / unit, centre=tuple(value * unit for value in claim.centre),
-        radii=tuple(value * abs(unit) for value in claim.radii),
+        slope=claim.slope * slope, centre=tuple(value * unit for value in claim.centre),
+        radii=tuple(value * abs(unit) for value in claim.radii), **more,
     )  # fmt: skip
 
 

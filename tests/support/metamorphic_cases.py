@@ -194,6 +194,7 @@ ROWS: Mapping[str, Callable[[], BoxClaim]] = {
     "hopf-functions": equilibrium_cases.hopf_with_functions,
     "homoclinic": homoclinic_cases.wells,
     "heteroclinic": homoclinic_cases.hills,
+    "homoclinic-curve": homoclinic_cases.wells_on_levels,
 }
 """By what is claimed."""
 

@@ -140,6 +140,6 @@ def has_room(case: Case) -> bool:
         return False
     kinds = (
         "stable_orbit", "invariant_tori", "krein_collision", "double_resonance", "periodic-torus", "homoclinic",
-        "heteroclinic",
+        "heteroclinic", "homoclinic_curve",
     )  # fmt: skip
     return getattr(case, "kind", "") not in kinds

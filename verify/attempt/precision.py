@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from flint import arb
 
-from orbitproof.shared.claims import AroundPoint, HomoclinicOrbit
+from orbitproof.shared.claims import AroundPoint, HomoclinicCurve, HomoclinicOrbit
 from orbitproof.shared.formats import BoxClaim, Candidate, InSection
 from orbitproof.verify.bifurcation import coordinates_in_box
 from orbitproof.verify.evidence import (
@@ -119,7 +119,7 @@ def periodic_precision(claim: InSection, digits: int) -> int:
     return max(LEAST_PRECISION, -(-wanted // 8) * 8)
 
 
-def homoclinic_precision(claim: HomoclinicOrbit, digits: int) -> int:
+def homoclinic_precision(claim: HomoclinicOrbit | HomoclinicCurve, digits: int) -> int:
     """Bits to begin with for a homoclinic orbit: errors are carried in frames, and grow as the orbits part."""
     widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in claim.half_widths)
     wanted = widths + _RESERVE + _RESERVE_PER_RETURN * (claim.crossings + claim.arrival)
