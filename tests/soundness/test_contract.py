@@ -73,6 +73,7 @@ LONG_ROWS = (
     "periodic-functions-level-fold",
     "periodic-levels",
     "periodic-twice",
+    "homoclinic-curve",
 )
 """Claims whose proofs take seconds."""
 
