@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import Any, Literal
 
@@ -79,23 +79,11 @@ class HeteroclinicOrbit(WithoutSymmetry):
     @classmethod
     def between(cls, name: str, first: HomoclinicOrbit, second: HomoclinicOrbit) -> HeteroclinicOrbit:
         """The claim that has these ends; what both have in common is taken from the first."""
-        return cls(
-            id=name,
-            system=first.system,
-            parameters=first.parameters,
-            reversing_symmetry=first.reversing_symmetry,
-            section=first.section,
-            level_coordinate=first.level_coordinate,
-            level_sign=(first.level_sign, second.level_sign),
-            returns=(first.crossings, second.crossings),
-            arrival=(first.arrival, second.arrival),
-            slope=(first.slope, second.slope),
-            cone=(first.cone, second.cone),
-            centre=(*first.centre, *second.centre),
-            radii=(*first.radii, *second.radii),
-            level=first.level,
-            provenance=first.provenance,
-        )
+        given = {each.name: getattr(first, each.name) for each in fields(first)}
+        given |= {"id": name, "returns": (given.pop("crossings"), second.crossings)}
+        given |= {key: (given[key], getattr(second, key)) for key in ("level_sign", "arrival", "slope", "cone")}
+        given |= {key: (*given[key], *getattr(second, key)) for key in ("centre", "radii")}
+        return cls(**given)
 
     @property
     def ends(self) -> tuple[HomoclinicOrbit, HomoclinicOrbit]:
@@ -104,22 +92,11 @@ class HeteroclinicOrbit(WithoutSymmetry):
 
     def _end(self, number: int) -> HomoclinicOrbit:
         own = slice(2 * number, 2 * number + 2)
-        return HomoclinicOrbit(
-            id=self.id,
-            system=self.system,
-            parameters=self.parameters,
-            reversing_symmetry=self.reversing_symmetry,
-            section=self.section,
-            level_coordinate=self.level_coordinate,
-            level_sign=self.level_sign[number],
-            crossings=self.returns[number],
-            arrival=self.arrival[number],
-            slope=self.slope[number],
-            cone=self.cone[number],
-            centre=self.centre[own],
-            radii=self.radii[own],
-            level=self.level,
-        )
+        given = {each.name: getattr(self, each.name) for each in fields(HomoclinicOrbit)}
+        given |= {"crossings": self.returns[number], "provenance": {}}
+        given |= {name: given[name][number] for name in ("level_sign", "arrival", "slope", "cone")}
+        given |= {name: given[name][own] for name in ("centre", "radii")}
+        return HomoclinicOrbit(**given)
 
     @property
     def crossings(self) -> int:

@@ -9,20 +9,18 @@ from typing import Annotated, Any, Literal
 
 from orbitproof.shared.claims.fields import Crossings, Id, Identifier, Matrix, Numbers, Polynomials, Vector
 from orbitproof.shared.claims.homoclinic import HomoclinicOrbit, Signs
-from orbitproof.shared.claims.without_symmetry import WithoutSymmetry, check_numbers, refuse
+from orbitproof.shared.claims.without_symmetry import WithoutSymmetry
 from orbitproof.shared.stored import Rational, rules, stored
 from orbitproof.shared.systems import System
 
 HOMOCLINIC_CURVE = "homoclinic_curve"
-MOST_POWERS = 32
 
 
 @dataclass(frozen=True, repr=False)
 class HomoclinicCurve(WithoutSymmetry):
     """A claim: on each level of an interval a symmetric periodic orbit has a transverse homoclinic orbit.
 
-    The levels are level + level_radius t, -1 <= t <= 1. Section, p, q and box are as in `HomoclinicOrbit`, but c, the
-    middle of the interval of a, and the slope are polynomials in t.
+    All is as in `HomoclinicOrbit`, on the levels level + level_radius t, |t| <= 1; c, the middle and the slope vary.
 
     Attributes:
         id: unique name within a file.
@@ -67,16 +65,9 @@ class HomoclinicCurve(WithoutSymmetry):
 
     def __post_init__(self) -> None:
         """Raises `InputError`, one line that begins with the field, for what could not be written as a claim."""
-        # All that a claim on one level has to fulfil.
-        _ = self.middle
-        if len(self.powers) != 3 or not all(0 < len(row) <= MOST_POWERS for row in self.powers):
-            refuse("powers", "wrong shape", f"give 3 rows of at most {MOST_POWERS} numbers")
-        check_numbers({"powers": self.powers})
-        check_numbers({"level_radius": [(self.level_radius,)]}, rational=True)
-        if not self.level_radius > 0:
-            refuse("level_radius", "not positive", "give half the length of the interval of levels")
-        if not abs(self.slope) > sum(map(abs, self.powers[2])):
-            refuse("slope", "may be 0 for some t", "give a shorter interval of levels")
+        from orbitproof.shared.claims.special_claims import check_homoclinic_curve
+
+        check_homoclinic_curve(self)
 
     @property
     def middle(self) -> HomoclinicOrbit:
@@ -86,13 +77,7 @@ class HomoclinicCurve(WithoutSymmetry):
     @property
     def polynomials(self) -> Matrix:
         """Of c, of the middle of the interval of a, and of the slope: coefficients of 1, t, t^2, .."""
-        firsts = (*self.centre, self.slope)
-        return tuple((first, *row) for first, row in zip(firsts, self.powers, strict=True))
-
-    @property
-    def farthest(self) -> Fraction:
-        """No |a| of a middle is greater."""
-        return sum(map(abs, self.polynomials[1]), Fraction(0))
+        return tuple((first, *row) for first, row in zip((*self.centre, self.slope), self.powers, strict=True))
 
     @property
     def half_widths(self) -> Vector:

@@ -10,7 +10,9 @@ from orbitproof.shared.claims.without_symmetry import check_numbers, check_posit
 
 if TYPE_CHECKING:
     from orbitproof.shared.claims.homoclinic import HomoclinicOrbit
+    from orbitproof.shared.claims.homoclinic_curve import HomoclinicCurve
 
+MOST_POWERS = 32
 Refuse = Callable[[str, str, str], NoReturn]
 """Called with the field, what is wrong and the remedy."""
 
@@ -81,3 +83,16 @@ def check_homoclinic(claim: HomoclinicOrbit) -> None:
     check_positive("cone", [claim.cone])
     if not claim.slope:
         refuse("slope", "it is 0", "give that of the unstable direction")
+
+
+def check_homoclinic_curve(claim: HomoclinicCurve) -> None:
+    """The same for homoclinic orbits on all levels of an interval."""
+    check_homoclinic(claim.middle)
+    if len(claim.powers) != 3 or not all(0 < len(row) <= MOST_POWERS for row in claim.powers):
+        refuse("powers", "wrong shape", f"give 3 rows of at most {MOST_POWERS} numbers")
+    check_numbers({"powers": claim.powers})
+    check_numbers({"level_radius": [(claim.level_radius,)]}, rational=True)
+    if not claim.level_radius > 0:
+        refuse("level_radius", "not positive", "give half the length of the interval of levels")
+    if not abs(claim.slope) > sum(map(abs, claim.powers[2])):
+        refuse("slope", "may be 0 for some t", "give a shorter interval of levels")

@@ -18,6 +18,7 @@ from orbitproof.explore.connections import (
     Hyperbolic,
     OnLevel,
     homoclinic_claim,
+    homoclinic_curve_claim,
     homoclinic_orbits,
     hyperbolic_orbit,
 )
@@ -88,6 +89,19 @@ def test_a_stopped_command_keeps_its_claims_and_goes_on_with_the_others(
     found.reverse()
     assert main(command) == 2
     assert "two-1: is in" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_homoclinic_orbit_is_claimed_for_all_levels_near_its_own(orbit: Hyperbolic) -> None:
+    """The polynomials are right at a level that is none of those through which they were laid."""
+    found, given = Homoclinic(orbit, cases.wells().centre[1], 6), cases.wells_on_levels()
+    claim = homoclinic_curve_claim(found, "wells", 1e-3, 20, given.level_radius)
+    assert claim.middle.centre[0] == 1
+    for own, other, error in zip(claim.polynomials[1:], given.polynomials[1:], (1e-12, 1e-6), strict=True):
+        at_end = [float(sum(row, Q(0))) for row in (own, other)]
+        assert abs(at_end[0] - at_end[1]) < error
+    with pytest.raises(ConnectionFailure):
+        homoclinic_curve_claim(found, "wells", 1e-3, 20, Q(1, 3))
 
 
 @pytest.mark.slow

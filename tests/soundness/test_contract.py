@@ -76,6 +76,8 @@ LONG_ROWS = (
     "homoclinic-curve",
 )
 """Claims whose proofs take seconds."""
+EACH = [pytest.param(name, marks=pytest.mark.slow if name == "homoclinic-curve" else ()) for name in ROWS]
+"""All; one of them takes seconds in each test."""
 
 
 @cache
@@ -102,7 +104,7 @@ def test_there_is_a_case_of_every_kind() -> None:
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("name", EACH)
 def test_an_honest_certificate_stands_at_each_level_and_proves_its_claim(name: str) -> None:
     certificate, claim = proved(name), claimed(name)
     assert certificate.proved, certificate.reason
@@ -143,7 +145,7 @@ def test_each_kind_is_proved_where_no_other_has_been_loaded(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("number", FIELDS)
-@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("name", EACH)
 def test_each_field_that_is_changed_is_noticed(name: str, number: int) -> None:
     """Without an integration, but for what nothing beside it follows from: another box, an enclosure."""
     document = proved(name).to_json()
@@ -163,7 +165,7 @@ def test_each_field_that_is_changed_is_noticed(name: str, number: int) -> None:
     assert well_formed > number // 4
 
 
-@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("name", EACH)
 def test_the_certificate_of_one_kind_is_none_of_another(name: str) -> None:
     document = proved(name).to_json()
     for kind in sorted(set(MODULES) - {claimed(name).kind}):
@@ -176,7 +178,7 @@ def test_the_certificate_of_one_kind_is_none_of_another(name: str) -> None:
         assert noticed(recheck(certificate)), kind
 
 
-@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("name", EACH)
 def test_every_number_that_is_enclosed_is_compared(name: str) -> None:
     """One moved, and one told more narrowly than it is found."""
     found = enclosures_of(proved(name))
@@ -214,7 +216,7 @@ def test_what_a_forger_derives_anew_is_refused_by_integration(name: str) -> None
     assert (found.stands, found.passed) == (False, Level.CONCLUSION)
 
 
-@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("name", EACH)
 def test_enclosures_that_are_no_enclosures_prove_nothing(name: str) -> None:
     """None, what lacks a part or a number, and one that is not finite, unless it counts nowhere."""
     found, chance = enclosures_of(proved(name)), random.Random(name)
@@ -254,7 +256,7 @@ def enclosed_again(document: Mapping[str, Any]) -> Any:
     return rechecking.enclose(stated.claim, next(rechecking._settings(stated.enclosures)))
 
 
-@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("name", EACH)
 def test_each_part_that_is_missing_is_noticed(name: str) -> None:
     document, well_formed = proved(name).to_json(), 0
     for place in parts(document):
@@ -286,7 +288,7 @@ def without(place: tuple[Any, ...]) -> Callable[[Any], None]:
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("name", EACH)
 def test_a_false_claim_is_not_proved_and_says_why_in_one_line(name: str, tmp_path: Path, capsys: Any) -> None:
     claim = claimed(name)
     beside = tuple(value + 1000 * max(claim.radii) for value in claim.centre)

@@ -18,7 +18,7 @@ from orbitproof.verify.branches import places_on
 from orbitproof.verify.certificate import certify
 from orbitproof.verify.evidence import ball_from_json
 
-LONG = ("tori", "list", "periodic-arc-functions", "periodic-arc-functions-levels")
+LONG = ("tori", "list", "periodic-arc-functions", "periodic-arc-functions-levels", "homoclinic-curve")
 """Cases that take seconds."""
 
 

@@ -71,7 +71,7 @@ class HomoclinicCurveEnclosures:
 
 def width_of_slivers(claim: HomoclinicCurve) -> Fraction:
     """|s| <= 2 cone (|a| + its half-width), for the greatest |a| of all middles."""
-    return 2 * claim.cone * (claim.farthest + claim.radii[1])
+    return 2 * claim.cone * (sum(map(abs, claim.polynomials[1])) + claim.radii[1])
 
 
 def enclose_homoclinic_curve(
