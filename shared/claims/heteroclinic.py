@@ -91,11 +91,10 @@ class HeteroclinicOrbit(WithoutSymmetry):
         return self._end(0), self._end(1)
 
     def _end(self, number: int) -> HomoclinicOrbit:
-        own = slice(2 * number, 2 * number + 2)
         given = {each.name: getattr(self, each.name) for each in fields(HomoclinicOrbit)}
         given |= {"crossings": self.returns[number], "provenance": {}}
         given |= {name: given[name][number] for name in ("level_sign", "arrival", "slope", "cone")}
-        given |= {name: given[name][own] for name in ("centre", "radii")}
+        given |= {name: given[name][2 * number : 2 * number + 2] for name in ("centre", "radii")}
         return HomoclinicOrbit(**given)
 
     @property
