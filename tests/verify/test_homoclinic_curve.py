@@ -19,8 +19,10 @@ from orbitproof.verify.homoclinic_curve import (
     HomoclinicCurveEnclosures,
     check_homoclinic_curve_exactly,
     enclose_homoclinic_curve,
+    following,
     prove_homoclinic_curve,
 )
+from orbitproof.verify.maps import Format
 from orbitproof.verify.oracle import IN_FRAMES
 from orbitproof.verify.periodic import Linearised
 from orbitproof.verify.poincare import IntegratorSettings
@@ -140,6 +142,21 @@ def test_false_claims_are_refused() -> None:
     assert why(slope=-claim.slope, powers=(powers[0], powers[1], (-powers[2][0],))) in ("cone", "periodic")
     # The right periodic orbit in the middle alone.
     assert why(powers=((4 * r,), powers[1], powers[2])) in ("periodic", "tube")
+
+
+def test_a_and_s_are_formed_with_more_powers_of_t_than_products_have_room_for() -> None:
+    """At the points of the boxes themselves, as if they came back at once."""
+    claim = cases.wells_on_levels()
+    powers = (*claim.powers[:2], (*claim.powers[2], *[Q(1, 10**3)] * 8))
+    radius = claim.radii[0]
+    box = following._Set(replace(claim, powers=powers), (Q(0),), (radius, radius), Format(72, 3, 24))
+    with guarded(72):
+        own = box._own(box.p, box.q)
+        for element, place in zip(own, (0, 1), strict=True):
+            for found in box._on_parts(element):
+                expected = [0, *(int(place == each) for each in (0, 1))]
+                assert all((ball - value).contains(0) for ball, value in zip(found.balls, expected, strict=True))
+                assert all(float(ball.rad()) < 1e-6 for ball in found.balls)
 
 
 def test_claims_that_cannot_be_are_refused_with_their_field() -> None:

@@ -34,7 +34,10 @@ _OF_RETURN, _OF_ARRIVAL = 3, 2
 """Degrees of the polynomials in (a, s), as on one level."""
 _POWERS = 2
 """So many times as many powers of t are followed as the claim's polynomials have."""
-_INVERSE = record(lambda x: (1 / x[0],), ("x",))
+_OWN = record(
+    lambda x: [Fraction(1, 2) * (x[0] - x[2] + side * (x[1] / x[3])) for side in (1, -1)], ("p", "q", "c", "slope")
+)
+"""a and s."""
 
 Polynomial = Sequence[Fraction]
 """Coefficients of 1, t, t^2, .."""
@@ -140,16 +143,14 @@ class _Set:
         _reach(orbits, crossings, report)
         image, _ = orbits.crossing(crossings)
         p, q = image[along], image[across]
-        first, second = self._own(p, q) if is_return else (p, q)
+        first, second = self._own(p, q) if is_return else [p, q]
         found = (self._on_parts(each) for each in (first, second, image[place], orbits.return_time))
         return tuple(Way(*functions) for functions in zip(*found, strict=True)), orbits.steps
 
-    def _own(self, p: Series, q: Series) -> tuple[Series, Series]:
+    def _own(self, p: Series, q: Series) -> list[Series]:
         """(a, s) of points (p, q) of the section."""
         c, _, slope = (self.arithmetic.polynomial({(0, 0): row}) for row in self.claim.polynomials)
-        half = Fraction(1, 2)
-        along, across = (p - c).scaled(half), (q * at_start(_INVERSE, [slope])[0]).scaled(half)
-        return along + across, along - across
+        return at_start(_OWN, [p, q, c, slope])
 
     def _on_parts(self, element: Series) -> Iterator[Linearised]:
         """A function of (a, s), for t in each of the parts."""
