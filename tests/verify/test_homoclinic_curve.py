@@ -122,6 +122,17 @@ def test_each_bound_is_used_on_each_part(enclosures: HomoclinicCurveEnclosures, 
         lambda way: replace(way, second=Linearised(way.second.centre, (way.second.slopes[0], arb(1, 0.5)))),
     )
     assert reason(fixed) == "periodic"
+    (r, rho), width = cases.wells_on_levels().radii, following.width_of_slivers(cases.wells_on_levels())
+
+    def with_far_point(way: Way) -> Way:
+        """The fixed point is so far off that the image of the cone does not reach one side of the box."""
+        at = -enclose(r * Q(24, 25)) * (way.first.slopes[0] - 1).mid()
+        return replace(way, first=Linearised(at, way.first.slopes))
+
+    assert reason(changed("returned", with_far_point)) == "cone"
+    # At the middles of the intervals the manifolds may be at either edge of the slivers.
+    edges = Linearised(arb(0), (arb(1), enclose(2 * rho / width)))
+    assert reason(changed("arrived", lambda way: replace(way, second=edges))) == "homoclinic"
     flat = Linearised(arb(1), (arb(0, 1e9), arb(0)))
     assert reason(changed("arrived", lambda way: replace(way, first=flat, w=flat))) == "transversal"
 
