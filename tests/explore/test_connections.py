@@ -91,6 +91,14 @@ def test_a_stopped_command_keeps_its_claims_and_goes_on_with_the_others(
     assert "two-1: is in" in capsys.readouterr().err
 
 
+def test_what_cannot_be_asked_of_many_levels_is_told_in_a_line(capsys: pytest.CaptureFixture[str]) -> None:
+    words = "connections --system cr3bp-planar --parameter mu=0.001 --start x=0.92 --level 3 --level-radius"
+    for more, what in (("0", "not positive"), ("1/100 --to x=1.08", "not with --to")):
+        assert main([*words.split(), *more.split()]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert f"--level-radius: {what}" in line
+
+
 @pytest.mark.slow
 def test_a_homoclinic_orbit_is_claimed_for_all_levels_near_its_own(orbit: Hyperbolic) -> None:
     """The polynomials are right at a level that is none of those through which they were laid."""
