@@ -81,7 +81,7 @@ def homoclinic_curve_in_full(
     )
     yield (
         f"The periodic orbits meet Fix(R) at {place_in_words(one, found.point, _DIGITS)}. Periods lie in {period}, "
-        f"their multipliers of absolute value above 1 in {multiplier}."
+        f"their multipliers beyond the unit circle in {multiplier}."
     )
     yield (
         f"The homoclinic orbits have points of the graphs with {a} - {m} in {passage}, and meet Fix(R) at "
