@@ -122,19 +122,71 @@ def test_each_bound_is_used_on_each_part(enclosures: HomoclinicCurveEnclosures, 
         lambda way: replace(way, second=Linearised(way.second.centre, (way.second.slopes[0], arb(1, 0.5)))),
     )
     assert reason(fixed) == "periodic"
-    (r, rho), width = cases.wells_on_levels().radii, following.width_of_slivers(cases.wells_on_levels())
+    rho, width = cases.wells_on_levels().radii[1], following.width_of_slivers(cases.wells_on_levels())
 
-    def with_far_point(way: Way) -> Way:
-        """The fixed point is so far off that the image of the cone does not reach one side of the box."""
-        at = -enclose(r * Q(24, 25)) * (way.first.slopes[0] - 1).mid()
-        return replace(way, first=Linearised(at, way.first.slopes))
-
-    assert reason(changed("returned", with_far_point)) == "cone"
     # At the middles of the intervals the manifolds may be at either edge of the slivers.
     edges = Linearised(arb(0), (arb(1), enclose(2 * rho / width)))
     assert reason(changed("arrived", lambda way: replace(way, second=edges))) == "homoclinic"
     flat = Linearised(arb(1), (arb(0, 1e9), arb(0)))
     assert reason(changed("arrived", lambda way: replace(way, first=flat, w=flat))) == "transversal"
+
+
+def moved(
+    found: HomoclinicCurveEnclosures, way: str, function: str, part: int, place: int, by: arb
+) -> HomoclinicCurveEnclosures:
+    """With one ball elsewhere: of the value, place 0, or of a derivative."""
+    parts = list(getattr(found, way))
+    balls = [*getattr(parts[part], function).balls]
+    balls[place] += by
+    parts[part] = replace(parts[part], **{function: Linearised(balls[0], tuple(balls[1:]))})
+    return replace(found, **{way: tuple(parts)})
+
+
+@pytest.mark.parametrize("part", [0, 7])
+def test_fixed_points_near_the_sides_are_refused(enclosures: HomoclinicCurveEnclosures, part: int) -> None:
+    r, way = enclose(cases.wells_on_levels().radii[0]), enclosures.returned[part]
+    a_a, s_s = way.first.slopes[0].mid(), way.second.slopes[1].mid()
+    # The image of the graph does not reach one side.
+    assert reason(moved(enclosures, "returned", "first", part, 0, (1 - a_a) * r * 19 / 20)) == "cone"
+    # The cone leaves the box, or the sliver.
+    above = moved(enclosures, "returned", "second", part, 0, (1 - s_s) * r * 9 / 10)
+    assert reason(above, cone=Q(1, 5)) == "cone"
+    assert reason(moved(enclosures, "returned", "second", part, 0, (1 - s_s) * r / 2)) == "arrival"
+
+
+@pytest.mark.parametrize("part", [0, 7])
+def test_results_are_those_of_all_parts(enclosures: HomoclinicCurveEnclosures, part: int) -> None:
+    claim, by = cases.wells_on_levels(), arb(1) / 16
+    rho, back, there = enclose(claim.radii[1]), enclosures.returned[part], enclosures.arrived[part]
+
+    def found(way: str, function: str, place: int, change: arb) -> Any:
+        return outcome(moved(enclosures, way, function, part, place, change)).results
+
+    assert found("returned", "time", 0, by).period.contains(back.time.centre + by)
+    assert found("returned", "first", 1, by).multiplier.contains(back.first.slopes[0] + by)
+    for function, name in (("first", "x"), ("w", "v")):
+        assert found("arrived", function, 0, by).meeting[name].contains(getattr(there, function).centre.mid() + by)
+    assert found("arrived", "time", 0, by).time.contains(there.time.centre.mid() + by)
+    rate = there.second.slopes[0].mid()
+    passage = found("arrived", "second", 0, -rate * rho / 4).passage
+    assert passage.contains(rho / 4 - (there.second.centre / rate).mid())
+    for place, function in enumerate(("first", "second")):
+        slopes = found("arrived", function, 1, arb(1)).slopes
+        assert slopes[place].contains(getattr(there, function).slopes[0] + 1)
+    c = outcome(enclosures, powers=((Q(1, 1000),), *claim.powers[1:])).results.point["x"]
+    assert all(c.contains(enclose(1 + t * Q(1, 1000))) for t in (-1, 0, 1))
+
+
+def test_functions_are_enclosed_on_all_of_the_box_with_their_errors() -> None:
+    claim = cases.wells_on_levels()
+    r = claim.radii[0]
+    box = following._Set(claim, (Q(0),), (r, r), Format(72, 3, 24))
+    with guarded(72):
+        # The derivatives of p^2 are 2 p, and p is from 1 - 2 r to 1 + 2 r.
+        for found in box._on_parts(box.p * box.p):
+            assert all(slope.contains(enclose(2 + 4 * side * r)) for slope in found.slopes for side in (-1, 1))
+        for found in box._on_parts(box.p.widened(Q(1, 1024))):
+            assert all(found.centre.contains(enclose(1 + side * Q(1, 1024))) for side in (-1, 1))
 
 
 def test_false_claims_are_refused() -> None:
@@ -151,6 +203,8 @@ def test_false_claims_are_refused() -> None:
     assert why(powers=(powers[0], (Q(0),), powers[2])) == "homoclinic"
     assert why(arrival=claim.arrival + 1) == "homoclinic"
     assert why(slope=-claim.slope, powers=(powers[0], powers[1], (-powers[2][0],))) in ("cone", "periodic")
+    # Too many levels.
+    assert why(level_radius=claim.level_radius * Q(6, 5)) == "homoclinic"
     # The right periodic orbit in the middle alone.
     assert why(powers=((4 * r,), powers[1], powers[2])) in ("periodic", "tube")
 
